@@ -1,0 +1,164 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""From the camera frame, which lies on the work surface, to the robot's base frame."""
+
+import random
+from typing import Sequence
+
+import numpy as np
+
+from camera_to_base.errors import InvalidValueError
+
+
+def rotation_matrix(roll_deg: float, pitch_deg: float, yaw_deg: float) -> np.ndarray:
+    """
+    Build a rotation matrix from roll, pitch and yaw about the fixed axes x, y and z.
+
+    Source: REP-103, "fixed axis roll, pitch, yaw": R = Rz(yaw) @ Ry(pitch) @ Rx(roll).
+
+    :returns: Shape (3, 3).
+    """
+    roll, pitch, yaw = np.deg2rad([roll_deg, pitch_deg, yaw_deg])
+    about_x = np.array([[1, 0, 0],
+                        [0, np.cos(roll), -np.sin(roll)],
+                        [0, np.sin(roll), np.cos(roll)]])
+    about_y = np.array([[np.cos(pitch), 0, np.sin(pitch)],
+                        [0, 1, 0],
+                        [-np.sin(pitch), 0, np.cos(pitch)]])
+    about_z = np.array([[np.cos(yaw), -np.sin(yaw), 0],
+                        [np.sin(yaw), np.cos(yaw), 0],
+                        [0, 0, 1]])
+    return about_z @ about_y @ about_x
+
+
+def homogeneous_matrix(
+    rotation_deg: Sequence[float], displacement_cm: Sequence[float]
+) -> np.ndarray:
+    """
+    Build the homogeneous matrix that rotates first and displaces then.
+
+    :param rotation_deg: Roll, pitch and yaw about the fixed axes x, y and z, in degrees.
+    :param displacement_cm: x, y and z, in cm.
+    :returns: Shape (4, 4), read-only.
+    :raises InvalidValueError: If either is not three finite numbers.
+    """
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation_matrix(*_three_numbers('rotation_deg', rotation_deg))
+    matrix[:3, 3] = _three_numbers('displacement_cm', displacement_cm)
+    matrix.setflags(write=False)
+    return matrix
+
+
+class CoordinateConversion:
+    """A conversion between two coordinate frames (the tutorial's parent class)."""
+
+    def convert(self, frame_coordinates: np.ndarray) -> np.ndarray:
+        """
+        Convert points from one coordinate frame to another.
+
+        :param frame_coordinates: Shape (4, n), rows x, y, z and 1.
+        :returns: Shape (4, n), rows x, y, z and 1.
+        """
+        raise NotImplementedError
+
+
+class CameraToRobotBaseConversion(CoordinateConversion):
+    """
+    The conversion from the camera frame to the robot's base frame.
+
+    :param rot_angle: Rotation about the x axis, in degrees.
+    :param x_disp: x of the camera frame's origin in the base frame, in cm.
+    :param y_disp: y of the camera frame's origin in the base frame, in cm.
+    :param z_disp: z of the camera frame's origin in the base frame, in cm.
+    :raises InvalidValueError: If a value is not a finite number.
+    """
+
+    def __init__(self, rot_angle: float, x_disp: float, y_disp: float, z_disp: float) -> None:
+        self._base_from_camera = homogeneous_matrix(
+            (rot_angle, 0.0, 0.0), (x_disp, y_disp, z_disp))
+
+    @classmethod
+    def from_roll_pitch_yaw(
+        cls, rotation_deg: Sequence[float], displacement_cm: Sequence[float]
+    ) -> 'CameraToRobotBaseConversion':
+        """
+        Make the conversion for a camera frame that is rotated about any axis.
+
+        :param rotation_deg: Roll, pitch and yaw about the fixed axes x, y and z, in degrees.
+        :param displacement_cm: The camera frame's origin in the base frame: x, y, z in cm.
+        :raises InvalidValueError: If either is not three finite numbers.
+        """
+        conversion = cls(0.0, 0.0, 0.0, 0.0)
+        conversion._base_from_camera = homogeneous_matrix(rotation_deg, displacement_cm)
+        return conversion
+
+    @property
+    def base_from_camera(self) -> np.ndarray:
+        """Homogeneous matrix, shape (4, 4), read-only: base_from_camera @ camera_point."""
+        return self._base_from_camera
+
+    def convert(self, frame_coordinates: np.ndarray) -> np.ndarray:
+        """
+        Convert points from the camera frame to the robot's base frame.
+
+        :param frame_coordinates: Shape (4, n), rows x, y, z in cm and 1.
+        :returns: Shape (4, n), rows x, y, z in cm and 1.
+        :raises InvalidValueError: If the shape is another, or a number is not finite.
+        """
+        camera_points = np.asarray(frame_coordinates, dtype=float)
+        if camera_points.ndim != 2 or camera_points.shape[0] != 4:
+            raise InvalidValueError(
+                f'expected points of shape (4, n), got shape {camera_points.shape}')
+        if not np.isfinite(camera_points).all():
+            raise InvalidValueError(f'expected finite coordinates, got {camera_points.tolist()}')
+        return self._base_from_camera @ camera_points
+
+    def convert_surface_points(self, camera_points: np.ndarray) -> np.ndarray:
+        """
+        Convert points on the work surface, where the camera frame's z is 0.
+
+        :param camera_points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :returns: Shape (n, 3), columns x, y and z, in cm, in the base frame.
+        :raises InvalidValueError: If the shape is another, or a number is not finite.
+        """
+        points = np.asarray(camera_points, dtype=float)
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise InvalidValueError(f'expected points of shape (n, 2), got shape {points.shape}')
+        on_surface = np.zeros((4, len(points)))
+        on_surface[:2] = points.T
+        on_surface[3] = 1.0
+        return self.convert(on_surface)[:3].T
+
+
+def _three_numbers(name: str, values: Sequence[float]) -> np.ndarray:
+    numbers = np.asarray(values, dtype=float)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        raise InvalidValueError(f'{name} must be three finite numbers, got {values}')
+    return numbers
+
+
+def main() -> None:
+    """Print three seconds of random positions, as the tutorial's helper program does."""
+    conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
+    cm_per_px = 36.0 / 640
+    print('Detecting an object for 3 seconds')
+    for step in range(1, 31):
+        u, v = random.randint(250, 450), random.randint(250, 450)
+        base_point = conversion.convert_surface_points([[u * cm_per_px, v * cm_per_px]])[0]
+        print(f'{step / 10:.1f}:x: {base_point[0]}, y: {base_point[1]}')
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,206 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where frames come from: a camera device, a stream, a video file, the simulated board."""
+
+import glob
+import math
+import os
+import re
+from typing import Optional, Protocol, Union
+
+import cv2
+import numpy as np
+
+from camera_to_base.errors import FrameSourceError
+from camera_to_base.surface import ImageSize
+
+# A video file that does not tell its rate plays at this many frames per second.
+_DEFAULT_FRAME_RATE = 30.0
+# OpenCV 5 has moved it.
+_set_log_level = getattr(cv2, 'setLogLevel', None) or cv2.utils.logging.setLogLevel
+
+
+class FrameSource(Protocol):
+    """
+    Gives one frame after another.
+
+    `frame_rate` is how often a reader should come for one, in Hz; 0 where `read` itself waits
+    until the camera has one.
+    """
+
+    frame_rate: float
+
+    def read(self) -> Optional[np.ndarray]:
+        """
+        Give the next frame.
+
+        :returns: Shape (h, w, 3), uint8, BGR; None at the end of a recording.
+        :raises FrameSourceError: If there should be a frame, but none came.
+        """
+
+    def release(self) -> None:
+        """Give the device or file back; no frame can be read afterwards."""
+
+
+class VideoFile:
+    """
+    A recording, played once, at its own rate.
+
+    :param path: The file.
+    :raises FrameSourceError: If it does not exist or holds no video.
+    """
+
+    def __init__(self, path: str) -> None:
+        if not os.path.isfile(path):
+            raise FrameSourceError(f'cannot open video \'{path}\': there is no such file')
+        self._capture = _open(path, cv2.CAP_ANY)
+        if self._capture is None:
+            raise FrameSourceError(
+                f'cannot open video \'{path}\': it is no video that OpenCV can read')
+        rate = self._capture.get(cv2.CAP_PROP_FPS)
+        self.frame_rate = rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE
+
+    def read(self) -> Optional[np.ndarray]:
+        """Give the next frame, see :meth:`FrameSource.read`."""
+        good, frame = self._capture.read()
+        return frame if good else None
+
+    def release(self) -> None:
+        """Close the file."""
+        self._capture.release()
+
+
+class Camera:
+    """
+    A camera: a device of this machine, or a stream from the network.
+
+    :param name: An index ('0'), a device path ('/dev/video0') or a stream's URL.
+    :param image_size: The picture size to ask a device for; a camera may give another.
+    :raises FrameSourceError: If it cannot be opened.
+    """
+
+    frame_rate = 0.0
+
+    def __init__(self, name: str, image_size: ImageSize = (640, 480)) -> None:
+        self.name = name
+        self._image_size = image_size
+        self._capture = self._open_capture()
+
+    def read(self) -> np.ndarray:
+        """
+        Wait for the next frame, see :meth:`FrameSource.read`; a camera has no end.
+
+        After a frame that did not come, the next call opens the camera anew.
+        """
+        if self._capture is None:
+            self._capture = self._open_capture()
+        good, frame = self._capture.read()
+        if not good:
+            self.release()
+            raise FrameSourceError(
+                f'camera \'{self.name}\' gives no frame: was it unplugged or switched off?')
+        return frame
+
+    def release(self) -> None:
+        """Give the device back."""
+        if self._capture is not None:
+            self._capture.release()
+            self._capture = None
+
+    def _open_capture(self) -> cv2.VideoCapture:
+        if is_stream(self.name):
+            capture = _open(self.name, cv2.CAP_ANY)
+        else:
+            capture = _open(_device_index(self.name), cv2.CAP_V4L2)
+        if capture is None:
+            raise FrameSourceError(
+                f'cannot open camera \'{self.name}\': is it plugged in, reachable, and free?')
+        if not is_stream(self.name):
+            capture.set(cv2.CAP_PROP_FRAME_WIDTH, self._image_size[0])
+            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self._image_size[1])
+        return capture
+
+
+def is_stream(name: str) -> bool:
+    """Tell whether a source's name is a URL."""
+    return '://' in name
+
+
+def is_camera(name: str) -> bool:
+    """Tell whether a source's name is that of a camera: an index, a device path or a URL."""
+    return name.isdigit() or name.startswith('/dev/') or is_stream(name)
+
+
+def open_frame_source(name: str, image_size: ImageSize = (640, 480)) -> FrameSource:
+    """
+    Open a camera or a video file by its name.
+
+    :param name: A device index or path, a stream's URL, or a video file.
+    :param image_size: The picture size to ask a device for, in px.
+    :raises FrameSourceError: If it cannot be opened.
+    """
+    if is_camera(name):
+        return Camera(name, image_size)
+    return VideoFile(os.path.expanduser(name))
+
+
+def first_camera(image_size: ImageSize = (640, 480)) -> Optional[Camera]:
+    """
+    Open the first attached camera that gives a frame.
+
+    One camera may show up as several devices, of which only one gives frames.
+
+    :param image_size: The picture size to ask for, in px.
+    :returns: None where no camera is attached.
+    """
+    for path in sorted(glob.glob('/dev/video*'), key=_device_number):
+        try:
+            camera = Camera(path, image_size)
+        except FrameSourceError:
+            continue
+        try:
+            camera.read()
+            return camera
+        except FrameSourceError:
+            camera.release()
+    return None
+
+
+def _device_number(path: str) -> float:
+    number = re.search(r'(\d+)$', path)
+    return int(number.group()) if number else math.inf
+
+
+def _device_index(name: str) -> int:
+    # OpenCV 4.6 opens a V4L2 device by its index only; /dev/v4l/by-id/... are links to one.
+    if name.isdigit():
+        return int(name)
+    number = _device_number(os.path.realpath(name))
+    if number == math.inf:
+        raise FrameSourceError(f'cannot open camera \'{name}\': expected /dev/video and a number')
+    return number
+
+
+def _open(target: Union[int, str], backend: int) -> Optional[cv2.VideoCapture]:
+    # OpenCV writes warnings of its own to standard error for what we report in one sentence.
+    level = _set_log_level(0)
+    try:
+        capture = cv2.VideoCapture(target, backend)
+    finally:
+        _set_log_level(level)
+    if capture.isOpened():
+        return capture
+    capture.release()
+    return None

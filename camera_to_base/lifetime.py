@@ -1,0 +1,65 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The life of a node's process: from its arguments to its exit code, without a traceback."""
+
+import signal
+from typing import Callable, List, Optional
+
+import rclpy
+from rclpy.exceptions import ParameterException
+from rclpy.executors import ExternalShutdownException
+from rclpy.logging import get_logger
+from rclpy.node import Node
+
+from camera_to_base.errors import CameraToBaseError
+
+
+def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = None) -> int:
+    """
+    Spin a node until it is told to end or shuts its context down.
+
+    :param name: What an error is logged as before there is a node.
+    :param make_node: The node's class.
+    :param args: Command-line arguments; those of the process where none are given.
+    :returns: The process's exit code: 0, or 1 if the node could not start.
+    """
+    node = None
+    try:
+        node = _start(name, make_node, args)
+        if node is None:
+            return 1
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        # A terminal, ros2 run and ros2 launch may each send a SIGINT for one Ctrl-C.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+def _start(name: str, make_node: Callable[[], Node], args: Optional[List[str]]) -> Optional[Node]:
+    try:
+        rclpy.init(args=args)
+        return make_node()
+    except (CameraToBaseError, ParameterException, ValueError) as error:
+        get_logger(name).fatal(str(error))
+    except RuntimeError as error:
+        # rclpy's errors about arguments and parameter files; their text ends with places in
+        # rcl's source code.
+        get_logger(name).fatal(str(error).split(', at /')[0])
+    return None

@@ -1,0 +1,110 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Draws on a frame what was found there."""
+
+import os
+from typing import Sequence
+
+import cv2
+import numpy as np
+
+from camera_to_base.absolute_difference import Pixel
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.object_locator import LocatedObject, Point
+from camera_to_base.surface import ImageSize
+
+_BOX_COLOUR = (36, 200, 36)
+_CENTRE_COLOUR = (32, 32, 240)
+_TEXT_COLOUR = (255, 255, 255)
+_PATCH_COLOUR = (40, 40, 40)
+_EMPTY_COLOUR = (208, 208, 208)
+
+
+def draw_objects(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:
+    """
+    Draw each object's box, its centre and its position in the camera frame, in cm.
+
+    :param frame: Shape (h, w, 3), uint8, BGR; it is left as it is.
+    :returns: A picture of the same shape.
+    """
+    picture = frame.copy()
+    for detection, point in objects:
+        box = detection.box
+        cv2.rectangle(picture, (box.x, box.y), (box.x + box.width - 1, box.y + box.height - 1),
+                      _BOX_COLOUR, 2)
+        _draw_centre(picture, detection.centre)
+        _draw_text(picture, _position_text(point), (box.x, box.y - 8))
+    return picture
+
+
+def draw_pixel(image_size: ImageSize, pixel: Pixel, point: Point) -> np.ndarray:
+    """
+    Draw a pixel that comes without a frame, and its position, on an empty picture.
+
+    :param image_size: Width and height, in px.
+    :returns: Shape (h, w, 3), uint8, BGR.
+    """
+    picture = np.full((image_size[1], image_size[0], 3), _EMPTY_COLOUR, np.uint8)
+    _draw_centre(picture, pixel)
+    _draw_text(picture, _position_text(point), (round(pixel.u) + 8, round(pixel.v) - 8))
+    return picture
+
+
+def write_picture(path: str, picture: np.ndarray) -> None:
+    """
+    Write a picture file as a whole: whoever looks sees the old one or the new one.
+
+    :param path: Where to; the ending tells the format.
+    :raises InvalidValueError: If it cannot be written.
+    """
+    _, encoded = cv2.imencode(check_picture_path(path), picture)
+    unfinished = f'{path}.part'
+    try:
+        with open(unfinished, 'wb') as file:
+            file.write(encoded.tobytes())
+        os.replace(unfinished, path)
+    except OSError as error:
+        raise InvalidValueError(f'cannot write picture \'{path}\': {error.strerror}') from error
+
+
+def check_picture_path(path: str) -> str:
+    """
+    Check that a picture's file name tells its format.
+
+    :returns: The ending: '.png' or '.jpg'.
+    :raises InvalidValueError: If it has another.
+    """
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in ('.png', '.jpg'):
+        raise InvalidValueError(f'a picture\'s name must end in .png or .jpg, got \'{path}\'')
+    return ending
+
+
+def _position_text(point: Point) -> str:
+    return f'x {point.x:.2f}, y {point.y:.2f} cm'
+
+
+def _draw_centre(picture: np.ndarray, pixel: Pixel) -> None:
+    cv2.circle(picture, (round(pixel.u), round(pixel.v)), 3, _CENTRE_COLOUR, -1)
+
+
+def _draw_text(picture: np.ndarray, text: str, corner: Sequence[int]) -> None:
+    # On a patch of its own, and kept inside the picture: readable on anything, at any edge.
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
+    x = max(2, min(corner[0], picture.shape[1] - width - 3))
+    y = max(height + 3, min(corner[1], picture.shape[0] - 5))
+    cv2.rectangle(picture, (x - 2, y - height - 3), (x + width + 2, y + 4), _PATCH_COLOUR, -1)
+    cv2.putText(picture, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.5, _TEXT_COLOUR, 1,
+                cv2.LINE_AA)

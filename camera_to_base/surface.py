@@ -1,0 +1,219 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""From a pixel to the work surface: three models of how a camera looks at it."""
+
+import math
+from typing import Protocol, Sequence, Tuple
+
+import numpy as np
+
+from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+
+# A pixel whose ray meets the surface a million times farther away than the picture's centre
+# looks along the surface: what is left of its position is rounding.
+_HORIZON = 1e-6
+
+ImageSize = Tuple[int, int]
+
+
+class Surface(Protocol):
+    """Maps pixels to the work surface."""
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """
+        Map pixels to the work surface.
+
+        :param pixels: Shape (n, 2), columns u and v, in px.
+        :returns: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :raises HorizonError: If a pixel lies on the horizon or beyond it.
+        :raises InvalidValueError: If the shape is another, or a number is not finite.
+        """
+
+    def for_image_size(self, image_size: ImageSize) -> 'Surface':
+        """
+        Give the model for pictures of a size.
+
+        :param image_size: Width and height, in px.
+        :raises FrameSizeError: If the model does not hold for that size.
+        """
+
+
+class ParallelSurface:
+    """
+    The camera's lens is parallel to the surface: one factor from px to cm.
+
+    The field of view stays as wide when the picture has more pixels, so the same width in cm
+    serves every picture size.
+
+    :param width_cm: What the picture's width sees of the surface, in cm.
+    :param image_width: The picture's width, in px.
+    """
+
+    def __init__(self, width_cm: float = 36.0, image_width: int = 640) -> None:
+        if not (math.isfinite(width_cm) and width_cm > 0):
+            raise InvalidValueError(f'width_cm must be positive and finite, got {width_cm}')
+        if image_width < 1:
+            raise InvalidValueError(f'image_width must be at least 1 px, got {image_width}')
+        self._width_cm = width_cm
+        self._image_width = image_width
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the work surface, see :meth:`Surface.locate`; there is no horizon."""
+        return _finite(check_pixels(pixels) * (self._width_cm / self._image_width))
+
+    def for_image_size(self, image_size: ImageSize) -> 'ParallelSurface':
+        """Give the model for pictures of a size: the same width in cm, in as many pixels."""
+        return ParallelSurface(self._width_cm, image_size[0])
+
+
+class PolynomialSurface:
+    """
+    The tutorial's model of a tilted camera: two quadratics and a centre line.
+
+    y = y_of_v(v), px per cm = px_per_cm_of_y(y), x = (u - centre_u) / px per cm.
+
+    :param y_of_v: Coefficients of v², v and 1, for y in cm.
+    :param px_per_cm_of_y: Coefficients of y², y and 1, for the scale in px/cm.
+    :param centre_u: u of the line x = 0, in px.
+    :param image_size: Width and height of the pictures it was measured on, in px.
+    """
+
+    def __init__(
+        self,
+        y_of_v: Sequence[float] = (0.00006, -0.0833, 25.848),
+        px_per_cm_of_y: Sequence[float] = (0.0625, -1.6393, 29.071),
+        centre_u: float = 292.0,
+        image_size: ImageSize = (640, 480),
+    ) -> None:
+        self._y_of_v = _numbers('y_of_v', y_of_v, 3)
+        self._px_per_cm_of_y = _numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
+        self._centre_u = float(_numbers('centre_u', [centre_u], 1)[0])
+        self._image_size = check_image_size(image_size)
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the work surface, see :meth:`Surface.locate`."""
+        u, v = check_pixels(pixels).T
+        with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
+            y = np.polyval(self._y_of_v, v)
+            px_per_cm = np.polyval(self._px_per_cm_of_y, y)
+            _refuse_beyond_horizon(np.column_stack([u, v]), px_per_cm > 0)
+            return _finite(np.column_stack([(u - self._centre_u) / px_per_cm, y]))
+
+    def for_image_size(self, image_size: ImageSize) -> 'PolynomialSurface':
+        """Give the model for pictures of a size: only the one it was measured on."""
+        _check_same_size(image_size, self._image_size)
+        return self
+
+
+class HomographySurface:
+    """
+    A pinhole camera at any tilt: a projective map between the picture and the surface.
+
+    Source: Hartley and Zisserman, Multiple View Geometry, 2nd edition, section 2.3.
+
+    The picture's centre must look at the surface: it tells which side of the horizon is seen.
+
+    :param surface_from_pixel: Shape (3, 3), px to cm: (x w, y w, w) = matrix @ (u, v, 1).
+    :param image_size: Width and height of the pictures it was measured on, in px.
+    """
+
+    def __init__(
+        self, surface_from_pixel: np.ndarray, image_size: ImageSize = (640, 480)
+    ) -> None:
+        matrix = _numbers('surface_from_pixel', np.ravel(surface_from_pixel), 9).reshape(3, 3)
+        self._image_size = check_image_size(image_size)
+        centre_depth = matrix[2] @ [image_size[0] / 2, image_size[1] / 2, 1.0]
+        if abs(centre_depth) <= _HORIZON * np.abs(matrix[2]).max() or not _has_inverse(matrix):
+            raise InvalidValueError(
+                'surface_from_pixel must be a homography with an inverse, and the picture\'s '
+                f'centre must not lie on its horizon, got {matrix.tolist()}')
+        self._surface_from_pixel = matrix / centre_depth
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the work surface, see :meth:`Surface.locate`."""
+        pixels = check_pixels(pixels)
+        with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
+            scaled = np.column_stack([pixels, np.ones(len(pixels))]) @ self._surface_from_pixel.T
+            nearness = scaled[:, 2]
+            _refuse_beyond_horizon(pixels, nearness > _HORIZON)
+            return _finite(scaled[:, :2] / nearness[:, None])
+
+    def for_image_size(self, image_size: ImageSize) -> 'HomographySurface':
+        """Give the model for pictures of a size: only the one it was measured on."""
+        _check_same_size(image_size, self._image_size)
+        return self
+
+
+def check_pixels(pixels: np.ndarray) -> np.ndarray:
+    """
+    Check pixels where they enter a model.
+
+    :returns: Shape (n, 2), float.
+    :raises InvalidValueError: If the shape is another, or a number is not finite.
+    """
+    pixels = np.asarray(pixels, dtype=float)
+    if pixels.ndim != 2 or pixels.shape[1] != 2:
+        raise InvalidValueError(f'expected pixels of shape (n, 2), got shape {pixels.shape}')
+    return _finite(pixels)
+
+
+def check_image_size(image_size: Sequence[int]) -> ImageSize:
+    """
+    Check a picture size.
+
+    :returns: Width and height, in px.
+    :raises InvalidValueError: If it is not two positive whole numbers.
+    """
+    size = tuple(image_size)
+    if len(size) != 2 or not all(length == int(length) >= 1 for length in size):
+        raise InvalidValueError(
+            f'image_size must be the width and the height in px, got {list(size)}')
+    return int(size[0]), int(size[1])
+
+
+def _check_same_size(image_size: ImageSize, calibrated_size: ImageSize) -> None:
+    if tuple(image_size) != calibrated_size:
+        raise FrameSizeError(
+            f'the frame is {image_size[0]} x {image_size[1]} px, but the surface was calibrated '
+            f'for {calibrated_size[0]} x {calibrated_size[1]} px: set the camera to that size, '
+            'or calibrate again')
+
+
+def _refuse_beyond_horizon(pixels: np.ndarray, on_surface: np.ndarray) -> None:
+    if not on_surface.all():
+        u, v = pixels[~on_surface][0]
+        raise HorizonError(
+            f'pixel ({u:g}, {v:g}) does not look at the work surface: it lies on the horizon or '
+            'beyond it; tilt the camera down, or check the calibration')
+
+
+def _numbers(name: str, values: Sequence[float], count: int) -> np.ndarray:
+    numbers = np.array(values, dtype=float)
+    if numbers.shape != (count,) or not np.isfinite(numbers).all():
+        raise InvalidValueError(
+            f'{name} must be {count} finite number{"s" * (count > 1)}, got {list(values)}')
+    return numbers
+
+
+def _has_inverse(matrix: np.ndarray) -> bool:
+    # Rows in px and in cm differ by orders of magnitude: compare after each is made a unit.
+    norms = np.linalg.norm(matrix, axis=1, keepdims=True)
+    return bool((norms > 0).all()) and abs(np.linalg.det(matrix / norms)) > 1e-15
+
+
+def _finite(numbers: np.ndarray) -> np.ndarray:
+    if not np.isfinite(numbers).all():
+        raise InvalidValueError(f'expected finite numbers, got {numbers.tolist()}')
+    return numbers
