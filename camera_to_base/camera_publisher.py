@@ -38,6 +38,8 @@ from camera_to_base.simulated_board import SimulatedBoard
 _LOWEST_RANDOM, _HIGHEST_RANDOM = 250, 450
 # A camera waits for its next frame itself: it is read again at once.
 _AT_ONCE_S = 0.001
+# A recording starts when those who listen already have been discovered.
+_DISCOVERY_S = 1.0
 # How long a camera that gives no frame is left alone.
 _RETRY_S = 1.0
 
@@ -61,7 +63,7 @@ class CameraPublisher(Node):
             self._timer = self.create_timer(self._settings.period, self._on_random_timer)
         else:
             self._truth_publisher = self._create_truth_publisher()
-            self._timer = self.create_timer(self._frame_period(), self._on_frame_timer)
+            self._timer = self.create_timer(self._first_frame_delay(), self._on_frame_timer)
 
     def destroy_node(self) -> None:
         """Give the camera back with the node."""
@@ -97,6 +99,9 @@ class CameraPublisher(Node):
 
     def _frame_period(self) -> float:
         return 1 / self._source.frame_rate if self._source.frame_rate else _AT_ONCE_S
+
+    def _first_frame_delay(self) -> float:
+        return _DISCOVERY_S if self._source.frame_rate else _AT_ONCE_S
 
     def _on_random_timer(self) -> None:
         pixel = Pixel(*(random.randint(_LOWEST_RANDOM, _HIGHEST_RANDOM) for _ in 'uv'))
@@ -167,6 +172,7 @@ class CameraPublisher(Node):
         period_ns = round(period_s * 1e9)
         if self._timer.timer_period_ns != period_ns:
             self._timer.timer_period_ns = period_ns
+            self._timer.reset()
 
     def _retry(self, error: FrameSourceError) -> None:
         self.get_logger().error(

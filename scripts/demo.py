@@ -1,0 +1,159 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Starts both nodes as processes of their own and prints each object that they publish."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+PICTURE = 'demo.png'
+
+
+def main(arguments):
+    """Run the demo until Ctrl-C, or until the recording ends; return the exit code."""
+    source = arguments[0] if arguments else 'simulated'
+    if len(arguments) > 1 or source in ('-h', '--help'):
+        print('usage: scripts/demo [simulated | random | DEVICE | VIDEO | URL]')
+        return 0 if '-h' in source else 2
+    # Nobody's arm may follow a demo: it talks in a domain of its own unless one is named.
+    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    remove_old_picture()
+    nodes = []
+    try:
+        nodes.append(start('robot_base_publisher', {}))
+        nodes.append(start('camera_publisher', {
+            'source': source, 'annotated_picture': os.path.abspath(PICTURE)}))
+        return listen(nodes)
+    finally:
+        stop(nodes)
+
+
+def start(executable, parameters):
+    """Start an installed executable as `ros2 run` does; the terminal's Ctrl-C is ours alone."""
+    from ament_index_python.packages import get_package_prefix
+    path = os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
+    command = [path, '--ros-args']
+    for name, text in parameters.items():
+        command += ['-p', f'{name}:={json.dumps(text)}']
+    return subprocess.Popen(command, start_new_session=True)
+
+
+def listen(nodes):
+    """Print what the nodes publish until one of them ends; return its exit code."""
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node('demo')
+    report = Report(node)
+    print(f'both nodes run in ROS domain {os.environ["ROS_DOMAIN_ID"]}; Ctrl-C ends them')
+    try:
+        while all(process.poll() is None for process in nodes):
+            rclpy.spin_once(node, timeout_sec=0.1)
+        until = time.monotonic() + 0.5
+        while time.monotonic() < until:
+            rclpy.spin_once(node, timeout_sec=0.1)
+    finally:
+        report.close()
+    return max(process.poll() or 0 for process in nodes)
+
+
+class Report:
+    """Prints a line for each position in the base frame, beside what it was computed from."""
+
+    def __init__(self, node):
+        from std_msgs.msg import Float64MultiArray
+        from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
+        self._conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
+        self._camera_positions = []
+        self._true_positions = []
+        self._count = 0
+        self._picture_seen = False
+        for topic, callback in (('pos_in_cam_frame', self._on_camera_position),
+                                ('true_pos_in_cam_frame', self._on_true_position),
+                                ('pos_in_robot_base_frame', self._on_base_position)):
+            node.create_subscription(Float64MultiArray, topic, callback, 100)
+
+    def close(self):
+        """Say how many positions there were, and where the picture is."""
+        print(f'{self._count} positions')
+        self._name_picture()
+
+    def _on_camera_position(self, message, info):
+        remember(self._camera_positions, info['source_timestamp'], message.data)
+
+    def _on_true_position(self, message, info):
+        remember(self._true_positions, info['source_timestamp'], message.data)
+
+    def _on_base_position(self, message, info):
+        # A position carries no time of its own: it belongs to the last one that was sent before.
+        camera = last_before(self._camera_positions, info['source_timestamp'])
+        if camera is None:
+            return
+        self._count += 1
+        x, y = message.data
+        line = f'camera ({camera[0]:6.2f}, {camera[1]:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
+        truth = last_before(self._true_positions, info['source_timestamp'])
+        if truth is not None:
+            true_x, true_y, _ = self._conversion.convert_surface_points([truth])[0]
+            error_mm = 10 * ((x - true_x) ** 2 + (y - true_y) ** 2) ** 0.5
+            line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.1f} mm'
+        print(line, flush=True)
+        if not self._picture_seen:
+            self._name_picture()
+
+    def _name_picture(self):
+        if os.path.exists(PICTURE):
+            self._picture_seen = True
+            print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
+
+
+def remember(positions, stamp, position):
+    """Keep the newest hundred positions with the time at which they were sent."""
+    positions.append((stamp, tuple(position)))
+    del positions[:-100]
+
+
+def last_before(positions, stamp):
+    """Give the last position that was sent before a time, or None."""
+    earlier = [position for position in positions if position[0] <= stamp]
+    return max(earlier)[1] if earlier else None
+
+
+def remove_old_picture():
+    """Take away the picture of an earlier demo."""
+    if os.path.exists(PICTURE):
+        os.remove(PICTURE)
+
+
+def stop(nodes):
+    """End the processes; SIGTERM is quiet even while Python still starts."""
+    for process in nodes:
+        process.terminate()
+    for process in nodes:
+        try:
+            process.wait(1.5)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+if __name__ == '__main__':
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: sys.exit(0))
+    sys.exit(main(sys.argv[1:]))
