@@ -32,8 +32,7 @@ setup(
     zip_safe=True,
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
-    description='Objects that a camera sees on a work surface, as points in the robot\'s base '
-                'frame.',
+    description="Objects that a camera sees on a surface, as points in the robot's base frame.",
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
     entry_points={

@@ -17,10 +17,10 @@
 from dataclasses import dataclass
 from typing import List, NamedTuple
 
+from camera_to_base.checks import whole_number
+from camera_to_base.errors import FrameSizeError, InvalidValueError
 import cv2
 import numpy as np
-
-from camera_to_base.errors import FrameSizeError, InvalidValueError
 
 
 class Pixel(NamedTuple):
@@ -73,9 +73,9 @@ class AbsoluteDifferenceDetector:
         check_frame(background, 'background')
         self.check_parameters(threshold, closing_size, median_size)
         self._size = background.shape
-        self._threshold = threshold
-        self._closing_kernel = np.ones((closing_size, closing_size), np.uint8)
-        self._median_size = median_size
+        self._threshold = int(threshold)
+        self._closing_kernel = np.ones((int(closing_size), int(closing_size)), np.uint8)
+        self._median_size = int(median_size)
         self._background = self._smooth(background)
 
     @staticmethod
@@ -85,12 +85,10 @@ class AbsoluteDifferenceDetector:
 
         :raises InvalidValueError: If one cannot be used; the text names it and its range.
         """
-        if not 0 <= threshold <= 255:
-            raise InvalidValueError(f'threshold must be 0..255 grey levels, got {threshold}')
-        if closing_size < 1:
-            raise InvalidValueError(f'closing_size must be at least 1 px, got {closing_size}')
-        if median_size < 1 or median_size % 2 == 0:
-            raise InvalidValueError(f'median_size must be odd and positive, got {median_size}')
+        whole_number('threshold', threshold, 0, 255)
+        whole_number('closing_size', closing_size, 1, 500)
+        if whole_number('median_size', median_size, 1, 99) % 2 == 0:
+            raise InvalidValueError(f'median_size must be odd, got {median_size}')
 
     def detect(self, frame: np.ndarray) -> List[Detection]:
         """

@@ -18,28 +18,29 @@ from dataclasses import asdict
 import random
 from typing import List, Optional
 
+from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Pixel
+from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS, CameraSettings
+from camera_to_base.errors import CameraToBaseError, FrameSourceError
+from camera_to_base.frame_sources import first_camera, FrameSource, open_frame_source, VideoFile
+from camera_to_base.lifetime import run
+from camera_to_base.messages import position_message
+from camera_to_base.object_locator import locate_pixel, LocatedObject, ObjectLocator, Point
+from camera_to_base.overlay import draw_objects, draw_pixel, write_picture
+from camera_to_base.parameters import NodeParameters
+from camera_to_base.simulated_board import SimulatedBoard
 import numpy as np
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Pixel
-from camera_to_base.errors import CameraToBaseError, FrameSourceError
-from camera_to_base.frame_sources import first_camera, FrameSource, open_frame_source
-from camera_to_base.lifetime import run
-from camera_to_base.messages import position_message
-from camera_to_base.object_locator import locate_pixel, LocatedObject, ObjectLocator, Point
-from camera_to_base.overlay import draw_objects, draw_pixel, write_picture
-from camera_to_base.parameters import CAMERA_SPECS, camera_settings, CameraSettings, NodeParameters
-from camera_to_base.simulated_board import SimulatedBoard
-
 # The tutorial draws random pixels from this range in both directions.
 _LOWEST_RANDOM, _HIGHEST_RANDOM = 250, 450
 # A camera waits for its next frame itself: it is read again at once.
 _AT_ONCE_S = 0.001
-# A recording starts when those who listen already have been discovered.
-_DISCOVERY_S = 1.0
+_START_PERIOD_S = 0.1
+# A recording that nobody listens to is played all the same.
+_LONGEST_WAIT_S = 10.0
 # How long a camera that gives no frame is left alone.
 _RETRY_S = 1.0
 
@@ -63,7 +64,8 @@ class CameraPublisher(Node):
             self._timer = self.create_timer(self._settings.period, self._on_random_timer)
         else:
             self._truth_publisher = self._create_truth_publisher()
-            self._timer = self.create_timer(self._first_frame_delay(), self._on_frame_timer)
+            self._started_at = self.get_clock().now()
+            self._timer = self.create_timer(_START_PERIOD_S, self._on_start_timer)
 
     def destroy_node(self) -> None:
         """Give the camera back with the node."""
@@ -77,19 +79,18 @@ class CameraPublisher(Node):
 
     def _open_source(self) -> Optional[FrameSource]:
         name, image_size = self._settings.source, self._settings.image_size
-        if name == 'random':
-            return None
         if name == 'simulated':
             return SimulatedBoard(image_size=image_size, **asdict(self._settings.simulated))
-        if name != 'auto':
+        if name not in ('auto', 'random'):
             return open_frame_source(name, image_size)
-        camera = first_camera(image_size)
-        if camera is None:
-            self.get_logger().warning(
-                f'no camera is attached: the positions on {self._publisher.topic_name} are '
-                'RANDOM, as in the tutorial; name a camera or a file with the parameter source')
-        else:
+        camera = first_camera(image_size) if name == 'auto' else None
+        if camera is not None:
             self.get_logger().info(f'using camera {camera.name}')
+        else:
+            reason = 'no camera is attached: ' if name == 'auto' else ''
+            self.get_logger().warning(
+                f'{reason}the positions on {self._publisher.topic_name} are RANDOM, as in the '
+                'tutorial; name a camera or a file with the parameter source')
         return camera
 
     def _create_truth_publisher(self):
@@ -100,8 +101,17 @@ class CameraPublisher(Node):
     def _frame_period(self) -> float:
         return 1 / self._source.frame_rate if self._source.frame_rate else _AT_ONCE_S
 
-    def _first_frame_delay(self) -> float:
-        return _DISCOVERY_S if self._source.frame_rate else _AT_ONCE_S
+    def _on_start_timer(self) -> None:
+        if isinstance(self._source, VideoFile) and self._is_waiting_for_subscribers():
+            return
+        self.destroy_timer(self._timer)
+        self._timer = self.create_timer(self._frame_period(), self._on_frame_timer)
+
+    def _is_waiting_for_subscribers(self) -> bool:
+        # Discovery takes up to 4 s, and who is not discovered misses the recording's beginning.
+        waited = self.get_clock().now() - self._started_at
+        return (self._publisher.get_subscription_count() < self._settings.wait_for_subscribers
+                and waited < Duration(seconds=_LONGEST_WAIT_S))
 
     def _on_random_timer(self) -> None:
         pixel = Pixel(*(random.randint(_LOWEST_RANDOM, _HIGHEST_RANDOM) for _ in 'uv'))
@@ -184,7 +194,7 @@ class CameraPublisher(Node):
 
     def _end(self) -> None:
         self.get_logger().info(
-            f'\'{self._settings.source}\' has ended after {self._frame_count} frames')
+            f"'{self._settings.source}' has ended after {self._frame_count} frames")
         self._timer.cancel()
         self._publisher.wait_for_all_acked(Duration(seconds=1))
         self.context.try_shutdown()

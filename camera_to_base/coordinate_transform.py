@@ -17,9 +17,8 @@
 import random
 from typing import Sequence
 
+from camera_to_base.checks import finite_numbers
 import numpy as np
-
-from camera_to_base.errors import InvalidValueError
 
 
 def rotation_matrix(roll_deg: float, pitch_deg: float, yaw_deg: float) -> np.ndarray:
@@ -55,8 +54,8 @@ def homogeneous_matrix(
     :raises InvalidValueError: If either is not three finite numbers.
     """
     matrix = np.eye(4)
-    matrix[:3, :3] = rotation_matrix(*_three_numbers('rotation_deg', rotation_deg))
-    matrix[:3, 3] = _three_numbers('displacement_cm', displacement_cm)
+    matrix[:3, :3] = rotation_matrix(*finite_numbers('rotation_deg', rotation_deg, 3))
+    matrix[:3, 3] = finite_numbers('displacement_cm', displacement_cm, 3)
     matrix.setflags(write=False)
     return matrix
 
@@ -117,13 +116,7 @@ class CameraToRobotBaseConversion(CoordinateConversion):
         :returns: Shape (4, n), rows x, y, z in cm and 1.
         :raises InvalidValueError: If the shape is another, or a number is not finite.
         """
-        camera_points = np.asarray(frame_coordinates, dtype=float)
-        if camera_points.ndim != 2 or camera_points.shape[0] != 4:
-            raise InvalidValueError(
-                f'expected points of shape (4, n), got shape {camera_points.shape}')
-        if not np.isfinite(camera_points).all():
-            raise InvalidValueError(f'expected finite coordinates, got {camera_points.tolist()}')
-        return self._base_from_camera @ camera_points
+        return self._base_from_camera @ finite_numbers('points', frame_coordinates, 4, -1)
 
     def convert_surface_points(self, camera_points: np.ndarray) -> np.ndarray:
         """
@@ -133,20 +126,11 @@ class CameraToRobotBaseConversion(CoordinateConversion):
         :returns: Shape (n, 3), columns x, y and z, in cm, in the base frame.
         :raises InvalidValueError: If the shape is another, or a number is not finite.
         """
-        points = np.asarray(camera_points, dtype=float)
-        if points.ndim != 2 or points.shape[1] != 2:
-            raise InvalidValueError(f'expected points of shape (n, 2), got shape {points.shape}')
+        points = finite_numbers('points', camera_points, -1, 2)
         on_surface = np.zeros((4, len(points)))
         on_surface[:2] = points.T
         on_surface[3] = 1.0
         return self.convert(on_surface)[:3].T
-
-
-def _three_numbers(name: str, values: Sequence[float]) -> np.ndarray:
-    numbers = np.asarray(values, dtype=float)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all():
-        raise InvalidValueError(f'{name} must be three finite numbers, got {values}')
-    return numbers
 
 
 def main() -> None:

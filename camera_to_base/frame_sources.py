@@ -20,14 +20,16 @@ import os
 import re
 from typing import Optional, Protocol, Union
 
+from camera_to_base.errors import FrameSourceError
+from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
-from camera_to_base.errors import FrameSourceError
-from camera_to_base.surface import ImageSize
-
 # A video file that does not tell its rate plays at this many frames per second.
 _DEFAULT_FRAME_RATE = 30.0
+# FFmpeg, too, writes to standard error what we report in one sentence; OpenCV reads this when it
+# opens its first video.
+os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
 # OpenCV 5 has moved it.
 _set_log_level = getattr(cv2, 'setLogLevel', None) or cv2.utils.logging.setLogLevel
 
@@ -64,11 +66,11 @@ class VideoFile:
 
     def __init__(self, path: str) -> None:
         if not os.path.isfile(path):
-            raise FrameSourceError(f'cannot open video \'{path}\': there is no such file')
+            raise FrameSourceError(f"cannot open video '{path}': there is no such file")
         self._capture = _open(path, cv2.CAP_ANY)
         if self._capture is None:
             raise FrameSourceError(
-                f'cannot open video \'{path}\': it is no video that OpenCV can read')
+                f"cannot open video '{path}': it is no video that OpenCV can read")
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.frame_rate = rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE
 
@@ -110,7 +112,7 @@ class Camera:
         if not good:
             self.release()
             raise FrameSourceError(
-                f'camera \'{self.name}\' gives no frame: was it unplugged or switched off?')
+                f"camera '{self.name}' gives no frame: was it unplugged or switched off?")
         return frame
 
     def release(self) -> None:
@@ -126,7 +128,7 @@ class Camera:
             capture = _open(_device_index(self.name), cv2.CAP_V4L2)
         if capture is None:
             raise FrameSourceError(
-                f'cannot open camera \'{self.name}\': is it plugged in, reachable, and free?')
+                f"cannot open camera '{self.name}': is it plugged in, reachable, and free?")
         if not is_stream(self.name):
             capture.set(cv2.CAP_PROP_FRAME_WIDTH, self._image_size[0])
             capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self._image_size[1])
@@ -140,7 +142,7 @@ def is_stream(name: str) -> bool:
 
 def is_camera(name: str) -> bool:
     """Tell whether a source's name is that of a camera: an index, a device path or a URL."""
-    return name.isdigit() or name.startswith('/dev/') or is_stream(name)
+    return name.isdecimal() or name.startswith('/dev/') or is_stream(name)
 
 
 def open_frame_source(name: str, image_size: ImageSize = (640, 480)) -> FrameSource:
@@ -185,11 +187,11 @@ def _device_number(path: str) -> float:
 
 def _device_index(name: str) -> int:
     # OpenCV 4.6 opens a V4L2 device by its index only; /dev/v4l/by-id/... are links to one.
-    if name.isdigit():
+    if name.isdecimal():
         return int(name)
     number = _device_number(os.path.realpath(name))
     if number == math.inf:
-        raise FrameSourceError(f'cannot open camera \'{name}\': expected /dev/video and a number')
+        raise FrameSourceError(f"cannot open camera '{name}': expected /dev/video and a number")
     return number
 
 

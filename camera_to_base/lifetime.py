@@ -17,13 +17,12 @@
 import signal
 from typing import Callable, List, Optional
 
+from camera_to_base.errors import CameraToBaseError
 import rclpy
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.logging import get_logger
 from rclpy.node import Node
-
-from camera_to_base.errors import CameraToBaseError
 
 
 def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = None) -> int:

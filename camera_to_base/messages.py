@@ -17,9 +17,8 @@
 import math
 from typing import Sequence, Tuple
 
-from std_msgs.msg import Float64MultiArray
-
 from camera_to_base.errors import InvalidValueError
+from std_msgs.msg import Float64MultiArray
 
 
 def position_message(x: float, y: float) -> Float64MultiArray:

@@ -16,11 +16,10 @@
 
 from typing import List, NamedTuple, Sequence
 
-import numpy as np
-
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Detection
 from camera_to_base.errors import HorizonError
 from camera_to_base.surface import Surface
+import numpy as np
 
 
 class Point(NamedTuple):

@@ -17,13 +17,12 @@
 import os
 from typing import Sequence
 
-import cv2
-import numpy as np
-
-from camera_to_base.absolute_difference import Pixel
+from camera_to_base.absolute_difference import check_frame, Pixel
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.object_locator import LocatedObject, Point
 from camera_to_base.surface import ImageSize
+import cv2
+import numpy as np
 
 _BOX_COLOUR = (36, 200, 36)
 _CENTRE_COLOUR = (32, 32, 240)
@@ -69,14 +68,17 @@ def write_picture(path: str, picture: np.ndarray) -> None:
     :param path: Where to; the ending tells the format.
     :raises InvalidValueError: If it cannot be written.
     """
-    _, encoded = cv2.imencode(check_picture_path(path), picture)
+    ending = check_picture_path(path)
+    check_frame(picture, 'picture')
     unfinished = f'{path}.part'
     try:
         with open(unfinished, 'wb') as file:
-            file.write(encoded.tobytes())
+            file.write(cv2.imencode(ending, picture)[1].tobytes())
         os.replace(unfinished, path)
     except OSError as error:
-        raise InvalidValueError(f'cannot write picture \'{path}\': {error.strerror}') from error
+        if os.path.exists(unfinished):
+            os.remove(unfinished)
+        raise InvalidValueError(f"cannot write picture '{path}': {error.strerror}") from error
 
 
 def check_picture_path(path: str) -> str:
@@ -88,7 +90,7 @@ def check_picture_path(path: str) -> str:
     """
     ending = os.path.splitext(path)[1].lower()
     if ending not in ('.png', '.jpg'):
-        raise InvalidValueError(f'a picture\'s name must end in .png or .jpg, got \'{path}\'')
+        raise InvalidValueError(f"a picture's name must end in .png or .jpg, got '{path}'")
     return ending
 
 

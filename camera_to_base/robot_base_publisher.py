@@ -16,14 +16,14 @@
 
 from typing import List, Optional
 
-from rclpy.node import Node
-from rclpy.qos_overriding_options import QoSOverridingOptions
-from std_msgs.msg import Float64MultiArray
-
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.lifetime import run
 from camera_to_base.messages import position_from_message, position_message
-from camera_to_base.parameters import NodeParameters, TRANSFORM_SPECS, transform_settings
+from camera_to_base.parameters import NodeParameters
+from camera_to_base.transform_parameters import transform_settings, TRANSFORM_SPECS
+from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from std_msgs.msg import Float64MultiArray
 
 
 class RobotBasePublisher(Node):

@@ -17,15 +17,16 @@
 import math
 from typing import Optional, Tuple
 
+from camera_to_base.checks import finite_number, whole_number
+from camera_to_base.surface import check_image_size, HomographySurface, ImageSize
 import numpy as np
-
-from camera_to_base.errors import InvalidValueError
-from camera_to_base.surface import check_image_size, ImageSize
 
 _CAMERA_DISTANCE_CM = 60.0
 _TABLE_COLOUR = np.array([196.0, 202.0, 208.0], np.float32)
 _COIN_COLOUR = np.array([52.0, 60.0, 70.0], np.float32)
 _COIN_DIAMETER_CM = 2.4
+_GRID_CM = 4.5
+_GRID_DEPTH = 10.0
 # One round of the coin's path takes this long; 2 and 3 rounds in x and y make a closed figure.
 _ROUND_S = 60.0
 
@@ -41,11 +42,12 @@ class SimulatedBoard:
 
     :param image_size: Width and height, in px.
     :param width_cm: What the picture's width sees of the surface at tilt 0, in cm.
-    :param tilt_deg: 0 looks straight down; below 60, in degrees.
+    :param tilt_deg: 0 looks straight down; up to 60, in degrees.
     :param noise: Standard deviation of the sensor's noise, in grey levels.
     :param seed: Makes the noise; the same seed gives the same frames.
     :param frame_rate: Frames per second of the coin's time.
     :raises InvalidValueError: If a value cannot be used.
+    :raises HorizonError: If the picture would reach the horizon.
     """
 
     def __init__(
@@ -59,17 +61,15 @@ class SimulatedBoard:
         frame_rate: float = 10.0,
     ) -> None:
         self._width, self._height = check_image_size(image_size)
-        _check_range('tilt_deg', tilt_deg, 0.0, 60.0)
-        _check_range('noise', noise, 0.0, 100.0)
-        _check_range('width_cm', width_cm, 1.0, 1000.0)
-        _check_range('frame_rate', frame_rate, 0.1, 1000.0)
-        _check_range('seed', seed, 0, math.inf)
+        tilt_deg = finite_number('tilt_deg', tilt_deg, 0.0, 60.0)
+        width_cm = finite_number('width_cm', width_cm, 1.0, 1000.0)
+        self._noise = finite_number('noise', noise, 0.0, 100.0)
+        self._seed = whole_number('seed', seed, 0, 2**31 - 1)
+        self.frame_rate = finite_number('frame_rate', frame_rate, 0.1, 1000.0)
         self._cm_per_px = width_cm / self._width
         self._pixel_from_surface = self._project(math.radians(tilt_deg))
-        self._noise = noise
-        self._seed = seed
-        self.frame_rate = frame_rate
-        self._board = np.full((self._height, self._width, 3), _TABLE_COLOUR)
+        self._refuse_horizon()
+        self._board = self._draw_board()
         self._frame_count = 0
         self.true_point: Optional[Tuple[float, float]] = None
 
@@ -132,6 +132,19 @@ class SimulatedBoard:
                               [0, 0, 1]])
         return camera @ pose @ to_centre
 
+    def _refuse_horizon(self) -> None:
+        right, bottom = self._width - 1, self._height - 1
+        size = self._width, self._height
+        HomographySurface(self.surface_from_pixel, size).locate(
+            [[0, 0], [right, 0], [0, bottom], [right, bottom]])
+
+    def _draw_board(self) -> np.ndarray:
+        # Faint lines every few cm let the eye see the tilt; the detector does not see them.
+        points = self._surface_points(slice(0, self._height), slice(0, self._width))
+        to_line = np.abs((points + _GRID_CM / 2) % _GRID_CM - _GRID_CM / 2).min(axis=2)
+        line = np.clip(1 - to_line / self._cm_per_px, 0, 1)[:, :, None]
+        return (_TABLE_COLOUR - _GRID_DEPTH * line).astype(np.float32)
+
     def _draw_coin(self, picture: np.ndarray, point: Tuple[float, float]) -> None:
         rows, columns = self._window(point)
         if rows.stop <= rows.start or columns.stop <= columns.start:
@@ -156,17 +169,13 @@ class SimulatedBoard:
     ) -> np.ndarray:
         # A pixel is covered in proportion to how far the edge has passed over it. The distance
         # to the edge in px is, to first order, the implicit function over its gradient.
-        v, u = np.mgrid[rows, columns].astype(float)
-        to_surface = self.surface_from_pixel
-        w = to_surface[2, 0] * u + to_surface[2, 1] * v + to_surface[2, 2]
-        x = (to_surface[0, 0] * u + to_surface[0, 1] * v + to_surface[0, 2]) / w - point[0]
-        y = (to_surface[1, 0] * u + to_surface[1, 1] * v + to_surface[1, 2]) / w - point[1]
+        x, y = np.moveaxis(self._surface_points(rows, columns) - point, 2, 0)
         beyond_edge = np.hypot(x, y) - _COIN_DIAMETER_CM / 2
-        slope = np.hypot(*np.gradient(beyond_edge)) if min(u.shape) > 1 else self._cm_per_px
+        slope = np.hypot(*np.gradient(beyond_edge)) if min(x.shape) > 1 else self._cm_per_px
         return np.clip(0.5 - beyond_edge / np.maximum(slope, 1e-9), 0.0, 1.0)
 
-
-def _check_range(name: str, value: float, lowest: float, highest: float) -> None:
-    if not (lowest <= value <= highest):
-        raise InvalidValueError(
-            f'the simulated board\'s {name} must be {lowest:g}..{highest:g}, got {value}')
+    def _surface_points(self, rows: slice, columns: slice) -> np.ndarray:
+        # Shape (rows, columns, 2): x and y, in cm, of what each pixel looks at.
+        v, u = np.mgrid[rows, columns].astype(float)
+        scaled = np.stack([u, v, np.ones_like(u)], axis=2) @ self.surface_from_pixel.T
+        return scaled[:, :, :2] / scaled[:, :, 2:]

@@ -14,12 +14,11 @@
 
 """From a pixel to the work surface: three models of how a camera looks at it."""
 
-import math
 from typing import Protocol, Sequence, Tuple
 
-import numpy as np
-
+from camera_to_base.checks import finite_number, finite_numbers, whole_number
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+import numpy as np
 
 # A pixel whose ray meets the surface a million times farther away than the picture's centre
 # looks along the surface: what is left of its position is rounding.
@@ -62,16 +61,14 @@ class ParallelSurface:
     """
 
     def __init__(self, width_cm: float = 36.0, image_width: int = 640) -> None:
-        if not (math.isfinite(width_cm) and width_cm > 0):
-            raise InvalidValueError(f'width_cm must be positive and finite, got {width_cm}')
-        if image_width < 1:
-            raise InvalidValueError(f'image_width must be at least 1 px, got {image_width}')
-        self._width_cm = width_cm
-        self._image_width = image_width
+        self._width_cm = finite_number('width_cm', width_cm, 1e-3, 1e6)
+        self._image_width = whole_number('image_width', image_width, 1, 100000)
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`; there is no horizon."""
-        return _finite(check_pixels(pixels) * (self._width_cm / self._image_width))
+        pixels = finite_numbers('pixels', pixels, -1, 2)
+        with np.errstate(over='ignore'):
+            return _points(pixels * (self._width_cm / self._image_width))
 
     def for_image_size(self, image_size: ImageSize) -> 'ParallelSurface':
         """Give the model for pictures of a size: the same width in cm, in as many pixels."""
@@ -97,19 +94,19 @@ class PolynomialSurface:
         centre_u: float = 292.0,
         image_size: ImageSize = (640, 480),
     ) -> None:
-        self._y_of_v = _numbers('y_of_v', y_of_v, 3)
-        self._px_per_cm_of_y = _numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
-        self._centre_u = float(_numbers('centre_u', [centre_u], 1)[0])
+        self._y_of_v = finite_numbers('y_of_v', y_of_v, 3)
+        self._px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
+        self._centre_u = finite_numbers('centre_u', centre_u)
         self._image_size = check_image_size(image_size)
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""
-        u, v = check_pixels(pixels).T
+        u, v = finite_numbers('pixels', pixels, -1, 2).T
         with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
             y = np.polyval(self._y_of_v, v)
             px_per_cm = np.polyval(self._px_per_cm_of_y, y)
             _refuse_beyond_horizon(np.column_stack([u, v]), px_per_cm > 0)
-            return _finite(np.column_stack([(u - self._centre_u) / px_per_cm, y]))
+            return _points(np.column_stack([(u - self._centre_u) / px_per_cm, y]))
 
     def for_image_size(self, image_size: ImageSize) -> 'PolynomialSurface':
         """Give the model for pictures of a size: only the one it was measured on."""
@@ -132,23 +129,23 @@ class HomographySurface:
     def __init__(
         self, surface_from_pixel: np.ndarray, image_size: ImageSize = (640, 480)
     ) -> None:
-        matrix = _numbers('surface_from_pixel', np.ravel(surface_from_pixel), 9).reshape(3, 3)
+        matrix = finite_numbers('surface_from_pixel', surface_from_pixel, 3, 3)
         self._image_size = check_image_size(image_size)
         centre_depth = matrix[2] @ [image_size[0] / 2, image_size[1] / 2, 1.0]
         if abs(centre_depth) <= _HORIZON * np.abs(matrix[2]).max() or not _has_inverse(matrix):
             raise InvalidValueError(
-                'surface_from_pixel must be a homography with an inverse, and the picture\'s '
+                "surface_from_pixel must be a homography with an inverse, and the picture's "
                 f'centre must not lie on its horizon, got {matrix.tolist()}')
         self._surface_from_pixel = matrix / centre_depth
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""
-        pixels = check_pixels(pixels)
+        pixels = finite_numbers('pixels', pixels, -1, 2)
         with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
             scaled = np.column_stack([pixels, np.ones(len(pixels))]) @ self._surface_from_pixel.T
             nearness = scaled[:, 2]
             _refuse_beyond_horizon(pixels, nearness > _HORIZON)
-            return _finite(scaled[:, :2] / nearness[:, None])
+            return _points(scaled[:, :2] / nearness[:, None])
 
     def for_image_size(self, image_size: ImageSize) -> 'HomographySurface':
         """Give the model for pictures of a size: only the one it was measured on."""
@@ -156,31 +153,16 @@ class HomographySurface:
         return self
 
 
-def check_pixels(pixels: np.ndarray) -> np.ndarray:
-    """
-    Check pixels where they enter a model.
-
-    :returns: Shape (n, 2), float.
-    :raises InvalidValueError: If the shape is another, or a number is not finite.
-    """
-    pixels = np.asarray(pixels, dtype=float)
-    if pixels.ndim != 2 or pixels.shape[1] != 2:
-        raise InvalidValueError(f'expected pixels of shape (n, 2), got shape {pixels.shape}')
-    return _finite(pixels)
-
-
 def check_image_size(image_size: Sequence[int]) -> ImageSize:
     """
     Check a picture size.
 
     :returns: Width and height, in px.
-    :raises InvalidValueError: If it is not two positive whole numbers.
+    :raises InvalidValueError: If it is not two whole numbers from 1.
     """
-    size = tuple(image_size)
-    if len(size) != 2 or not all(length == int(length) >= 1 for length in size):
-        raise InvalidValueError(
-            f'image_size must be the width and the height in px, got {list(size)}')
-    return int(size[0]), int(size[1])
+    width, height = finite_numbers('image_size', image_size, 2)
+    return (whole_number("image_size's width", width, 1, 100000),
+            whole_number("image_size's height", height, 1, 100000))
 
 
 def _check_same_size(image_size: ImageSize, calibrated_size: ImageSize) -> None:
@@ -199,21 +181,12 @@ def _refuse_beyond_horizon(pixels: np.ndarray, on_surface: np.ndarray) -> None:
             'beyond it; tilt the camera down, or check the calibration')
 
 
-def _numbers(name: str, values: Sequence[float], count: int) -> np.ndarray:
-    numbers = np.array(values, dtype=float)
-    if numbers.shape != (count,) or not np.isfinite(numbers).all():
-        raise InvalidValueError(
-            f'{name} must be {count} finite number{"s" * (count > 1)}, got {list(values)}')
-    return numbers
+def _points(points: np.ndarray) -> np.ndarray:
+    # Finite pixels can still overflow on their way.
+    return finite_numbers('the points that the pixels look at', points, -1, 2)
 
 
 def _has_inverse(matrix: np.ndarray) -> bool:
     # Rows in px and in cm differ by orders of magnitude: compare after each is made a unit.
     norms = np.linalg.norm(matrix, axis=1, keepdims=True)
     return bool((norms > 0).all()) and abs(np.linalg.det(matrix / norms)) > 1e-15
-
-
-def _finite(numbers: np.ndarray) -> np.ndarray:
-    if not np.isfinite(numbers).all():
-        raise InvalidValueError(f'expected finite numbers, got {numbers.tolist()}')
-    return numbers

@@ -34,11 +34,14 @@ def main(arguments):
     os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     remove_old_picture()
+    print(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the source '
+          f"'{source}'; Ctrl-C ends them", flush=True)
     nodes = []
     try:
         nodes.append(start('robot_base_publisher', {}))
         nodes.append(start('camera_publisher', {
-            'source': source, 'annotated_picture': os.path.abspath(PICTURE)}))
+            'source': source, 'annotated_picture': os.path.abspath(PICTURE),
+            'wait_for_subscribers': 2}))
         return listen(nodes)
     finally:
         stop(nodes)
@@ -49,8 +52,8 @@ def start(executable, parameters):
     from ament_index_python.packages import get_package_prefix
     path = os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
     command = [path, '--ros-args']
-    for name, text in parameters.items():
-        command += ['-p', f'{name}:={json.dumps(text)}']
+    for name, value in parameters.items():
+        command += ['-p', f'{name}:={json.dumps(value)}']
     return subprocess.Popen(command, start_new_session=True)
 
 
@@ -61,7 +64,6 @@ def listen(nodes):
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('demo')
     report = Report(node)
-    print(f'both nodes run in ROS domain {os.environ["ROS_DOMAIN_ID"]}; Ctrl-C ends them')
     try:
         while all(process.poll() is None for process in nodes):
             rclpy.spin_once(node, timeout_sec=0.1)
@@ -82,12 +84,14 @@ class Report:
         self._conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
         self._camera_positions = []
         self._true_positions = []
+        self._waiting = []
         self._count = 0
         self._picture_seen = False
         for topic, callback in (('pos_in_cam_frame', self._on_camera_position),
                                 ('true_pos_in_cam_frame', self._on_true_position),
                                 ('pos_in_robot_base_frame', self._on_base_position)):
             node.create_subscription(Float64MultiArray, topic, callback, 100)
+        node.create_timer(0.05, self._print_settled)
 
     def close(self):
         """Say how many positions there were, and where the picture is."""
@@ -101,14 +105,22 @@ class Report:
         remember(self._true_positions, info['source_timestamp'], message.data)
 
     def _on_base_position(self, message, info):
+        self._waiting.append((time.monotonic(), info['source_timestamp'], tuple(message.data)))
+
+    def _print_settled(self):
+        # Topics do not wait for each other: what a position was computed from may come after it.
+        while self._waiting and time.monotonic() - self._waiting[0][0] > 0.1:
+            _, stamp, position = self._waiting.pop(0)
+            self._print(stamp, *position)
+
+    def _print(self, stamp, x, y):
         # A position carries no time of its own: it belongs to the last one that was sent before.
-        camera = last_before(self._camera_positions, info['source_timestamp'])
+        camera = last_before(self._camera_positions, stamp)
         if camera is None:
-            return
+            return  # sent before this listener was discovered
         self._count += 1
-        x, y = message.data
         line = f'camera ({camera[0]:6.2f}, {camera[1]:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
-        truth = last_before(self._true_positions, info['source_timestamp'])
+        truth = last_before(self._true_positions, stamp)
         if truth is not None:
             true_x, true_y, _ = self._conversion.convert_surface_points([truth])[0]
             error_mm = 10 * ((x - true_x) ** 2 + (y - true_y) ** 2) ** 0.5

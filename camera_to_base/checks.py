@@ -1,0 +1,71 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Checks of values where they enter the package."""
+
+from typing import Any
+
+from camera_to_base.errors import InvalidValueError
+import numpy as np
+
+
+def finite_numbers(name: str, values: Any, *shape: int) -> np.ndarray:
+    """
+    Check an array of numbers.
+
+    :param name: What the error calls it.
+    :param shape: What its shape must be; -1 stands for any length.
+    :returns: A copy, of float.
+    :raises InvalidValueError: If the shape is another, or it holds anything but finite numbers.
+    """
+    wanted = f'({", ".join("n" if length == -1 else str(length) for length in shape)})'
+    try:
+        numbers = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidValueError(f'{name} must be numbers of shape {wanted}, got {values!r}')
+    if len(numbers.shape) != len(shape) or any(
+            length not in (-1, found) for length, found in zip(shape, numbers.shape)):
+        raise InvalidValueError(
+            f'{name} must be of shape {wanted}, got shape {numbers.shape}: {_short(numbers)}')
+    if not np.isfinite(numbers).all():
+        raise InvalidValueError(f'{name} must be finite numbers, got {_short(numbers)}')
+    return numbers
+
+
+def finite_number(name: str, value: Any, lowest: float, highest: float) -> float:
+    """
+    Check a number.
+
+    :raises InvalidValueError: If it is no number, or outside lowest..highest.
+    """
+    number = float(finite_numbers(name, value))
+    if not lowest <= number <= highest:
+        raise InvalidValueError(f'{name} must be {lowest:g}..{highest:g}, got {value}')
+    return number
+
+
+def whole_number(name: str, value: Any, lowest: int, highest: int) -> int:
+    """
+    Check a whole number.
+
+    :raises InvalidValueError: If it is no whole number, or outside lowest..highest.
+    """
+    number = finite_number(name, value, lowest, highest)
+    if number != int(number):
+        raise InvalidValueError(f'{name} must be a whole number, got {value}')
+    return int(number)
+
+
+def _short(numbers: np.ndarray) -> str:
+    return np.array2string(numbers, threshold=20, separator=', ')

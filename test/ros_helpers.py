@@ -1,0 +1,127 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What node tests and process tests share: a node that listens, and waiting for a condition."""
+
+import os
+import signal
+import subprocess
+import time
+
+from ament_index_python.packages import get_package_prefix
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from std_msgs.msg import Float64MultiArray
+
+CAMERA_TOPIC = '/pos_in_cam_frame'
+BASE_TOPIC = '/pos_in_robot_base_frame'
+TRUE_TOPIC = '/true_pos_in_cam_frame'
+
+
+class Ros:
+    """A ROS context of its own, with an executor and a node that listens and talks."""
+
+    def __init__(self):
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.node = rclpy.create_node('test_listener', context=self.context)
+        self.executor.add_node(self.node)
+        self._nodes = [self.node]
+
+    def add(self, node_class, *arguments):
+        """Make a node of the package, as the command line would, and spin it here."""
+        cli_args = ['--ros-args', *arguments] if arguments else None
+        node = node_class(context=self.context, cli_args=cli_args)
+        self._nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def listen(self, topic):
+        """Return a list that grows by [x, y] for each message of a topic."""
+        return self._record(topic, lambda message, info: list(message.data))
+
+    def listen_with_time(self, topic):
+        """Return a list that grows by (time sent in s, [x, y]) for each message of a topic."""
+        return self._record(topic, lambda message, info: (
+            info['source_timestamp'] / 1e9, list(message.data)))
+
+    def talk(self, topic):
+        """Return a publisher."""
+        return self.node.create_publisher(Float64MultiArray, topic, 10)
+
+    def spin_until(self, condition, timeout=10.0):
+        """Spin until a condition holds, and tell whether it did."""
+        until = time.monotonic() + timeout
+        while not condition() and time.monotonic() < until:
+            self.executor.spin_once(timeout_sec=0.05)
+        return bool(condition())
+
+    def spin_for(self, seconds):
+        """Spin for a time."""
+        self.spin_until(lambda: False, seconds)
+
+    def close(self):
+        """Destroy all nodes and the context."""
+        for node in self._nodes:
+            node.destroy_node()
+        self.executor.shutdown()
+        rclpy.shutdown(context=self.context)
+
+    def _record(self, topic, convert):
+        received = []
+        self.node.create_subscription(
+            Float64MultiArray, topic,
+            lambda message, info: received.append(convert(message, info)), 100)
+        return received
+
+
+class Process:
+    """An installed executable of the package, running."""
+
+    def __init__(self, executable, *arguments):
+        path = os.path.join(
+            get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
+        self._process = subprocess.Popen(
+            [path, *(['--ros-args', *arguments] if arguments else [])],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.output = ''
+
+    @property
+    def is_running(self):
+        """Tell whether it has not ended."""
+        return self._process.poll() is None
+
+    def send_signal(self, number):
+        """Send a signal."""
+        self._process.send_signal(number)
+
+    def end(self, number=signal.SIGINT, timeout=2.0):
+        """Send a signal; return the exit code, or fail where it takes longer than allowed."""
+        self.send_signal(number)
+        return self.wait(timeout)
+
+    def wait(self, timeout=20.0):
+        """Wait for the end; return the exit code, and keep what was printed as `output`."""
+        try:
+            self.output, _ = self._process.communicate(timeout=timeout)
+        except subprocess.TimeoutExpired:
+            self.kill()
+            raise AssertionError(f'still running after {timeout} s; it said: {self.output}')
+        return self._process.returncode
+
+    def kill(self):
+        """End it whatever it does."""
+        self._process.kill()
+        self.output, _ = self._process.communicate()

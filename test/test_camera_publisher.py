@@ -1,0 +1,208 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import math
+
+from camera_to_base import camera_publisher
+from camera_to_base.camera_publisher import CameraPublisher
+from camera_to_base.errors import CameraToBaseError, FrameSourceError
+import cv2
+import numpy as np
+import pytest
+from rclpy.exceptions import ParameterException
+from rclpy.parameter import Parameter
+from rclpy.qos import ReliabilityPolicy
+from ros_helpers import CAMERA_TOPIC, TRUE_TOPIC
+
+
+class GivenFrames:
+    """A frame source that plays given frames; an error among them is raised."""
+
+    frame_rate = 0.0
+
+    def __init__(self, frames):
+        self._frames = list(frames)
+
+    def read(self):
+        frame = self._frames.pop(0) if len(self._frames) > 1 else self._frames[0]
+        if isinstance(frame, Exception):
+            raise frame
+        return frame
+
+    def release(self):
+        pass
+
+
+@pytest.fixture
+def play(ros, monkeypatch):
+    def play_frames(frames, *arguments):
+        monkeypatch.setattr(
+            camera_publisher, 'open_frame_source', lambda name, size: GivenFrames(frames))
+        return ros.add(CameraPublisher, '-p', 'source:=given', *arguments)
+    return play_frames
+
+
+def table(width=640, height=480):
+    return np.full((height, width, 3), 200, np.uint8)
+
+
+def table_with_disc(u, v, width=640, height=480):
+    return cv2.circle(table(width, height), (u, v), 21, (50, 50, 50), -1)
+
+
+def listen_for_camera(ros):
+    return ros.listen(CAMERA_TOPIC)
+
+
+def test_simulated_coin_is_published_within_2_mm_of_its_true_position(ros):
+    received, true = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(TRUE_TOPIC)
+    ros.add(CameraPublisher, '-p', 'source:=simulated')
+    assert ros.spin_until(lambda: len(received) >= 10 and len(true) >= 10)
+    positions = [(sent, position) for sent, position in received if sent > true[0][0]]
+    ros.spin_for(0.2)  # topics do not wait for each other: let the last one's truth arrive
+    assert len(positions) >= 5
+    for sent, position in positions:
+        _, true_position = max(entry for entry in true if entry[0] <= sent)
+        assert math.dist(position, true_position) < 0.2
+
+
+def test_position_of_an_object_is_in_cm(ros, play):
+    received = listen_for_camera(ros)
+    play([table(), table_with_disc(320, 240)])
+    assert ros.spin_until(lambda: received)
+    assert received[0] == pytest.approx([18.0, 13.5], abs=0.12)
+
+
+def test_nothing_is_published_for_a_frame_without_an_object(ros, play):
+    received = listen_for_camera(ros)
+    play([table()])
+    ros.spin_for(0.5)
+    assert received == []
+
+
+def test_frame_of_another_size_gives_no_position_and_the_node_lives(ros, play):
+    received = listen_for_camera(ros)
+    small = table_with_disc(100, 100, 320, 240)
+    play([table(), small, small, table_with_disc(320, 240)])
+    assert ros.spin_until(lambda: received)
+    assert received[0] == pytest.approx([18.0, 13.5], abs=0.12)
+
+
+def test_camera_that_gives_no_frame_publishes_nothing_and_is_read_again(ros, play):
+    received = listen_for_camera(ros)
+    play([table(), FrameSourceError('unplugged'), table_with_disc(320, 240)])
+    assert ros.spin_until(lambda: received, 3.0)
+
+
+def test_homography_refuses_pictures_that_it_was_not_made_for(ros, play):
+    received = listen_for_camera(ros)
+    play([table(320, 240), table_with_disc(100, 100, 320, 240)],
+         '-p', 'surface.model:=homography')
+    ros.spin_for(0.5)
+    assert received == []
+
+
+def test_random_pixels_come_from_the_tutorials_range(ros):
+    received = listen_for_camera(ros)
+    ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=0.01')
+    assert ros.spin_until(lambda: len(received) >= 100)
+    pixels = np.array(received) / (36.0 / 640)
+    assert pixels == pytest.approx(np.rint(pixels))
+    assert pixels.min() >= 250 and pixels.max() <= 450
+
+
+def test_period_can_be_changed_while_the_node_runs(ros):
+    received = listen_for_camera(ros)
+    node = ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=1000')
+    assert node.set_parameters([Parameter('period', value=0.01)])[0].successful
+    assert ros.spin_until(lambda: len(received) >= 5, 3.0)
+
+
+def test_whole_number_is_accepted_for_the_period(ros):
+    node = ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=3')
+    assert node.get_parameter('period').value == 3.0
+    assert node.get_parameter('period').type_ == Parameter.Type.DOUBLE
+
+
+def test_new_threshold_takes_effect_with_the_old_background(ros, play):
+    received = listen_for_camera(ros)
+    node = play([table(), table_with_disc(320, 240)], '-p', 'detector.threshold:=200')
+    ros.spin_for(0.5)
+    assert received == []
+    assert node.set_parameters([Parameter('detector.threshold', value=95)])[0].successful
+    assert ros.spin_until(lambda: received)
+
+
+@pytest.mark.parametrize('name, value', [
+    ('detector.threshold', 256), ('detector.threshold', 'high'), ('detector.median_size', 4),
+    ('detector.closing_size', 0), ('period', 0.0), ('period', math.nan),
+    ('surface.model', 'cubic'), ('surface.parallel.width_cm', -1.0), ('source', 'random'),
+    ('surface.homography.surface_from_pixel', [1.0, 2.0])])
+def test_bad_value_is_rejected_with_the_reason_and_changes_nothing(ros, name, value):
+    node = ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'surface.model:=homography')
+    before = node.get_parameter(name).value
+    result = node.set_parameters([Parameter(name, value=value)])[0]
+    assert not result.successful
+    assert str(value) in result.reason or 'STRING' in result.reason or name in result.reason
+    assert node.get_parameter(name).value == before
+
+
+@pytest.mark.parametrize('argument', [
+    'detector.threshold:=300', 'detector.threshold:=95.5', 'detector.median_size:=2',
+    'period:=soon', 'surface.model:=cubic', 'surface.image_size:=[640]', 'period:=.nan',
+    'annotated_picture:=picture.doc', 'surface.polynomial.y_of_v:=text',
+    'source:=/does/not/exist.avi', 'source:=/dev/video99'])
+def test_bad_value_at_start_is_refused(ros, argument):
+    with pytest.raises((CameraToBaseError, ParameterException)) as error:
+        ros.add(CameraPublisher, '-p', argument)
+    assert len(str(error.value)) > 20
+
+
+def test_topic_is_reliable_with_depth_10(ros):
+    node = ros.add(CameraPublisher, '-p', 'source:=random')
+    # The nodes of earlier tests take a moment to leave the graph.
+    assert ros.spin_until(lambda: node.count_publishers(CAMERA_TOPIC) == 1)
+    info, = node.get_publishers_info_by_topic(CAMERA_TOPIC)
+    assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+    assert node.get_parameter(f'qos_overrides.{CAMERA_TOPIC}.publisher.depth').value == 10
+
+
+def test_every_parameter_is_described_and_every_number_has_a_range(ros):
+    node = ros.add(CameraPublisher, '-p', 'source:=random')
+    names = [name for name in node.list_parameters([], 0).names
+             if not name.startswith('qos_overrides') and name != 'use_sim_time'
+             and not name.startswith('start_type_description_service')]
+    assert len(names) > 10
+    for name in names:
+        descriptor = node.describe_parameter(name)
+        assert descriptor.description, name
+        if descriptor.type in (Parameter.Type.INTEGER.value, Parameter.Type.DOUBLE.value):
+            assert descriptor.integer_range or descriptor.floating_point_range, name
+
+
+def test_annotated_picture_shows_a_box_around_the_object(ros, play, tmp_path):
+    picture = tmp_path / 'picture.png'
+    received = listen_for_camera(ros)
+    frame = table_with_disc(320, 240)
+    play([table(), frame], '-p', f'annotated_picture:={picture}')
+    assert ros.spin_until(lambda: received and picture.exists())
+    drawn = (cv2.imread(str(picture)) != frame).any(axis=2)
+    assert drawn[215:265, 290:350].any()
+    assert not drawn[300:, :].any()
+
+
+def test_picture_that_cannot_be_written_does_not_stop_the_positions(ros, play):
+    received = listen_for_camera(ros)
+    play([table(), table_with_disc(320, 240)], '-p', 'annotated_picture:=/does/not/exist.png')
+    assert ros.spin_until(lambda: len(received) >= 3)

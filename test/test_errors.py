@@ -1,0 +1,59 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import ast
+import inspect
+from pathlib import Path
+
+import camera_to_base
+from camera_to_base import errors
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
+import pytest
+
+FAMILY = dict(inspect.getmembers(errors, inspect.isclass))
+SOURCES = sorted(Path(camera_to_base.__file__).parent.glob('*.py'))
+
+
+def raised_calls(source):
+    return [node.exc for node in ast.walk(ast.parse(source.read_text()))
+            if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call)]
+
+
+def raised_names(source):
+    # A name in lower case is a caught error that is raised again.
+    return [node.exc.id for node in ast.walk(ast.parse(source.read_text()))
+            if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Name)
+            and not node.exc.id.islower()]
+
+
+@pytest.mark.parametrize('error', FAMILY.values(), ids=FAMILY)
+def test_one_except_catches_every_error_of_the_package(error):
+    with pytest.raises(CameraToBaseError, match='what failed'):
+        raise error('what failed')
+
+
+def test_value_that_cannot_be_used_is_a_value_error_too():
+    with pytest.raises(ValueError):
+        raise InvalidValueError('what failed')
+
+
+@pytest.mark.parametrize('source', SOURCES, ids=[source.stem for source in SOURCES])
+def test_module_raises_errors_of_the_family_with_a_text(source):
+    for call in raised_calls(source):
+        assert call.func.id in FAMILY and call.args
+    assert set(raised_names(source)) <= {'NotImplementedError'}
+
+
+def test_package_raises_something_at_all():
+    assert sum(len(raised_calls(source)) for source in SOURCES) > 10

@@ -1,0 +1,113 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Box, Detection, Pixel
+from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.object_locator import locate_pixel, ObjectLocator, Point
+from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
+import numpy as np
+import pytest
+
+# A camera that looks along a road: x = (u - 320) / (v - 112), y = 128 / (v - 112).
+ROAD = HomographySurface(np.array([[1, 0, -320], [0, 0, 128], [0, 1, -112]]))
+
+
+def plain_frame():
+    return np.full((480, 640, 3), 220, np.uint8)
+
+
+def frame_with(*boxes):
+    frame = plain_frame()
+    for x, y, width, height in boxes:
+        frame[y:y + height, x:x + width] = 20
+    return frame
+
+
+def detector():
+    # The tutorial's closing kernel has no middle pixel and moves an object by one.
+    return AbsoluteDifferenceDetector(plain_frame(), closing_size=1)
+
+
+def locator(surface):
+    return ObjectLocator(detector(), surface)
+
+
+def test_object_is_located_at_the_centre_of_its_box():
+    located, = locator(ParallelSurface(32.0)).locate(frame_with((340, 225, 100, 100)))
+    assert located.detection.centre == Pixel(390, 275)
+    assert located.point == pytest.approx((19.5, 13.75))
+
+
+def test_each_object_comes_with_its_own_detection_largest_first():
+    surface = ParallelSurface(64.0)
+    frame = frame_with((400, 300, 60, 60), (50, 60, 100, 120), (300, 80, 80, 80))
+    objects = locator(surface).locate(frame)
+    assert [located.detection for located in objects] == detector().detect(frame)
+    assert [located.point for located in objects] == [
+        pytest.approx((10.0, 12.0)), pytest.approx((34.0, 12.0)), pytest.approx((43.0, 33.0))]
+
+
+def test_frame_without_an_object_gives_none():
+    assert locator(ParallelSurface()).locate(plain_frame()) == []
+
+
+def test_what_is_seen_beyond_the_horizon_is_left_out():
+    objects = locator(ROAD).locate(
+        frame_with((100, 0, 300, 100), (300, 360, 41, 41), (500, 10, 60, 60), (100, 200, 80, 81)))
+    assert [located.point for located in objects] == [
+        pytest.approx(((140 - 320) / 128, 1.0)), pytest.approx((0.0, 128 / 268))]
+
+
+def test_frame_with_objects_beyond_the_horizon_only_is_refused():
+    # The largest is the one that the error is about.
+    with pytest.raises(HorizonError, match=r'\(530, 40\)'):
+        locator(ROAD).locate(frame_with((100, 20, 40, 40), (500, 10, 60, 60)))
+
+
+def test_frame_of_another_size_is_refused():
+    with pytest.raises(FrameSizeError):
+        locator(ParallelSurface()).locate(plain_frame()[:, :600])
+
+
+def test_frame_that_is_no_picture_is_refused():
+    with pytest.raises(InvalidValueError):
+        locator(ParallelSurface()).locate(plain_frame()[:, :, 0])
+
+
+def test_any_detector_will_do():
+    class OneDetection:
+
+        def detect(self, frame):
+            return [Detection(Box(0, 0, 2, 2), Pixel(100.5, 50.25), 1.0)]
+
+    located, = ObjectLocator(OneDetection(), ParallelSurface(64.0)).locate(plain_frame())
+    assert located.point == pytest.approx((10.05, 5.025))
+
+
+@pytest.mark.parametrize('surface', [ParallelSurface(), PolynomialSurface(), ROAD])
+def test_one_pixel_is_located_as_a_point_of_two_plain_numbers(surface):
+    point = locate_pixel(surface, Pixel(417, 265))
+    assert isinstance(point, Point)
+    assert [type(value) for value in point] == [float, float]
+    assert list(point) == surface.locate([[417, 265]])[0].tolist()
+
+
+def test_pixel_above_the_horizon_is_refused():
+    with pytest.raises(HorizonError):
+        locate_pixel(ROAD, Pixel(320, 100))
+
+
+def test_pixel_that_is_not_finite_is_refused():
+    with pytest.raises(InvalidValueError):
+        locate_pixel(ParallelSurface(), Pixel(float('nan'), 100))
