@@ -37,8 +37,8 @@ ROOMS = [
     {'camera_parameters', 'transform_parameters'},
     NODES_AND_COMMANDS,
 ]
-PURE = ['errors', 'checks', 'absolute_difference', 'surface', 'coordinate_transform', 'frame_sources',
-        'simulated_board', 'object_locator', 'overlay']
+PURE = ['errors', 'checks', 'absolute_difference', 'surface', 'coordinate_transform',
+        'frame_sources', 'simulated_board', 'object_locator', 'overlay']
 PURE_IF_THERE = [*PURE, *({'calibration'} & set(MODULES))]
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs'}
 
