@@ -15,7 +15,7 @@
 """The only place where ROS messages become numbers and numbers become messages."""
 
 import math
-from typing import Sequence, Tuple
+from typing import Tuple
 
 from camera_to_base.errors import InvalidValueError
 from std_msgs.msg import Float64MultiArray
@@ -40,13 +40,9 @@ def position_from_message(message: Float64MultiArray) -> Tuple[float, float]:
     :returns: x and y, in cm.
     :raises InvalidValueError: If it does not start with two finite numbers.
     """
-    position = _first_two(message.data)
+    position = tuple(message.data[:2])
     if len(position) < 2:
         raise InvalidValueError(f'expected [x, y] in cm, got {len(position)} number(s)')
     if not all(math.isfinite(value) for value in position):
         raise InvalidValueError(f'expected two finite numbers in cm, got {list(position)}')
     return position
-
-
-def _first_two(values: Sequence[float]) -> Tuple[float, ...]:
-    return tuple(values[:2])

@@ -47,12 +47,12 @@ class RobotBasePublisher(Node):
 
     def _on_position(self, message: Float64MultiArray) -> None:
         try:
-            camera_point = position_from_message(message)
-            x, y, _ = self._node_parameters.current.convert_surface_points([camera_point])[0]
+            x, y = position_from_message(message)
+            base_x, base_y, _ = self._node_parameters.current.convert_surface_point(x, y)
         except CameraToBaseError as error:
             self._drop(error)
         else:
-            self._publisher.publish(position_message(x, y))
+            self._publisher.publish(position_message(base_x, base_y))
 
     def _drop(self, error: CameraToBaseError) -> None:
         self._dropped_count += 1
