@@ -14,36 +14,35 @@
 
 """The parameters of `camera_publisher`, and the settings that they make."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Dict, Tuple
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.board_conditions import BoardConditions
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.object_locator import DetectorSettings, METHODS
 from camera_to_base.overlay import check_picture_path
 from camera_to_base.parameters import ParameterSpec, Values
+from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import (
-    check_image_size, HomographySurface, ParallelSurface, PolynomialSurface, Surface)
+    check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
 import numpy as np
 
 
 @dataclass(frozen=True)
-class DetectorSettings:
-    """The detector's parameters, see :class:`AbsoluteDifferenceDetector`."""
-
-    threshold: int
-    closing_size: int
-    median_size: int
-
-
-@dataclass(frozen=True)
 class SimulationSettings:
-    """The simulated board's parameters, see :class:`SimulatedBoard`."""
+    """How the simulated board is seen, and what kind of day it has."""
 
     tilt_deg: float
-    noise: float
     seed: int
     frame_rate: float
+    conditions: BoardConditions
+
+    def board(self, image_size: ImageSize) -> SimulatedBoard:
+        """Make the board, for pictures of a size."""
+        return SimulatedBoard(
+            image_size=image_size, tilt_deg=self.tilt_deg, seed=self.seed,
+            frame_rate=self.frame_rate, **asdict(self.conditions))
 
 
 @dataclass(frozen=True)
@@ -77,13 +76,26 @@ CAMERA_SPECS = [
         'annotated_picture', '',
         'A file (.png or .jpg) that is kept up to date with the frame of the largest object so '
         'far, its box, centre and position drawn; empty for none.', fixed=True),
+    ParameterSpec('detector.method', 'tutorial',
+                  "tutorial: the tutorial's result, to the pixel; precise: right to a tenth of a "
+                  'pixel, also in changing light.',
+                  constraints=f'one of {", ".join(METHODS)}'),
     ParameterSpec('detector.threshold', 95,
-                  "A pixel whose grey level differs from the background's by more than this "
-                  'belongs to an object.', (0, 255)),
+                  "tutorial: a pixel whose grey level differs from the background's by more than "
+                  'this belongs to an object.', (0, 255)),
     ParameterSpec('detector.closing_size', 20,
-                  'Edge of the square kernel that closes gaps, in px.', (1, 500)),
+                  'tutorial: edge of the square kernel that closes gaps, in px.', (1, 500)),
     ParameterSpec('detector.median_size', 5,
-                  "Edge of the median filter's window, in px, odd.", (1, 99), step=2),
+                  "tutorial: edge of the median filter's window, in px, odd.", (1, 99), step=2),
+    ParameterSpec('detector.precise_threshold', 45.0,
+                  "precise: as detector.threshold, at the background's light.", (0, 255)),
+    ParameterSpec('detector.min_area_cm2', 0.0,
+                  'Smaller objects are not published, in cm² on the surface.', (0, 1e6)),
+    ParameterSpec('detector.max_area_cm2', 1e6,
+                  'Larger objects (a hand) are not published, in cm² on the surface.', (0, 1e6)),
+    ParameterSpec('detector.publish_cut_off', False,
+                  "precise: whether an object that touches the picture's edge is published; the "
+                  'tutorial publishes it.'),
     ParameterSpec('surface.model', 'parallel',
                   'How the camera looks at the surface.',
                   constraints=f'one of {", ".join(_MODELS)}'),
@@ -105,12 +117,44 @@ CAMERA_SPECS = [
     ParameterSpec('simulated.tilt_deg', 0.0,
                   "simulated: the camera's tilt, 0 looks straight down, in degrees.", (0, 60),
                   fixed=True),
-    ParameterSpec('simulated.noise', 2.0,
-                  'simulated: standard deviation of the noise, in grey levels.', (0, 100),
-                  fixed=True),
     ParameterSpec('simulated.seed', 0, 'simulated: makes the noise.', (0, 2**31 - 1), fixed=True),
     ParameterSpec('simulated.frame_rate', 10.0, 'simulated: frames per second.', (0.1, 1000),
                   fixed=True),
+    ParameterSpec('simulated.noise', 2.0,
+                  'simulated: standard deviation of the noise, in grey levels.', (0, 100),
+                  fixed=True),
+    ParameterSpec('simulated.light_drift', 0.0,
+                  'simulated: what the table gains (or loses) in a minute, in grey levels.',
+                  (-255, 255), fixed=True),
+    ParameterSpec('simulated.exposure_step', 1.0,
+                  "simulated: the factor by which the camera's exposure jumps every 15 s.",
+                  (0.01, 100), fixed=True),
+    ParameterSpec('simulated.shadow', 0.0,
+                  'simulated: what a soft shadow takes away, in grey levels.', (0, 255),
+                  fixed=True),
+    ParameterSpec('simulated.hands', 0,
+                  'simulated: how often a hand reaches into the picture in a minute.', (0, 100),
+                  fixed=True),
+    ParameterSpec('simulated.table_level', 202.0,
+                  "simulated: the table's brightness, in grey levels.", (1, 255), fixed=True),
+    ParameterSpec('simulated.contrast', 142.0,
+                  'simulated: objects are that much darker than the table (lighter, where '
+                  'negative), in grey levels.', (-255, 255), fixed=True),
+    ParameterSpec('simulated.diameters_cm', [2.4],
+                  'simulated: the diameter of each object, in cm.', fixed=True),
+    ParameterSpec('simulated.highlight', False,
+                  'simulated: whether objects have a spot that looks like the table.', fixed=True),
+    ParameterSpec('simulated.texture', 0.0,
+                  "simulated: standard deviation of the table's pattern, in grey levels.",
+                  (0, 100), fixed=True),
+    ParameterSpec('simulated.over_edge', False,
+                  "simulated: whether the objects' paths lead beyond the picture's edge.",
+                  fixed=True),
+    ParameterSpec('simulated.in_first_frame', False,
+                  'simulated: whether the objects lie there on the first frame, the background.',
+                  fixed=True),
+    ParameterSpec('simulated.rests', False,
+                  'simulated: whether the objects stop on their way.', fixed=True),
 ]
 
 
@@ -124,7 +168,7 @@ def camera_settings(values: Values) -> CameraSettings:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
     if values['annotated_picture']:
         check_picture_path(values['annotated_picture'])
-    settings = CameraSettings(
+    return CameraSettings(
         source=values['source'],
         period=values['period'],
         wait_for_subscribers=values['wait_for_subscribers'],
@@ -132,11 +176,13 @@ def camera_settings(values: Values) -> CameraSettings:
         image_size=check_image_size(values['surface.image_size']),
         detector=DetectorSettings(**_group(values, 'detector.')),
         surface=_surface(values),
-        simulated=SimulationSettings(**_group(values, 'simulated.')))
-    detector = settings.detector
-    AbsoluteDifferenceDetector.check_parameters(
-        detector.threshold, detector.closing_size, detector.median_size)
-    return settings
+        simulated=_simulated(**_group(values, 'simulated.')))
+
+
+def _simulated(
+    tilt_deg: float, seed: int, frame_rate: float, **conditions
+) -> SimulationSettings:
+    return SimulationSettings(tilt_deg, seed, frame_rate, BoardConditions(**conditions))
 
 
 def _surface(values: Values) -> Surface:

@@ -14,12 +14,11 @@
 
 """Node: wires a frame source, a detector and a surface to a publisher."""
 
-from dataclasses import asdict
 import random
 from typing import List, Optional
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Pixel
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS, CameraSettings
+from camera_to_base.detection import Pixel
 from camera_to_base.errors import CameraToBaseError, FrameSourceError
 from camera_to_base.frame_sources import first_camera, FrameSource, open_frame_source, VideoFile
 from camera_to_base.lifetime import run
@@ -80,7 +79,7 @@ class CameraPublisher(Node):
     def _open_source(self) -> Optional[FrameSource]:
         name, image_size = self._settings.source, self._settings.image_size
         if name == 'simulated':
-            return SimulatedBoard(image_size=image_size, **asdict(self._settings.simulated))
+            return self._settings.simulated.board(image_size)
         if name not in ('auto', 'random'):
             return open_frame_source(name, image_size)
         camera = first_camera(image_size) if name == 'auto' else None
@@ -149,10 +148,8 @@ class CameraPublisher(Node):
 
     def _current_locator(self) -> ObjectLocator:
         if self._locator is None:
-            height, width = self._background.shape[:2]
             self._locator = ObjectLocator(
-                AbsoluteDifferenceDetector(self._background, **asdict(self._settings.detector)),
-                self._settings.surface.for_image_size((width, height)))
+                self._background, self._settings.surface, self._settings.detector)
         return self._locator
 
     def _on_new_settings(self) -> None:

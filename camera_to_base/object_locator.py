@@ -14,12 +14,20 @@
 
 """The whole way on one frame: from the picture to points in the camera frame."""
 
-from typing import List, NamedTuple, Sequence
+from dataclasses import dataclass
+from typing import List, NamedTuple, Protocol, Sequence
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Detection
-from camera_to_base.errors import HorizonError
+from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.checks import finite_number
+from camera_to_base.detection import Detection, locate_on_surface
+from camera_to_base.errors import HorizonError, InvalidValueError
+from camera_to_base.precise_difference import PreciseDifferenceDetector
 from camera_to_base.surface import Surface
 import numpy as np
+
+METHODS = ('tutorial', 'precise')
+# A frame of nothing but noise must not stop who locates objects on it.
+_MOST_OBJECTS = 100
 
 
 class Point(NamedTuple):
@@ -36,41 +44,121 @@ class LocatedObject(NamedTuple):
     point: Point
 
 
+class Detector(Protocol):
+    """Finds objects by their difference to a background picture."""
+
+    def detect(self, frame: np.ndarray) -> List[Detection]:
+        """
+        Find the objects on a frame.
+
+        :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        :returns: The largest first; none is [].
+        :raises FrameSizeError: If the frame's size is not the background's.
+        """
+
+
+@dataclass(frozen=True)
+class DetectorSettings:
+    """
+    Which detector, and which of its objects count.
+
+    :param method: 'tutorial', to the pixel, or 'precise'.
+    :param threshold: tutorial: grey levels that make a pixel part of an object, 0..255.
+    :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
+    :param median_size: tutorial: edge of the median filter's window, in px, odd.
+    :param precise_threshold: precise: the same as threshold, at the background's light.
+    :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
+    :param max_area_cm2: Larger objects do not count, in cm² on the surface.
+    :param publish_cut_off: precise: whether an object that touches the picture's edge counts; the
+        tutorial's method takes it for whole.
+    :raises InvalidValueError: If a value cannot be used.
+    """
+
+    method: str = 'tutorial'
+    threshold: int = 95
+    closing_size: int = 20
+    median_size: int = 5
+    precise_threshold: float = 45.0
+    min_area_cm2: float = 0.0
+    max_area_cm2: float = 1e6
+    publish_cut_off: bool = False
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without a background."""
+        if self.method not in METHODS:
+            raise InvalidValueError(
+                f"detector.method must be one of {', '.join(METHODS)}, got '{self.method}'")
+        AbsoluteDifferenceDetector.check_parameters(
+            self.threshold, self.closing_size, self.median_size)
+        finite_number('precise_threshold', self.precise_threshold, 0, 255)
+        finite_number('min_area_cm2', self.min_area_cm2, 0, 1e6)
+        finite_number('max_area_cm2', self.max_area_cm2, self.min_area_cm2, 1e6)
+
+    def detector(self, background: np.ndarray) -> Detector:
+        """Make the detector."""
+        if self.method == 'precise':
+            return PreciseDifferenceDetector(background, threshold=self.precise_threshold)
+        return AbsoluteDifferenceDetector(
+            background, threshold=self.threshold, closing_size=self.closing_size,
+            median_size=self.median_size)
+
+
 class ObjectLocator:
     """
     Locates every object on a frame.
 
-    :param detector: Finds objects on a frame.
-    :param surface: Maps pixels of that detector's frames to the work surface.
+    :param background: The surface without an object, shape (h, w, 3), uint8, BGR.
+    :param surface: Maps pixels to the work surface.
+    :param settings: The detector's.
+    :raises FrameSizeError: If the surface was calibrated for another picture size.
+    :raises InvalidValueError: If the background cannot be used.
     """
 
-    def __init__(self, detector: AbsoluteDifferenceDetector, surface: Surface) -> None:
-        self._detector = detector
-        self._surface = surface
+    def __init__(
+        self,
+        background: np.ndarray,
+        surface: Surface,
+        settings: DetectorSettings = DetectorSettings(),
+    ) -> None:
+        self._detector = settings.detector(background)
+        self._surface = surface.for_image_size((background.shape[1], background.shape[0]))
+        self._settings = settings
 
     def locate(self, frame: np.ndarray) -> List[LocatedObject]:
         """
         Locate the objects that lie on the work surface.
 
         What is seen beyond the horizon (somebody walks through the room) is no object on the
-        surface and is left out.
+        surface and is left out, as is what has not the size that counts.
 
         :param frame: Shape (h, w, 3), uint8, BGR.
-        :returns: The largest first; none is [].
+        :returns: The largest first, at most 100; none is [].
         :raises HorizonError: If something is seen, but all of it beyond the horizon.
         :raises FrameSizeError: If the frame's size is not the background's.
         """
         objects, beyond = [], None
-        for detection in self._detector.detect(frame):
+        for detection in self._detector.detect(frame)[:_MOST_OBJECTS]:
             try:
-                point = locate_pixel(self._surface, detection.centre)
+                located = LocatedObject(detection, self._point(detection))
+                if self._counts(detection):
+                    objects.append(located)
             except HorizonError as error:
                 beyond = beyond or error
-            else:
-                objects.append(LocatedObject(detection, point))
         if beyond is not None and not objects:
             raise beyond
         return objects
+
+    def _counts(self, detection: Detection) -> bool:
+        settings = self._settings
+        if detection.cut_off and settings.method == 'precise' and not settings.publish_cut_off:
+            return False
+        area_cm2 = detection.area * _cm2_per_px2(self._surface, detection.centre)
+        return settings.min_area_cm2 <= area_cm2 <= settings.max_area_cm2
+
+    def _point(self, detection: Detection) -> Point:
+        if self._settings.method == 'precise':
+            return Point(*map(float, locate_on_surface(self._surface.locate, detection)))
+        return locate_pixel(self._surface, detection.centre)
 
 
 def locate_pixel(surface: Surface, pixel: Sequence[float]) -> Point:
@@ -82,3 +170,11 @@ def locate_pixel(surface: Surface, pixel: Sequence[float]) -> Point:
     """
     x, y = surface.locate([pixel])[0]
     return Point(float(x), float(y))
+
+
+def _cm2_per_px2(surface: Surface, pixel: Sequence[float]) -> float:
+    u, v = pixel
+    left, right, above, below = surface.locate(
+        [(u - 0.5, v), (u + 0.5, v), (u, v - 0.5), (u, v + 0.5)])
+    (along_x, along_y), (down_x, down_y) = right - left, below - above
+    return abs(along_x * down_y - along_y * down_x)

@@ -17,7 +17,7 @@
 import os
 from typing import Sequence
 
-from camera_to_base.absolute_difference import check_frame, Pixel
+from camera_to_base.detection import check_frame, Pixel
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.object_locator import LocatedObject, Point
 from camera_to_base.surface import ImageSize

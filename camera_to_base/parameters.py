@@ -51,7 +51,7 @@ class ParameterSpec:
         descriptor = ParameterDescriptor(
             description=self.description, additional_constraints=self.constraints,
             read_only=self.fixed)
-        if self.limits and isinstance(self.default, int):
+        if self.limits and type(self.default) is int:
             descriptor.integer_range = [IntegerRange(
                 from_value=self.limits[0], to_value=self.limits[1], step=self.step)]
         elif self.limits:

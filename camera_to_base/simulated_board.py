@@ -12,40 +12,60 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A work surface with a coin moving over it, rendered: a frame source that knows the truth."""
+"""A work surface with objects moving over it, rendered: a frame source that knows the truth."""
 
 import math
-from typing import Optional, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
+from camera_to_base.board_conditions import BoardConditions
+from camera_to_base.board_view import BoardView
 from camera_to_base.checks import finite_number, whole_number
-from camera_to_base.surface import check_image_size, HomographySurface, ImageSize
+from camera_to_base.surface import ImageSize
+import cv2
 import numpy as np
 
-_CAMERA_DISTANCE_CM = 60.0
-_TABLE_COLOUR = np.array([196.0, 202.0, 208.0], np.float32)
-_COIN_COLOUR = np.array([52.0, 60.0, 70.0], np.float32)
-_COIN_DIAMETER_CM = 2.4
-_GRID_CM = 4.5
-_GRID_DEPTH = 10.0
-# One round of the coin's path takes this long; 2 and 3 rounds in x and y make a closed figure.
+# Differences of blue, green and red to the grey level: nothing real is quite grey.
+_TABLE_TINT = np.array([-6.0, 0.0, 6.0], np.float32)
+_OBJECT_TINT = np.array([-8.0, 0.0, 10.0], np.float32)
+_HAND_COLOUR = np.array([66.0, 86.0, 116.0], np.float32)
+# Faint lines every few cm let the eye see the tilt; no detector sees them.
+_GRID_CM, _GRID_DEPTH = 4.5, 10.0
+# One round of the path takes this long; 2 and 3 rounds in x and y make a closed figure.
 _ROUND_S = 60.0
+# How close to a hand an object's edge can come before a picture does not tell them apart, px.
+_HAND_MARGIN_PX = 6.0
+
+
+class TrueObject(NamedTuple):
+    """
+    An object as it is.
+
+    :param point: Where its centre is on the surface, x and y, in cm, in the camera frame.
+    :param pixel: The centroid of its picture, u and v, in px.
+    :param radius: Half of its picture's shorter side, in px.
+    :param cut_off: By how many px it is beyond the picture's edge; negative where it is inside.
+    :param hidden: Whether a hand covers or touches it.
+    """
+
+    point: Tuple[float, float]
+    pixel: Tuple[float, float]
+    radius: float
+    cut_off: float
+    hidden: bool
 
 
 class SimulatedBoard:
     """
-    Frames of a coin that moves over a board, seen by a pinhole camera.
+    Frames of objects that move over a board, seen by a pinhole camera, see :class:`BoardView`.
 
-    The camera frame is that of a camera at tilt 0: its origin is where the top-left pixel looks
-    at, x to the right, y down. A tilt turns the camera about the surface point that the
-    picture's centre looks at, so that the picture's top looks farther. The first frame shows
-    the empty board.
+    The first frame shows the empty board, unless the conditions say otherwise.
 
     :param image_size: Width and height, in px.
     :param width_cm: What the picture's width sees of the surface at tilt 0, in cm.
     :param tilt_deg: 0 looks straight down; up to 60, in degrees.
-    :param noise: Standard deviation of the sensor's noise, in grey levels.
-    :param seed: Makes the noise; the same seed gives the same frames.
-    :param frame_rate: Frames per second of the coin's time.
+    :param seed: Makes noise and texture; the same seed gives the same frames.
+    :param frame_rate: Frames per second of the objects' time.
+    :param conditions: Light, noise, objects: the fields of :class:`BoardConditions`.
     :raises InvalidValueError: If a value cannot be used.
     :raises HorizonError: If the picture would reach the horizon.
     """
@@ -56,126 +76,153 @@ class SimulatedBoard:
         image_size: ImageSize = (640, 480),
         width_cm: float = 36.0,
         tilt_deg: float = 0.0,
-        noise: float = 2.0,
         seed: int = 0,
         frame_rate: float = 10.0,
+        **conditions,
     ) -> None:
-        self._width, self._height = check_image_size(image_size)
-        tilt_deg = finite_number('tilt_deg', tilt_deg, 0.0, 60.0)
-        width_cm = finite_number('width_cm', width_cm, 1.0, 1000.0)
-        self._noise = finite_number('noise', noise, 0.0, 100.0)
+        self._view = BoardView(image_size, width_cm, tilt_deg)
+        self._conditions = BoardConditions(**conditions)
         self._seed = whole_number('seed', seed, 0, 2**31 - 1)
         self.frame_rate = finite_number('frame_rate', frame_rate, 0.1, 1000.0)
-        self._cm_per_px = width_cm / self._width
-        self._pixel_from_surface = self._project(math.radians(tilt_deg))
-        self._refuse_horizon()
-        self._board = self._draw_board()
+        self._table = self._draw_table()
         self._frame_count = 0
-        self.true_point: Optional[Tuple[float, float]] = None
+        self.true_objects: List[TrueObject] = []
 
     @property
     def pixel_from_surface(self) -> np.ndarray:
         """Homography from cm in the camera frame to px, shape (3, 3)."""
-        return self._pixel_from_surface.copy()
+        return self._view.pixel_from_surface.copy()
 
     @property
     def surface_from_pixel(self) -> np.ndarray:
         """Homography from px to cm in the camera frame, shape (3, 3): what calibration finds."""
-        inverse = np.linalg.inv(self._pixel_from_surface)
-        return inverse / inverse[2, 2]
+        return self._view.surface_from_pixel.copy()
+
+    @property
+    def true_point(self) -> Optional[Tuple[float, float]]:
+        """Tell the largest whole object's x and y on the last frame, in cm; None without one."""
+        whole = [true for true in self.true_objects if true.cut_off < 0 and not true.hidden]
+        return max(whole, key=lambda true: true.radius).point if whole else None
 
     def read(self) -> np.ndarray:
         """
-        Render the next frame; from then on `true_point` is the coin's position on it.
+        Render the next frame; from then on `true_objects` are the objects on it.
 
         :returns: Shape (h, w, 3), uint8, BGR.
         """
-        number = self._frame_count
-        self._frame_count += 1
-        self.true_point = self.coin_point(number)
-        picture = self._board.copy()
-        if self.true_point is not None:
-            self._draw_coin(picture, self.true_point)
-        if self._noise > 0:
-            noise = np.random.default_rng((self._seed, number)).standard_normal(
-                picture.shape, dtype=np.float32)
-            picture += noise * np.float32(self._noise)
+        number, self._frame_count = self._frame_count, self._frame_count + 1
+        picture, hand = self._table.copy(), self._hand(number)
+        self.true_objects = []
+        if number > 0 or self._conditions.in_first_frame:
+            for index, diameter in enumerate(self._conditions.diameters_cm):
+                point = self.object_point(number, index)
+                self._draw_object(picture, point, diameter / 2)
+                self.true_objects.append(self._true_object(point, diameter / 2, hand))
+        self._cast_shadow(picture, number)
+        if hand is not None:
+            self._draw_hand(picture, hand)
+        picture *= np.float32(self._light(number))
+        self._add_noise(picture, number)
         return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
     def release(self) -> None:
         """Do nothing: there is no device to give back."""
 
-    def coin_point(self, number: int) -> Optional[Tuple[float, float]]:
+    def object_point(self, number: int, index: int = 0) -> Tuple[float, float]:
         """
-        Tell where the coin is.
+        Tell where an object is.
 
         :param number: The frame's, from 0.
-        :returns: x and y, in cm, in the camera frame; None on the first frame.
+        :param index: The object's; each has a part of the board to itself, they never meet.
+        :returns: x and y, in cm, in the camera frame.
         """
-        if number == 0:
-            return None
-        angle = 2 * math.pi * number / self.frame_rate / _ROUND_S
-        return (self._cm_per_px * self._width * (0.5 + 0.3 * math.sin(2 * angle)),
-                self._cm_per_px * self._height * (0.5 + 0.25 * math.sin(3 * angle)))
+        part = self._round(number)
+        if self._conditions.rests:
+            stage, within = divmod(part * 12, 1)
+            part = (stage + min(2 * within, 1)) / 12
+        angle = 2 * math.pi * part
+        count = len(self._conditions.diameters_cm)
+        reach_x, reach_y = (0.53, 0.53) if self._conditions.over_edge else (0.3, 0.25)
+        width_cm = self._view.cm_per_px * self._view.width
+        height_cm = self._view.cm_per_px * self._view.height
+        return (width_cm / count * (index + 0.5 + reach_x * math.sin(2 * angle + index)),
+                height_cm * (0.5 + reach_y * math.sin(3 * angle + index)))
 
-    def _project(self, tilt: float) -> np.ndarray:
-        # Hartley and Zisserman, Multiple View Geometry, 8.1: a plane's points project by
-        # K [r1 r2 t]; here the plane's origin is moved to where the picture's centre looks.
-        centre = self._width / 2, self._height / 2
-        focal = _CAMERA_DISTANCE_CM / self._cm_per_px
-        camera = np.array([[focal, 0, centre[0]], [0, focal, centre[1]], [0, 0, 1]])
-        pose = np.array([[1, 0, 0],
-                         [0, math.cos(tilt), 0],
-                         [0, -math.sin(tilt), _CAMERA_DISTANCE_CM]])
-        to_centre = np.array([[1, 0, -centre[0] * self._cm_per_px],
-                              [0, 1, -centre[1] * self._cm_per_px],
-                              [0, 0, 1]])
-        return camera @ pose @ to_centre
+    def _round(self, number: int) -> float:
+        return number / self.frame_rate / _ROUND_S
 
-    def _refuse_horizon(self) -> None:
-        right, bottom = self._width - 1, self._height - 1
-        size = self._width, self._height
-        HomographySurface(self.surface_from_pixel, size).locate(
-            [[0, 0], [right, 0], [0, bottom], [right, bottom]])
+    def _true_object(
+        self, point: Tuple[float, float], radius: float, hand: Optional[np.ndarray]
+    ) -> TrueObject:
+        centre, half = self._view.ellipse(point, radius)
+        last = np.array([self._view.width, self._view.height]) - 0.5
+        cut_off = max((half - centre).max() - 0.5, (centre + half - last).max())
+        hidden = hand is not None and self._hand_distance(
+            hand, *centre) < half.max() + _HAND_MARGIN_PX
+        return TrueObject(point, tuple(centre), float(half.min()), float(cut_off), bool(hidden))
 
-    def _draw_board(self) -> np.ndarray:
-        # Faint lines every few cm let the eye see the tilt; the detector does not see them.
-        points = self._surface_points(slice(0, self._height), slice(0, self._width))
-        to_line = np.abs((points + _GRID_CM / 2) % _GRID_CM - _GRID_CM / 2).min(axis=2)
-        line = np.clip(1 - to_line / self._cm_per_px, 0, 1)[:, :, None]
-        return (_TABLE_COLOUR - _GRID_DEPTH * line).astype(np.float32)
+    def _draw_table(self) -> np.ndarray:
+        everything = slice(0, self._view.height), slice(0, self._view.width)
+        offset = (self._view.points(*everything) + _GRID_CM / 2) % _GRID_CM - _GRID_CM / 2
+        line = np.clip(1 - np.abs(offset).min(axis=2) / self._view.cm_per_px, 0, 1)
+        level = self._conditions.table_level - _GRID_DEPTH * line
+        if self._conditions.texture > 0:
+            grain = np.random.default_rng((self._seed, 0, 0)).standard_normal(
+                level.shape, dtype=np.float32)
+            grain = cv2.GaussianBlur(grain, (0, 0), 3.0)
+            level += grain * (self._conditions.texture / grain.std())
+        return level[:, :, None].astype(np.float32) + _TABLE_TINT
 
-    def _draw_coin(self, picture: np.ndarray, point: Tuple[float, float]) -> None:
-        rows, columns = self._window(point)
-        if rows.stop <= rows.start or columns.stop <= columns.start:
-            return
-        coverage = self._coverage(point, rows, columns)[:, :, None].astype(np.float32)
+    def _draw_object(
+        self, picture: np.ndarray, point: Tuple[float, float], radius: float
+    ) -> None:
+        rows, columns = self._view.window(self._view.ellipse(point, radius))
         window = picture[rows, columns]
-        window += coverage * (_COIN_COLOUR - window)
+        if window.size == 0:
+            return
+        coverage = self._view.coverage(point, radius, rows, columns)
+        if self._conditions.highlight:
+            spot = point[0] - 0.3 * radius, point[1] - 0.3 * radius
+            coverage -= self._view.coverage(spot, 0.35 * radius, rows, columns)
+        colour = self._conditions.table_level - self._conditions.contrast + _OBJECT_TINT
+        window += coverage[:, :, None].astype(np.float32) * (colour - window)
 
-    def _window(self, point: Tuple[float, float]) -> Tuple[slice, slice]:
-        reach = 0.75 * _COIN_DIAMETER_CM
-        corners = np.array([[point[0] + dx, point[1] + dy, 1.0]
-                            for dx in (-reach, reach) for dy in (-reach, reach)])
-        projected = corners @ self._pixel_from_surface.T
-        pixels = projected[:, :2] / projected[:, 2:]
-        left, top = np.floor(pixels.min(axis=0)).astype(int)
-        right, bottom = np.ceil(pixels.max(axis=0)).astype(int) + 1
-        return (slice(max(top, 0), min(bottom, self._height)),
-                slice(max(left, 0), min(right, self._width)))
+    def _cast_shadow(self, picture: np.ndarray, number: int) -> None:
+        if self._conditions.shadow > 0 and number > 0:
+            height, width = picture.shape[:2]
+            angle = 2 * math.pi * self._round(number)
+            u0 = width * (0.5 + 0.4 * math.sin(5 * angle))
+            v0 = height * (0.5 + 0.4 * math.cos(4 * angle))
+            v, u = np.ogrid[:height, :width]
+            depth = np.clip(2 - 2 * np.hypot(u - u0, v - v0) / (0.2 * width), 0, 1)
+            share = self._conditions.shadow / self._conditions.table_level
+            soft = share * depth * depth * (3 - 2 * depth)
+            picture *= (1 - soft)[:, :, None].astype(np.float32)
 
-    def _coverage(
-        self, point: Tuple[float, float], rows: slice, columns: slice
-    ) -> np.ndarray:
-        # A pixel is covered in proportion to how far the edge has passed over it. The distance
-        # to the edge in px is, to first order, the implicit function over its gradient.
-        x, y = np.moveaxis(self._surface_points(rows, columns) - point, 2, 0)
-        beyond_edge = np.hypot(x, y) - _COIN_DIAMETER_CM / 2
-        slope = np.hypot(*np.gradient(beyond_edge)) if min(x.shape) > 1 else self._cm_per_px
-        return np.clip(0.5 - beyond_edge / np.maximum(slope, 1e-9), 0.0, 1.0)
+    def _hand(self, number: int) -> Optional[np.ndarray]:
+        # A capsule from below the picture to where the fingers are; every time somewhere else.
+        visit, part = divmod(self._round(number) * self._conditions.hands, 1)
+        depth = math.sin(2 * math.pi * part)
+        if self._conditions.hands == 0 or depth <= 0:
+            return None
+        u = self._view.width * (0.3 + 0.4 * (visit % 2) + 0.15 * math.cos(2 * math.pi * part))
+        return np.array([u, self._view.height * (1.15 - 0.8 * depth)])
 
-    def _surface_points(self, rows: slice, columns: slice) -> np.ndarray:
-        # Shape (rows, columns, 2): x and y, in cm, of what each pixel looks at.
-        v, u = np.mgrid[rows, columns].astype(float)
-        scaled = np.stack([u, v, np.ones_like(u)], axis=2) @ self.surface_from_pixel.T
-        return scaled[:, :, :2] / scaled[:, :, 2:]
+    def _hand_distance(self, tip: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.hypot(u - tip[0], np.minimum(v - tip[1], 0)) - 0.1 * self._view.width
+
+    def _draw_hand(self, picture: np.ndarray, tip: np.ndarray) -> None:
+        v, u = np.ogrid[:picture.shape[0], :picture.shape[1]]
+        coverage = np.clip(0.5 - self._hand_distance(tip, u, v), 0, 1).astype(np.float32)
+        picture += coverage[:, :, None] * (_HAND_COLOUR - picture)
+
+    def _light(self, number: int) -> float:
+        part = self._round(number)
+        drift = max(1 + self._conditions.light_drift / self._conditions.table_level * part, 0.0)
+        return drift * (self._conditions.exposure_step if int(4 * part) % 2 else 1.0)
+
+    def _add_noise(self, picture: np.ndarray, number: int) -> None:
+        if self._conditions.noise > 0:
+            noise = np.random.default_rng((self._seed, number)).standard_normal(
+                picture.shape, dtype=np.float32)
+            picture += noise * np.float32(self._conditions.noise)

@@ -17,6 +17,7 @@ import re
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Box, check_frame, Pixel
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 import cv2
+import equality
 import numpy as np
 import pytest
 
@@ -314,3 +315,9 @@ def test_parameters_at_the_ends_of_their_ranges_are_accepted(parameters):
         plain((7, 9), 220), threshold=threshold, closing_size=closing_size,
         median_size=median_size)
     assert detector.detect(plain((7, 9), 220)) == []
+
+
+def test_adversarial_frames_give_the_tutorials_largest_object():
+    # More of them: python3 test/equality.py --frames 100000 --seed 7
+    assert list(equality.mismatches(3000, seed=1)) == []
+    assert equality.mismatches.found > 700

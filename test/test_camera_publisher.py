@@ -113,6 +113,18 @@ def test_homography_refuses_pictures_that_it_was_not_made_for(ros, play):
     assert received == []
 
 
+def test_precise_method_puts_the_simulated_coin_within_a_tenth_of_a_mm(ros):
+    received, true = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(TRUE_TOPIC)
+    ros.add(CameraPublisher, '-p', 'source:=simulated', '-p', 'detector.method:=precise')
+    assert ros.spin_until(lambda: len(received) >= 10 and len(true) >= 10)
+    positions = [(sent, position) for sent, position in received if sent > true[0][0]]
+    ros.spin_for(0.2)  # topics do not wait for each other: let the last one's truth arrive
+    assert len(positions) >= 5
+    for sent, position in positions:
+        _, true_position = max(entry for entry in true if entry[0] <= sent)
+        assert math.dist(position, true_position) < 0.01
+
+
 def test_random_pixels_come_from_the_tutorials_range(ros):
     received = listen_for_camera(ros)
     ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=0.01')
@@ -170,12 +182,11 @@ def test_bad_value_at_start_is_refused(ros, argument):
 
 
 def test_topic_is_reliable_with_depth_10(ros):
-    node = ros.add(CameraPublisher, '-p', 'source:=random')
-    # The nodes of earlier tests take a moment to leave the graph.
-    assert ros.spin_until(lambda: node.count_publishers(CAMERA_TOPIC) == 1)
-    info, = node.get_publishers_info_by_topic(CAMERA_TOPIC)
+    node = ros.add(CameraPublisher, '-p', 'source:=random', '-r', '__ns:=/apart')
+    topic = f'/apart{CAMERA_TOPIC}'
+    info, = node.get_publishers_info_by_topic(topic)
     assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
-    assert node.get_parameter(f'qos_overrides.{CAMERA_TOPIC}.publisher.depth').value == 10
+    assert node.get_parameter(f'qos_overrides.{topic}.publisher.depth').value == 10
 
 
 def test_every_parameter_is_described_and_every_number_has_a_range(ros):

@@ -14,7 +14,6 @@
 
 import math
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.object_locator import ObjectLocator
 from camera_to_base.simulated_board import SimulatedBoard
@@ -36,7 +35,7 @@ def homography_surface(board):
 def base_points(tilt_deg, make_surface, frame_count):
     """Give the measured and the true base point of each frame, in cm."""
     board = SimulatedBoard(tilt_deg=tilt_deg, frame_rate=FRAME_RATE, seed=tilt_deg)
-    locator = ObjectLocator(AbsoluteDifferenceDetector(board.read()), make_surface(board))
+    locator = ObjectLocator(board.read(), make_surface(board))
     conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
     for _ in range(frame_count):
         coin, = locator.locate(board.read())

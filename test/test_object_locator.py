@@ -12,9 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector, Box, Detection, Pixel
+import math
+
+from camera_to_base.detection import Pixel
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
-from camera_to_base.object_locator import locate_pixel, ObjectLocator, Point
+from camera_to_base.object_locator import DetectorSettings, locate_pixel, ObjectLocator, Point
+from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
 import numpy as np
 import pytest
@@ -34,13 +37,16 @@ def frame_with(*boxes):
     return frame
 
 
+# The tutorial's closing kernel has no middle pixel and moves an object by one.
+SETTINGS = DetectorSettings(closing_size=1)
+
+
 def detector():
-    # The tutorial's closing kernel has no middle pixel and moves an object by one.
-    return AbsoluteDifferenceDetector(plain_frame(), closing_size=1)
+    return SETTINGS.detector(plain_frame())
 
 
-def locator(surface):
-    return ObjectLocator(detector(), surface)
+def locator(surface, settings=SETTINGS):
+    return ObjectLocator(plain_frame(), surface, settings)
 
 
 def test_object_is_located_at_the_centre_of_its_box():
@@ -85,14 +91,44 @@ def test_frame_that_is_no_picture_is_refused():
         locator(ParallelSurface()).locate(plain_frame()[:, :, 0])
 
 
-def test_any_detector_will_do():
-    class OneDetection:
+@pytest.mark.parametrize('method, expected', [('tutorial', 2), ('precise', 1)])
+def test_object_at_the_edge_counts_for_the_tutorial_only(method, expected):
+    frame = frame_with((0, 100, 60, 60), (300, 100, 80, 80))
+    settings = DetectorSettings(method=method)
+    assert len(locator(ParallelSurface(64.0), settings).locate(frame)) == expected
 
-        def detect(self, frame):
-            return [Detection(Box(0, 0, 2, 2), Pixel(100.5, 50.25), 1.0)]
 
-    located, = ObjectLocator(OneDetection(), ParallelSurface(64.0)).locate(plain_frame())
-    assert located.point == pytest.approx((10.05, 5.025))
+def test_object_at_the_edge_counts_for_precise_where_it_was_asked_for():
+    settings = DetectorSettings(method='precise', publish_cut_off=True)
+    located, = locator(ParallelSurface(64.0), settings).locate(frame_with((0, 100, 60, 60)))
+    assert located.detection.cut_off
+
+
+@pytest.mark.parametrize('method', ['tutorial', 'precise'])
+def test_size_limits_are_in_square_cm_on_the_surface(method):
+    # 0.1 cm a pixel: 16, 64 and 144 cm².
+    frame = frame_with((50, 60, 40, 40), (300, 80, 80, 80), (400, 300, 120, 120))
+    settings = DetectorSettings(method=method, min_area_cm2=30.0, max_area_cm2=100.0)
+    located, = locator(ParallelSurface(64.0), settings).locate(frame)
+    assert located.point == pytest.approx((34.0, 12.0), abs=0.15)
+
+
+@pytest.mark.parametrize('tilt_deg', [0, 40])
+def test_precise_point_is_right_to_a_tenth_of_a_mm(tilt_deg):
+    board = SimulatedBoard(tilt_deg=tilt_deg, frame_rate=0.5)
+    locate = ObjectLocator(board.read(), HomographySurface(board.surface_from_pixel),
+                           DetectorSettings(method='precise')).locate
+    for _ in range(15):
+        located, = locate(board.read())
+        assert math.dist(located.point, board.true_point) < 0.01
+
+
+@pytest.mark.parametrize('field, value', [
+    ('method', 'best'), ('threshold', 256), ('median_size', 4), ('closing_size', 0),
+    ('precise_threshold', -1.0), ('min_area_cm2', math.nan), ('max_area_cm2', -1.0)])
+def test_setting_that_cannot_be_used_is_refused_by_its_name(field, value):
+    with pytest.raises(InvalidValueError, match=field):
+        DetectorSettings(**{field: value})
 
 
 @pytest.mark.parametrize('surface', [ParallelSurface(), PolynomialSurface(), ROAD])

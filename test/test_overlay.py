@@ -29,7 +29,9 @@ def grey_frame(width=640, height=480):
 
 def located(box, point=(19.5, 13.75)):
     centre = Pixel(box[0] + box[2] // 2, box[1] + box[3] // 2)
-    return LocatedObject(Detection(Box(*box), centre, float(box[2] * box[3])), Point(*point))
+    outline = np.zeros((1, 2), np.int32)
+    detection = Detection(Box(*box), centre, float(box[2] * box[3]), outline, False)
+    return LocatedObject(detection, Point(*point))
 
 
 def changed(picture):

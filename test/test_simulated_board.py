@@ -157,7 +157,7 @@ def test_matrix_of_the_board_cannot_be_changed_from_outside():
 def test_whole_coin_is_seen_all_the_way(tilt_deg):
     board = SimulatedBoard(tilt_deg=tilt_deg, frame_rate=10.0)
     for number in range(1, 601):
-        x, y = board.coin_point(number)
+        x, y = board.object_point(number)
         for angle in np.linspace(0, 2 * math.pi, 8, endpoint=False):
             edge = x + 1.2 * math.cos(angle), y + 1.2 * math.sin(angle)
             u, v = project(board.pixel_from_surface, edge)
@@ -167,27 +167,29 @@ def test_whole_coin_is_seen_all_the_way(tilt_deg):
 def test_coins_path_closes_after_a_minute():
     board = SimulatedBoard(frame_rate=10.0)
     for number in (1, 77, 300):
-        assert board.coin_point(number + 600) == pytest.approx(board.coin_point(number))
+        assert board.object_point(number + 600) == pytest.approx(board.object_point(number))
 
 
 def test_coins_path_covers_the_middle_half_of_the_board():
     board = SimulatedBoard()
-    x, y = np.array([board.coin_point(number) for number in range(1, 601)]).T
+    x, y = np.array([board.object_point(number) for number in range(1, 601)]).T
     assert x.min() < 9.0 and x.max() > 27.0 and y.min() < 6.76 and y.max() > 20.24
 
 
 def test_frame_rate_is_that_of_the_coins_time():
     slow, fast = SimulatedBoard(frame_rate=5.0), SimulatedBoard(frame_rate=50.0)
-    assert fast.coin_point(70) == pytest.approx(slow.coin_point(7))
+    assert fast.object_point(70) == pytest.approx(slow.object_point(7))
     assert (slow.frame_rate, fast.frame_rate) == (5.0, 50.0)
 
 
 def test_true_point_is_that_of_the_last_frame():
     board = SimulatedBoard()
     assert board.true_point is None
-    for number in range(4):
+    board.read()
+    assert board.true_point is None
+    for number in range(1, 4):
         board.read()
-        assert board.true_point == board.coin_point(number)
+        assert board.true_point == board.object_point(number)
 
 
 def test_board_can_be_released_as_any_source():

@@ -1,0 +1,123 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How a pinhole camera sees a work surface: the geometry of the simulated board."""
+
+import math
+from typing import NamedTuple, Tuple
+
+from camera_to_base.checks import finite_number
+from camera_to_base.surface import check_image_size, HomographySurface, ImageSize
+import numpy as np
+
+_CAMERA_DISTANCE_CM = 60.0
+
+
+class Ellipse(NamedTuple):
+    """A circle's picture: its centre, and half of its width and height, all u and v in px."""
+
+    centre: np.ndarray
+    half: np.ndarray
+
+
+class BoardView:
+    """
+    A pinhole camera over a board.
+
+    The camera frame is that of a camera at tilt 0: its origin is where the top-left pixel looks
+    at, x to the right, y down. A tilt turns the camera about the surface point that the
+    picture's centre looks at, so that the picture's top looks farther.
+
+    :param image_size: Width and height, in px.
+    :param width_cm: What the picture's width sees of the surface at tilt 0, in cm.
+    :param tilt_deg: 0 looks straight down; up to 60, in degrees.
+    :raises InvalidValueError: If a value cannot be used.
+    :raises HorizonError: If the picture would reach the horizon.
+    """
+
+    def __init__(self, image_size: ImageSize, width_cm: float, tilt_deg: float) -> None:
+        self.width, self.height = check_image_size(image_size)
+        self.cm_per_px = finite_number('width_cm', width_cm, 1.0, 1000.0) / self.width
+        tilt = math.radians(finite_number('tilt_deg', tilt_deg, 0.0, 60.0))
+        self.pixel_from_surface = self._project(tilt)
+        inverse = np.linalg.inv(self.pixel_from_surface)
+        self.surface_from_pixel = inverse / inverse[2, 2]
+        right, bottom = self.width - 1, self.height - 1
+        HomographySurface(self.surface_from_pixel, image_size).locate(
+            [[0, 0], [right, 0], [0, bottom], [right, bottom]])
+
+    def points(self, rows: slice, columns: slice) -> np.ndarray:
+        """
+        Tell what the pixels of a window look at.
+
+        :returns: Shape (rows, columns, 2): x and y on the surface, in cm.
+        """
+        v, u = np.mgrid[rows, columns].astype(float)
+        scaled = np.stack([u, v, np.ones_like(u)], axis=2) @ self.surface_from_pixel.T
+        return scaled[:, :, :2] / scaled[:, :, 2:]
+
+    def ellipse(self, point: Tuple[float, float], radius: float) -> Ellipse:
+        """
+        Project a circle on the surface.
+
+        Source: Hartley and Zisserman, Multiple View Geometry, 2.2.3. With the dual conic
+        C* = P C* P', the centre of a circle's picture is the pole of the line at infinity, the
+        last column; the tangents u = const and v = const follow from the diagonal.
+
+        :param point: The circle's centre, x and y, in cm.
+        :param radius: In cm.
+        """
+        translation = np.array([[1, 0, point[0]], [0, 1, point[1]], [0, 0, 1]])
+        to_pixel = self.pixel_from_surface @ translation
+        dual = to_pixel @ np.diag([radius ** 2, radius ** 2, -1.0]) @ to_pixel.T
+        dual /= dual[2, 2]
+        centre = dual[:2, 2]
+        return Ellipse(centre, np.sqrt(centre ** 2 - np.diag(dual)[:2]))
+
+    def window(self, ellipse: Ellipse) -> Tuple[slice, slice]:
+        """Give the rows and columns of the picture that an ellipse reaches."""
+        left, top = np.floor(ellipse.centre - ellipse.half).astype(int) - 1
+        right, bottom = np.ceil(ellipse.centre + ellipse.half).astype(int) + 2
+        return (slice(max(top, 0), max(min(bottom, self.height), 0)),
+                slice(max(left, 0), max(min(right, self.width), 0)))
+
+    def coverage(
+        self, point: Tuple[float, float], radius: float, rows: slice, columns: slice
+    ) -> np.ndarray:
+        """
+        Tell how much of each pixel of a window a circle on the surface covers.
+
+        A pixel is covered in proportion to how far the edge has passed over it. The distance to
+        the edge in px is, to first order, the implicit function over its gradient.
+
+        :returns: Shape (rows, columns), 0..1.
+        """
+        x, y = np.moveaxis(self.points(rows, columns) - point, 2, 0)
+        beyond_edge = np.hypot(x, y) - radius
+        slope = np.hypot(*np.gradient(beyond_edge)) if min(x.shape) > 1 else self.cm_per_px
+        return np.clip(0.5 - beyond_edge / np.maximum(slope, 1e-9), 0.0, 1.0)
+
+    def _project(self, tilt: float) -> np.ndarray:
+        # Hartley and Zisserman, Multiple View Geometry, 8.1: a plane's points project by
+        # K [r1 r2 t]; here the plane's origin is moved to where the picture's centre looks.
+        centre = self.width / 2, self.height / 2
+        focal = _CAMERA_DISTANCE_CM / self.cm_per_px
+        camera = np.array([[focal, 0, centre[0]], [0, focal, centre[1]], [0, 0, 1]])
+        pose = np.array([[1, 0, 0],
+                         [0, math.cos(tilt), 0],
+                         [0, -math.sin(tilt), _CAMERA_DISTANCE_CM]])
+        to_centre = np.array([[1, 0, -centre[0] * self.cm_per_px],
+                              [0, 1, -centre[1] * self.cm_per_px],
+                              [0, 0, 1]])
+        return camera @ pose @ to_centre
