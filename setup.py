@@ -37,9 +37,10 @@ setup(
     extras_require={'test': ['pytest']},
     entry_points={
         'console_scripts': [
-            'camera_publisher = camera_to_base.camera_publisher:main',
-            'robot_base_publisher = camera_to_base.robot_base_publisher:main',
-            'robotic_arm_publishing_subscriber = camera_to_base.robot_base_publisher:main',
+            'camera_publisher = camera_to_base.executables:camera_publisher',
+            'robot_base_publisher = camera_to_base.executables:robot_base_publisher',
+            'robotic_arm_publishing_subscriber = '
+            'camera_to_base.executables:robot_base_publisher',
         ],
     },
 )

@@ -15,7 +15,8 @@
 """Node: wires a frame source, a detector and a surface to a publisher."""
 
 import random
-from typing import List, Optional
+import time
+from typing import Callable, List, Optional
 
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS, CameraSettings
 from camera_to_base.detection import Pixel
@@ -28,9 +29,11 @@ from camera_to_base.overlay import draw_objects, draw_pixel, write_picture
 from camera_to_base.parameters import NodeParameters
 from camera_to_base.simulated_board import SimulatedBoard
 import numpy as np
+from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.timer import Timer
 from std_msgs.msg import Float64MultiArray
 
 # The tutorial draws random pixels from this range in both directions.
@@ -60,11 +63,14 @@ class CameraPublisher(Node):
         self._largest_area = -1.0
         self._source = self._open_source()
         if self._source is None:
-            self._timer = self.create_timer(self._settings.period, self._on_random_timer)
+            self._timer = self._create_timer(self._settings.period, self._on_random_timer)
         else:
             self._truth_publisher = self._create_truth_publisher()
-            self._started_at = self.get_clock().now()
-            self._timer = self.create_timer(_START_PERIOD_S, self._on_start_timer)
+            self.get_logger().info(
+                f'publishing on {self._publisher.topic_name} what is found on the frames of '
+                f"'{self._settings.source}'; the first one is the background")
+            self._started_at = time.monotonic()
+            self._timer = self._create_timer(_START_PERIOD_S, self._on_start_timer)
 
     def destroy_node(self) -> None:
         """Give the camera back with the node."""
@@ -84,7 +90,7 @@ class CameraPublisher(Node):
             return open_frame_source(name, image_size)
         camera = first_camera(image_size) if name == 'auto' else None
         if camera is not None:
-            self.get_logger().info(f'using camera {camera.name}')
+            self.get_logger().info(f'found camera {camera.name}')
         else:
             reason = 'no camera is attached: ' if name == 'auto' else ''
             self.get_logger().warning(
@@ -97,6 +103,10 @@ class CameraPublisher(Node):
             return None
         return self.create_publisher(Float64MultiArray, 'true_pos_in_cam_frame', 10)
 
+    def _create_timer(self, period_s: float, callback: Callable[[], None]) -> Timer:
+        # Frames come in real time, whatever time the simulation of a robot has.
+        return self.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
     def _frame_period(self) -> float:
         return 1 / self._source.frame_rate if self._source.frame_rate else _AT_ONCE_S
 
@@ -104,13 +114,12 @@ class CameraPublisher(Node):
         if isinstance(self._source, VideoFile) and self._is_waiting_for_subscribers():
             return
         self.destroy_timer(self._timer)
-        self._timer = self.create_timer(self._frame_period(), self._on_frame_timer)
+        self._timer = self._create_timer(self._frame_period(), self._on_frame_timer)
 
     def _is_waiting_for_subscribers(self) -> bool:
         # Discovery takes up to 4 s, and who is not discovered misses the recording's beginning.
-        waited = self.get_clock().now() - self._started_at
         return (self._publisher.get_subscription_count() < self._settings.wait_for_subscribers
-                and waited < Duration(seconds=_LONGEST_WAIT_S))
+                and time.monotonic() - self._started_at < _LONGEST_WAIT_S)
 
     def _on_random_timer(self) -> None:
         pixel = Pixel(*(random.randint(_LOWEST_RANDOM, _HIGHEST_RANDOM) for _ in 'uv'))
@@ -168,12 +177,17 @@ class CameraPublisher(Node):
         area = objects[0].detection.area
         if self._settings.annotated_picture and area > self._largest_area:
             self._largest_area = area
-            write_picture(self._settings.annotated_picture, draw_objects(frame, objects))
+            self._write_picture(draw_objects(frame, objects))
 
     def _keep_random_picture(self, pixel: Pixel, point: Point) -> None:
         if self._settings.annotated_picture:
-            write_picture(self._settings.annotated_picture,
-                          draw_pixel(self._settings.image_size, pixel, point))
+            self._write_picture(draw_pixel(self._settings.image_size, pixel, point))
+
+    def _write_picture(self, picture: np.ndarray) -> None:
+        try:
+            write_picture(self._settings.annotated_picture, picture)
+        except CameraToBaseError as error:
+            self.get_logger().error(str(error), throttle_duration_sec=60.0)
 
     def _set_timer_period(self, period_s: float) -> None:
         period_ns = round(period_s * 1e9)

@@ -66,7 +66,8 @@ class VideoFile:
 
     def __init__(self, path: str) -> None:
         if not os.path.isfile(path):
-            raise FrameSourceError(f"cannot open video '{path}': there is no such file")
+            found = 'it is a folder' if os.path.isdir(path) else 'there is no such file'
+            raise FrameSourceError(f"cannot open video '{path}': {found}")
         self._capture = _open(path, cv2.CAP_ANY)
         if self._capture is None:
             raise FrameSourceError(

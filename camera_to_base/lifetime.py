@@ -19,6 +19,7 @@ from typing import Callable, List, Optional
 
 from camera_to_base.errors import CameraToBaseError
 import rclpy
+from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.logging import get_logger
@@ -43,11 +44,13 @@ def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = No
         # rclpy's own handler shuts the context down under a running callback, whose next publish
         # then fails; and a SIGTERM just before the executor waits leaves it waiting (rclpy 7.1:
         # about 1 in 20). A KeyboardInterrupt for both signals and a timer that wakes do neither.
+        # SIGINT is set, too: a shell starts what runs in its background with SIGINT ignored.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         node = _start(name, make_node, args)
         if node is None:
             return 1
-        node.create_timer(_WAKE_S, lambda: None)
+        node.create_timer(_WAKE_S, lambda: None, clock=Clock(clock_type=ClockType.STEADY_TIME))
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
@@ -68,5 +71,5 @@ def _start(name: str, make_node: Callable[[], Node], args: Optional[List[str]]) 
     except (CameraToBaseError, ParameterException, RuntimeError, ValueError) as error:
         # Where rclpy refuses arguments or a parameter file, the places in rcl's source code at
         # the end of its text say nothing to a user.
-        get_logger(name).fatal(str(error).split(', at /')[0])
+        get_logger(name).fatal(f"cannot start: {str(error).split(', at /')[0]}")
         return None

@@ -83,14 +83,17 @@ def write_picture(path: str, picture: np.ndarray) -> None:
 
 def check_picture_path(path: str) -> str:
     """
-    Check that a picture's file name tells its format.
+    Check that a picture's file name tells its format, and that its folder exists.
 
     :returns: The ending: '.png' or '.jpg'.
-    :raises InvalidValueError: If it has another.
+    :raises InvalidValueError: If it tells another, or there is no such folder.
     """
     ending = os.path.splitext(path)[1].lower()
     if ending not in ('.png', '.jpg'):
         raise InvalidValueError(f"a picture's name must end in .png or .jpg, got '{path}'")
+    folder = os.path.dirname(path) or '.'
+    if not os.path.isdir(folder):
+        raise InvalidValueError(f"cannot write picture '{path}': there is no folder '{folder}'")
     return ending
 
 

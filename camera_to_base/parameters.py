@@ -15,6 +15,7 @@
 """Declares and checks a node's parameters; hands out frozen values."""
 
 from dataclasses import dataclass
+import difflib
 from typing import Any, Callable, Dict, Generic, List, Mapping, Optional, Tuple, TypeVar
 
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
@@ -94,10 +95,20 @@ class NodeParameters(Generic[T]):
         self._on_change = on_change
         self._values: Dict[str, Any] = {spec.name: _declare(node, spec) for spec in specs}
         self.current: T = build(self._values)
+        self._warn_of_misspelt_names(node)
         self._next: Tuple[Dict[str, Any], T] = self._values, self.current
         node.add_pre_set_parameters_callback(self._convert)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._replace)
+
+    def _warn_of_misspelt_names(self, node: Node) -> None:
+        # A file may hold another node's parameters, too, so an unknown name alone says nothing.
+        # rclpy has no public way to ask for what was given.
+        for name in set(getattr(node, '_parameter_overrides', {})) - set(self._specs):
+            meant = difflib.get_close_matches(name, self._specs, n=1, cutoff=0.8)
+            if meant:
+                node.get_logger().warning(
+                    f"there is no parameter '{name}', it is left out: did you mean '{meant[0]}'?")
 
     def _convert(self, parameters: List[Parameter]) -> List[Parameter]:
         return [Parameter(parameter.name, value=self._specs[parameter.name].converted(

@@ -36,9 +36,11 @@ class RobotBasePublisher(Node):
         self._publisher = self.create_publisher(
             Float64MultiArray, 'pos_in_robot_base_frame', 10,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
-        self.create_subscription(
+        subscription = self.create_subscription(
             Float64MultiArray, 'pos_in_cam_frame', self._on_position, 10,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
+        self.get_logger().info(
+            f'publishing on {self._publisher.topic_name} what comes on {subscription.topic_name}')
 
     @property
     def dropped_count(self) -> int:

@@ -62,7 +62,7 @@ class ParallelSurface:
 
     def __init__(self, width_cm: float = 36.0, image_width: int = 640) -> None:
         self._width_cm = finite_number('width_cm', width_cm, 1e-3, 1e6)
-        self._image_width = whole_number('image_width', image_width, 1, 100000)
+        self._image_width = whole_number('image_width', image_width, 1, 10000)
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`; there is no horizon."""
@@ -161,8 +161,8 @@ def check_image_size(image_size: Sequence[int]) -> ImageSize:
     :raises InvalidValueError: If it is not two whole numbers from 1.
     """
     width, height = finite_numbers('image_size', image_size, 2)
-    return (whole_number("image_size's width", width, 1, 100000),
-            whole_number("image_size's height", height, 1, 100000))
+    return (whole_number("image_size's width", width, 1, 10000),
+            whole_number("image_size's height", height, 1, 10000))
 
 
 def _check_same_size(image_size: ImageSize, calibrated_size: ImageSize) -> None:

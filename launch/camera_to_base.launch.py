@@ -18,7 +18,7 @@ import os
 
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
+from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration
@@ -42,10 +42,18 @@ def generate_launch_description() -> LaunchDescription:
             description='auto, random, simulated, a device index or path, a video or a URL.'),
         DeclareLaunchArgument(
             'namespace', default_value='', description='Namespace of nodes and topics.'),
+        OpaqueFunction(function=_refuse_missing_file),
         camera,
         transform,
         RegisterEventHandler(OnProcessExit(target_action=camera, on_exit=_end_with_recording)),
     ])
+
+
+def _refuse_missing_file(context):
+    # launch_ros would only warn, and the nodes would run with the tutorial's calibration.
+    path = LaunchConfiguration('params_file').perform(context)
+    if not os.path.isfile(path):
+        raise RuntimeError(f"params_file: there is no file '{path}'")
 
 
 def _node(executable, parameters):

@@ -27,12 +27,13 @@ PICTURE = 'demo.png'
 def main(arguments):
     """Run the demo until Ctrl-C, or until the recording ends; return the exit code."""
     source = arguments[0] if arguments else 'simulated'
-    if len(arguments) > 1 or source in ('-h', '--help'):
-        print('usage: scripts/demo [simulated | random | DEVICE | VIDEO | URL]')
-        return 0 if '-h' in source else 2
     # Nobody's arm may follow a demo: it talks in a domain of its own unless one is named.
     os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    if not os.environ['ROS_DOMAIN_ID'].isdecimal() or int(os.environ['ROS_DOMAIN_ID']) > 232:
+        print(f'error: ROS_DOMAIN_ID must be 0..232, got {os.environ["ROS_DOMAIN_ID"]}',
+              file=sys.stderr)
+        return 1
     remove_old_picture()
     print(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the source '
           f"'{source}'; Ctrl-C ends them", flush=True)
@@ -43,6 +44,10 @@ def main(arguments):
             'source': source, 'annotated_picture': os.path.abspath(PICTURE),
             'wait_for_subscribers': 2}))
         return listen(nodes)
+    except BrokenPipeError:
+        # Who read our lines has seen enough. What is still to be written goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     finally:
         stop(nodes)
 
@@ -85,6 +90,7 @@ class Report:
         self._camera_positions = []
         self._true_positions = []
         self._waiting = []
+        self._last_stamp = 0
         self._count = 0
         self._picture_seen = False
         for topic, callback in (('pos_in_cam_frame', self._on_camera_position),
@@ -114,20 +120,28 @@ class Report:
             self._print(stamp, *position)
 
     def _print(self, stamp, x, y):
-        # A position carries no time of its own: it belongs to the last one that was sent before.
-        camera = last_before(self._camera_positions, stamp)
+        camera = self._origin(stamp)
         if camera is None:
             return  # sent before this listener was discovered
+        self._last_stamp, (camera_x, camera_y) = camera
         self._count += 1
-        line = f'camera ({camera[0]:6.2f}, {camera[1]:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
-        truth = last_before(self._true_positions, stamp)
+        line = f'camera ({camera_x:6.2f}, {camera_y:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
+        truth = last_before(self._true_positions, self._last_stamp)
         if truth is not None:
-            true_x, true_y, _ = self._conversion.convert_surface_points([truth])[0]
+            true_x, true_y, _ = self._conversion.convert_surface_point(*truth[1])
             error_mm = 10 * ((x - true_x) ** 2 + (y - true_y) ** 2) ** 0.5
             line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.1f} mm'
         print(line, flush=True)
         if not self._picture_seen:
             self._name_picture()
+
+    def _origin(self, stamp):
+        # A position carries no time of its own. The transform keeps the order, so it belongs to
+        # the next one that was sent before it; at first, to the last one.
+        waiting = [position for position in self._camera_positions
+                   if self._last_stamp < position[0] <= stamp]
+        in_order = self._last_stamp and len(waiting) <= 10
+        return waiting[0 if in_order else -1] if waiting else None
 
     def _name_picture(self):
         if os.path.exists(PICTURE):
@@ -144,7 +158,7 @@ def remember(positions, stamp, position):
 def last_before(positions, stamp):
     """Give the last position that was sent before a time, or None."""
     earlier = [position for position in positions if position[0] <= stamp]
-    return max(earlier)[1] if earlier else None
+    return max(earlier) if earlier else None
 
 
 def remove_old_picture():

@@ -1,27 +1,34 @@
 # Sourced by scripts/demo and scripts/test: gives them a Python with ROS 2 Jazzy and a built
 # package. Where ROS 2 Jazzy is sourced that is used; elsewhere its wheels go into a .venv here.
 #
-# In:  $requirements, the file to install; $venv, where to; $base, where colcon builds.
+# In:  $requirements, the file to install; $newest, the newest Python 3 that it is for; $venv,
+#      where to; $base, where colcon builds.
 # Out: $python; the built package is on the environment.
 
 say() { printf '==> %s\n' "$*" >&2; }
 fail() { printf 'error: %s\n' "$*" >&2; exit 1; }
+
+trap 'exit 130' INT  # not "is there a network connection?"
 
 use_sourced_ros() {
     say "using ROS 2 Jazzy as sourced, with $(command -v "${PYTHON:-python3}")"
     python=${PYTHON:-python3}
     command -v colcon > /dev/null ||
         fail "colcon is missing: sudo apt install python3-colcon-common-extensions"
-    "$python" -c 'import cv2, numpy, pytest, rclpy' 2> /dev/null ||
+    "$python" -c 'import cv2, numpy, pytest, rclpy, yaml' 2> /dev/null ||
         fail "rclpy, numpy, OpenCV or pytest is missing: rosdep install --from-paths . --ignore-src -y"
+    "$python" -c 'import ament_flake8' 2> /dev/null || "$python" -c 'import flake8' 2> /dev/null ||
+        fail "ament_flake8 is missing: rosdep install --from-paths . --ignore-src -y"
 }
 
 check_python() {
     python=${PYTHON:-python3}
     command -v "$python" > /dev/null ||
         fail "no '$python' found: install Python 3.10 to 3.13, or name one: PYTHON=... $0"
-    "$python" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' ||
-        fail "$("$python" --version) is not supported: name a Python 3.10 to 3.13: PYTHON=... $0"
+    "$python" -c "import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, $newest))" \
+        2> /dev/null ||
+        fail "$("$python" --version 2>&1 | head -n 1) is not supported: name a Python 3.10 to" \
+            "3.$newest: PYTHON=... $0"
     case "$("$python" -c 'import platform; print(platform.system(), platform.machine())')" in
         'Linux x86_64') ;;
         *) fail "the ROS 2 wheels exist for Linux on x86-64 only: install and source ROS 2 Jazzy" ;;
@@ -31,6 +38,9 @@ check_python() {
 }
 
 use_wheels() {
+    case $PWD in
+        *[[:space:]]*) fail "colcon cannot work in '$PWD': move it to a path without spaces" ;;
+    esac
     check_python
     # What another ROS or another wheel environment has left would be found before ours.
     unset PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH COLCON_PREFIX_PATH
@@ -46,8 +56,11 @@ use_wheels() {
             fail "cannot make $venv with $python: is the disk full, or python3-venv missing?"
         say "installing $requirements into $venv (once, about a minute)"
         "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 2 \
+            --timeout 15 --only-binary numpy,opencv-python-headless \
             -r "$requirements" > "$venv/pip.log" 2>&1 ||
-            fail "cannot install $requirements: is there a network connection? See $venv/pip.log"
+            fail "cannot install $requirements: is there a network connection? pip says:" \
+                "$(grep -i error "$venv/pip.log" | tail -n 1)"
+        touch "$venv/local_setup.sh"  # colcon would warn that there is none
         printf '%s' "$stamp" > "$venv/ready"
     fi
     python=$PWD/$venv/bin/python
@@ -64,6 +77,8 @@ build() {
     . "$base/install/local_setup.bash"
     set -u
 }
+
+[ -w "${HOME:-/}" ] || export ROS_LOG_DIR=$PWD/$base/log/ros
 
 if [ "${ROS_DISTRO:-}" = jazzy ] && [ -n "${AMENT_PREFIX_PATH:-}" ]; then
     use_sourced_ros

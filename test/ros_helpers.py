@@ -61,7 +61,7 @@ class Ros:
         """Return a publisher."""
         return self.node.create_publisher(Float64MultiArray, topic, 10)
 
-    def spin_until(self, condition, timeout=10.0):
+    def spin_until(self, condition, timeout=30.0):
         """Spin until a condition holds, and tell whether it did."""
         until = time.monotonic() + timeout
         while not condition() and time.monotonic() < until:

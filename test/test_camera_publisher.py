@@ -173,7 +173,8 @@ def test_bad_value_is_rejected_with_the_reason_and_changes_nothing(ros, name, va
 @pytest.mark.parametrize('argument', [
     'detector.threshold:=300', 'detector.threshold:=95.5', 'detector.median_size:=2',
     'period:=soon', 'surface.model:=cubic', 'surface.image_size:=[640]', 'period:=.nan',
-    'annotated_picture:=picture.doc', 'surface.polynomial.y_of_v:=text',
+    'annotated_picture:=picture.doc', 'annotated_picture:=/does/not/exist.png',
+    'surface.polynomial.y_of_v:=text',
     'source:=/does/not/exist.avi', 'source:=/dev/video99'])
 def test_bad_value_at_start_is_refused(ros, argument):
     with pytest.raises((CameraToBaseError, ParameterException)) as error:
@@ -213,7 +214,9 @@ def test_annotated_picture_shows_a_box_around_the_object(ros, play, tmp_path):
     assert not drawn[300:, :].any()
 
 
-def test_picture_that_cannot_be_written_does_not_stop_the_positions(ros, play):
+def test_picture_that_cannot_be_written_does_not_stop_the_positions(ros, play, tmp_path):
+    folder = tmp_path / 'picture.png'
+    folder.mkdir()
     received = listen_for_camera(ros)
-    play([table(), table_with_disc(320, 240)], '-p', 'annotated_picture:=/does/not/exist.png')
+    play([table(), table_with_disc(320, 240)], '-p', f'annotated_picture:={folder}')
     assert ros.spin_until(lambda: len(received) >= 3)

@@ -127,7 +127,8 @@ def test_video_that_does_not_exist_is_refused(tmp_path):
         open_frame_source(path)
 
 
-@pytest.mark.parametrize('content', [b'', b'hello\n', bytes(range(256)) * 20])
+@pytest.mark.parametrize(
+    'content', [b'', b'hello\n', bytes(range(256)) * 20], ids=['empty', 'text', 'bytes'])
 @pytest.mark.parametrize('name', ['text.txt', 'video.avi', 'video'])
 def test_file_that_is_no_video_is_refused(tmp_path, name, content):
     path = tmp_path / name
