@@ -34,7 +34,9 @@ Together: where the pixels that the result at p depends on differ by at most the
 is no object at p. If all pixels that differ by more lie in columns [x0, x1), objects can only lie
 in [x0 - after, x1 + before): we look there, at a piece of the frame that is larger by what the
 steps read, so that its own rim does not matter. The same holds for rows.
-Everywhere else the tutorial's mask is empty.
+Everywhere else the tutorial's mask is empty. After the closing we look once more: the median, the
+most expensive step, is taken only in bands of rows near one where the closed pictures differ by
+more than the threshold. By the same two facts there is nothing between the bands.
 
 Finally, the tutorial asks for all contours, we for the outer ones. A hole's contour, or one inside
 a hole, lies within an outer contour that stands before it in OpenCV's order and is not smaller, so
@@ -122,8 +124,16 @@ class AbsoluteDifferenceDetector:
         self._close(band, piece)
         rows = grow(region.rows, self._after, self._before, height)
         columns = grow(region.columns, self._after, self._before, width)
-        self._smooth_closed(grow(rows, self._median_reach, self._median_reach, height), piece)
-        return self._objects(rows, columns)
+        mask = np.zeros((rows.stop - rows.start, columns.stop - columns.start), np.uint8)
+        for band in self._bands(rows, columns):
+            self._smooth_closed(grow(band, self._median_reach, self._median_reach, height), piece)
+            difference = cv2.absdiff(
+                self._smooth[band, columns], self._smooth_background[band, columns])
+            cv2.threshold(difference, self._threshold, 255, cv2.THRESH_BINARY,
+                          dst=mask[band.start - rows.start:band.stop - rows.start])
+        detections = [self._detection(outline)
+                      for outline in find_outlines(mask, columns.start, rows.start)]
+        return sorted(detections, key=lambda detection: -detection.area)
 
     def _smoothed_background(self) -> np.ndarray:
         # The steps leave their results in arrays of the picture's size, so that a place has the
@@ -133,6 +143,7 @@ class AbsoluteDifferenceDetector:
         self._grey[:, :width] = self._background.grey
         self._smooth = np.empty_like(self._grey)
         self._close(slice(0, height), slice(0, width))
+        self._closed_background = self._grey[:, :width].copy()
         self._smooth_closed(slice(0, height), slice(0, width))
         return self._smooth[:, :width].copy()
 
@@ -150,13 +161,19 @@ class AbsoluteDifferenceDetector:
         cv2.medianBlur(self._grey[rows, padded], self._median_size,
                        dst=self._smooth[rows, padded])
 
-    def _objects(self, rows: slice, columns: slice) -> List[Detection]:
+    def _bands(self, rows: slice, columns: slice) -> List[slice]:
+        if rows.stop - rows.start == len(self._grey):
+            return [rows]  # so much has changed that a look would cost more than it saves
         difference = cv2.absdiff(
-            self._smooth[rows, columns], self._smooth_background[rows, columns])
-        _, mask = cv2.threshold(difference, self._threshold, 255, cv2.THRESH_BINARY)
-        outlines = find_outlines(mask, columns.start, rows.start)
-        detections = [self._detection(outline) for outline in outlines]
-        return sorted(detections, key=lambda detection: -detection.area)
+            self._grey[rows, columns], self._closed_background[rows, columns])
+        changed = np.flatnonzero(difference.max(axis=1) > self._threshold) + rows.start
+        if len(changed) == 0:
+            return []
+        reach = self._median_reach
+        gaps = np.flatnonzero(np.diff(changed) > 4 * reach + 1)
+        return [slice(max(int(first) - reach, rows.start), min(int(last) + 1 + reach, rows.stop))
+                for first, last in zip(changed[np.append(0, gaps + 1)],
+                                       changed[np.append(gaps, -1)])]
 
     def _detection(self, outline: np.ndarray) -> Detection:
         box = Box(*cv2.boundingRect(outline))
