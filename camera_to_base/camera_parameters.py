@@ -15,18 +15,17 @@
 """The parameters of `camera_publisher`, and the settings that they make."""
 
 from dataclasses import asdict, dataclass
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 from camera_to_base.board_conditions import BoardConditions
-from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.hull import Hull
 from camera_to_base.object_locator import DetectorSettings, METHODS
 from camera_to_base.overlay import check_picture_path
 from camera_to_base.parameters import ParameterSpec, Values
 from camera_to_base.simulated_board import SimulatedBoard
-from camera_to_base.surface import (
-    check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
-import numpy as np
+from camera_to_base.surface import check_image_size, ImageSize, Surface
+from camera_to_base.surface_parameters import make_hull, make_surface, SURFACE_MODELS
 
 
 @dataclass(frozen=True)
@@ -56,10 +55,10 @@ class CameraSettings:
     image_size: Tuple[int, int]
     detector: DetectorSettings
     surface: Surface
+    hull: Optional[Hull]
+    reject_outside_hull: bool
     simulated: SimulationSettings
 
-
-_MODELS = ('parallel', 'polynomial', 'homography')
 
 CAMERA_SPECS = [
     ParameterSpec(
@@ -98,10 +97,16 @@ CAMERA_SPECS = [
                   'tutorial publishes it.'),
     ParameterSpec('surface.model', 'parallel',
                   'How the camera looks at the surface.',
-                  constraints=f'one of {", ".join(_MODELS)}'),
+                  constraints=f'one of {", ".join(SURFACE_MODELS)}'),
     ParameterSpec('surface.image_size', [640, 480],
                   'Width and height of the pictures that the calibration holds for, in px; a '
                   'camera device is asked for it when it is opened.'),
+    ParameterSpec('surface.hull', [],
+                  'The area of the picture that the calibration was measured in, for an object '
+                  'outside it the node warns: u and v of one corner after the other, in px; '
+                  'empty for everywhere.', constraints='numbers, u and v in turn'),
+    ParameterSpec('surface.reject_outside_hull', False,
+                  'Leave out objects outside surface.hull instead of warning of them.'),
     ParameterSpec('surface.parallel.width_cm', 36.0,
                   "parallel: what the picture's width sees of the surface, in cm.",
                   (0.001, 100000)),
@@ -113,7 +118,13 @@ CAMERA_SPECS = [
                   'polynomial: u of the line x = 0, in px.', (-100000, 100000)),
     ParameterSpec('surface.homography.surface_from_pixel',
                   [0.05625, 0.0, 0.0, 0.0, 0.05625, 0.0, 0.0, 0.0, 1.0],
-                  'homography: the 3 x 3 matrix from px to cm, row by row.'),
+                  'homography: the 3 x 3 matrix from undistorted px to cm, row by row.'),
+    ParameterSpec('surface.homography.distortion_coefficient', 0.0,
+                  "homography: the lens's radial distortion; an undistorted pixel lies at "
+                  'centre + offset / (1 + coefficient r²), r being the distance to the centre in '
+                  "halves of the picture's diagonal; 0 for none.", (-2, 2)),
+    ParameterSpec('surface.homography.distortion_centre', [319.5, 239.5],
+                  'homography: the centre of the distortion, u and v, in px.'),
     ParameterSpec('simulated.tilt_deg', 0.0,
                   "simulated: the camera's tilt, 0 looks straight down, in degrees.", (0, 60),
                   fixed=True),
@@ -175,7 +186,9 @@ def camera_settings(values: Values) -> CameraSettings:
         annotated_picture=values['annotated_picture'],
         image_size=check_image_size(values['surface.image_size']),
         detector=DetectorSettings(**_group(values, 'detector.')),
-        surface=_surface(values),
+        surface=make_surface(values),
+        hull=make_hull(values),
+        reject_outside_hull=values['surface.reject_outside_hull'],
         simulated=_simulated(**_group(values, 'simulated.')))
 
 
@@ -183,23 +196,6 @@ def _simulated(
     tilt_deg: float, seed: int, frame_rate: float, **conditions
 ) -> SimulationSettings:
     return SimulationSettings(tilt_deg, seed, frame_rate, BoardConditions(**conditions))
-
-
-def _surface(values: Values) -> Surface:
-    model = values['surface.model']
-    image_size = check_image_size(values['surface.image_size'])
-    if model == 'parallel':
-        return ParallelSurface(values['surface.parallel.width_cm'], image_size[0])
-    if model == 'polynomial':
-        return PolynomialSurface(**_group(values, 'surface.polynomial.'), image_size=image_size)
-    if model == 'homography':
-        return HomographySurface(
-            _matrix('surface.homography.surface_from_pixel', values), image_size)
-    raise InvalidValueError(f'surface.model must be one of {", ".join(_MODELS)}, got \'{model}\'')
-
-
-def _matrix(name: str, values: Values) -> np.ndarray:
-    return finite_numbers(name, values[name], 9).reshape(3, 3)
 
 
 def _group(values: Values, prefix: str) -> Dict[str, Any]:

@@ -149,11 +149,26 @@ class CameraPublisher(Node):
     def _on_frame(self, frame: np.ndarray) -> None:
         if self._background is None:
             self._background = frame
-        objects = self._current_locator().locate(frame)
+        objects = self._trusted(self._current_locator().locate(frame))
         self._publish_truth()
         if objects:
             self._publish(objects[0].point)
             self._keep_picture(frame, objects)
+
+    def _trusted(self, objects: List[LocatedObject]) -> List[LocatedObject]:
+        # Outside the area that the calibration was measured in, its figures do not hold.
+        hull = self._settings.hull
+        inside = [found for found in objects
+                  if hull is None or hull.contains(found.detection.centre)]
+        if self._settings.reject_outside_hull:
+            return inside
+        if objects and (not inside or inside[0] is not objects[0]):
+            pixel, point = objects[0].detection.centre, objects[0].point
+            self.get_logger().warning(
+                f'the object at ({point.x:.2f}, {point.y:.2f}) cm, pixel ({pixel.u:g}, '
+                f'{pixel.v:g}), lies outside the area that the calibration was measured in: its '
+                'position may be less accurate', throttle_duration_sec=5.0)
+        return objects
 
     def _current_locator(self) -> ObjectLocator:
         if self._locator is None:

@@ -32,4 +32,8 @@ class FrameSourceError(CameraToBaseError):
 
 
 class HorizonError(CameraToBaseError):
-    """A pixel does not look at the work surface: it lies on the horizon or beyond it."""
+    """A pixel does not look at the work surface: it lies near the horizon or beyond it."""
+
+
+class CalibrationError(CameraToBaseError):
+    """A calibration cannot be computed from the points or the picture that were given."""

@@ -51,7 +51,7 @@ class ParameterSpec:
         """Make the descriptor that ROS shows and checks."""
         descriptor = ParameterDescriptor(
             description=self.description, additional_constraints=self.constraints,
-            read_only=self.fixed)
+            read_only=self.fixed, dynamic_typing=self._is_empty_list())
         if self.limits and type(self.default) is int:
             descriptor.integer_range = [IntegerRange(
                 from_value=self.limits[0], to_value=self.limits[1], step=self.step)]
@@ -60,8 +60,14 @@ class ParameterSpec:
                 from_value=float(self.limits[0]), to_value=float(self.limits[1]))]
         return descriptor
 
+    def has_type_of(self, value: Any) -> bool:
+        """Tell whether a value has the declared type; an empty list has none that ROS tells."""
+        return self._is_empty_list() or _type_of(value) == _type_of(self.default)
+
     def converted(self, value: Any) -> Any:
         """Make a double of an int and a text of a device index, as a user would expect."""
+        if self._is_empty_list() and value is None:
+            return []  # what rcl makes of an empty list in a file
         if isinstance(self.default, str) and type(value) is int:
             return str(value)
         if isinstance(self.default, float) and type(value) is int:
@@ -69,6 +75,9 @@ class ParameterSpec:
         if _is_list_of(self.default, float) and _is_list_of(value, int):
             return [float(number) for number in value]
         return value
+
+    def _is_empty_list(self) -> bool:
+        return isinstance(self.default, list) and not self.default
 
 
 class NodeParameters(Generic[T]):
@@ -136,7 +145,7 @@ def _declare(node: Node, spec: ParameterSpec) -> Any:
     anything = ParameterDescriptor(dynamic_typing=True)
     value = spec.converted(node.declare_parameter(spec.name, spec.default, anything).value)
     node.undeclare_parameter(spec.name)
-    if _type_of(value) != _type_of(spec.default):
+    if not spec.has_type_of(value):
         raise InvalidValueError(
             f'parameter {spec.name} must be of type {_type_of(spec.default).name}, '
             f'got {value!r} of type {_type_of(value).name}')

@@ -14,15 +14,16 @@
 
 """From a pixel to the work surface: three models of how a camera looks at it."""
 
-from typing import Protocol, Sequence, Tuple
+from typing import Optional, Protocol, Sequence, Tuple
 
 from camera_to_base.checks import finite_number, finite_numbers, whole_number
+from camera_to_base.distortion import RadialDistortion
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
 import numpy as np
 
-# A pixel whose ray meets the surface a million times farther away than the picture's centre
-# looks along the surface: what is left of its position is rounding.
-_HORIZON = 1e-6
+# A pixel whose ray meets the surface a hundred times farther away than the picture's centre
+# covers ten thousand times the length: what it says of a position is nothing.
+_HORIZON = 0.01
 
 ImageSize = Tuple[int, int]
 
@@ -36,7 +37,7 @@ class Surface(Protocol):
 
         :param pixels: Shape (n, 2), columns u and v, in px.
         :returns: Shape (n, 2), columns x and y, in cm, in the camera frame.
-        :raises HorizonError: If a pixel lies on the horizon or beyond it.
+        :raises HorizonError: If a pixel lies near the horizon or beyond it.
         :raises InvalidValueError: If the shape is another, or a number is not finite.
         """
 
@@ -94,29 +95,47 @@ class PolynomialSurface:
         centre_u: float = 292.0,
         image_size: ImageSize = (640, 480),
     ) -> None:
-        self._y_of_v = finite_numbers('y_of_v', y_of_v, 3)
-        self._px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
-        self._centre_u = finite_numbers('centre_u', centre_u)
-        self._image_size = check_image_size(image_size)
+        self.y_of_v = finite_numbers('y_of_v', y_of_v, 3)
+        self.px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
+        self.centre_u = float(finite_numbers('centre_u', centre_u))
+        self.image_size = check_image_size(image_size)
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""
         u, v = finite_numbers('pixels', pixels, -1, 2).T
         with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
-            y = np.polyval(self._y_of_v, v)
-            px_per_cm = np.polyval(self._px_per_cm_of_y, y)
+            y = np.polyval(self.y_of_v, v)
+            px_per_cm = np.polyval(self.px_per_cm_of_y, y)
             _refuse_beyond_horizon(np.column_stack([u, v]), px_per_cm > 0)
-            return _points(np.column_stack([(u - self._centre_u) / px_per_cm, y]))
+            return _points(np.column_stack([(u - self.centre_u) / px_per_cm, y]))
+
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points of the work surface to pixels, for drawing.
+
+        Of the two rows that show a y it takes the one on the parabola's side where v = 0 lies.
+
+        :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :returns: Shape (n, 2), columns u and v, in px; NaN for a point without a pixel.
+        """
+        x, y = finite_numbers('points', points, -1, 2).T
+        a, b, c = self.y_of_v[0], self.y_of_v[1], self.y_of_v[2] - y
+        root = b * b - 4 * a * c
+        px_per_cm = np.polyval(self.px_per_cm_of_y, y)
+        seen = (root >= 0) & (px_per_cm > 0)
+        # The root that stays where a vanishes, as textbooks have it for a straight line.
+        v = 2 * c / (-b - np.copysign(np.sqrt(np.where(seen, root, np.nan)), b))
+        return np.column_stack([np.where(seen, self.centre_u + x * px_per_cm, np.nan), v])
 
     def for_image_size(self, image_size: ImageSize) -> 'PolynomialSurface':
         """Give the model for pictures of a size: only the one it was measured on."""
-        _check_same_size(image_size, self._image_size)
+        _check_same_size(image_size, self.image_size)
         return self
 
 
 class HomographySurface:
     """
-    A pinhole camera at any tilt: a projective map between the picture and the surface.
+    A pinhole camera at any tilt: undistort in closed form, then a projective map to the surface.
 
     Source: Hartley and Zisserman, Multiple View Geometry, 2nd edition, section 2.3.
 
@@ -124,33 +143,65 @@ class HomographySurface:
 
     :param surface_from_pixel: Shape (3, 3), px to cm: (x w, y w, w) = matrix @ (u, v, 1).
     :param image_size: Width and height of the pictures it was measured on, in px.
+    :param distortion: The lens; None for one without distortion.
     """
 
     def __init__(
-        self, surface_from_pixel: np.ndarray, image_size: ImageSize = (640, 480)
+        self,
+        surface_from_pixel: np.ndarray,
+        image_size: ImageSize = (640, 480),
+        distortion: Optional[RadialDistortion] = None,
     ) -> None:
         matrix = finite_numbers('surface_from_pixel', surface_from_pixel, 3, 3)
-        self._image_size = check_image_size(image_size)
-        centre_depth = matrix[2] @ [image_size[0] / 2, image_size[1] / 2, 1.0]
-        if abs(centre_depth) <= _HORIZON * np.abs(matrix[2]).max() or not _has_inverse(matrix):
+        self.image_size = check_image_size(image_size)
+        self.distortion = distortion or RadialDistortion.of_picture(self.image_size)
+        centre = self.distortion.undistort(np.array([self.image_size]) / 2)
+        centre_depth = homogeneous(matrix, centre)[0, 2]
+        if not abs(centre_depth) > 1e-6 * np.abs(matrix[2]).max() or not _has_inverse(matrix):
             raise InvalidValueError(
                 "surface_from_pixel must be a homography with an inverse, and the picture's "
                 f'centre must not lie on its horizon, got {matrix.tolist()}')
-        self._surface_from_pixel = matrix / centre_depth
+        self.surface_from_pixel = matrix / centre_depth
+        self.surface_from_pixel.setflags(write=False)
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""
         pixels = finite_numbers('pixels', pixels, -1, 2)
         with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
-            scaled = np.column_stack([pixels, np.ones(len(pixels))]) @ self._surface_from_pixel.T
+            scaled = homogeneous(self.surface_from_pixel, self.distortion.undistort(pixels))
             nearness = scaled[:, 2]
             _refuse_beyond_horizon(pixels, nearness > _HORIZON)
             return _points(scaled[:, :2] / nearness[:, None])
 
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points of the work surface to pixels, for drawing.
+
+        :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :returns: Shape (n, 2), columns u and v, in px; NaN for a point without a pixel.
+        """
+        points = finite_numbers('points', points, -1, 2)
+        scaled = homogeneous(np.linalg.inv(self.surface_from_pixel), points)
+        # This is 1 / nearness of the pixel that shows the point.
+        distance = scaled[:, 2:]
+        seen = (distance > 0) & (distance < 1 / _HORIZON)
+        return self.distortion.distort(scaled[:, :2] / np.where(seen, distance, np.nan))
+
     def for_image_size(self, image_size: ImageSize) -> 'HomographySurface':
         """Give the model for pictures of a size: only the one it was measured on."""
-        _check_same_size(image_size, self._image_size)
+        _check_same_size(image_size, self.image_size)
         return self
+
+
+def homogeneous(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """
+    Apply a homography and leave the result homogeneous.
+
+    :param matrix: Shape (3, 3).
+    :param points: Shape (n, 2).
+    :returns: Shape (n, 3).
+    """
+    return points @ matrix[:, :2].T + matrix[:, 2]
 
 
 def check_image_size(image_size: Sequence[int]) -> ImageSize:
@@ -177,7 +228,7 @@ def _refuse_beyond_horizon(pixels: np.ndarray, on_surface: np.ndarray) -> None:
     if not on_surface.all():
         u, v = pixels[~on_surface][0]
         raise HorizonError(
-            f'pixel ({u:g}, {v:g}) does not look at the work surface: it lies on the horizon or '
+            f'pixel ({u:g}, {v:g}) does not look at the work surface: it lies near the horizon or '
             'beyond it; tilt the camera down, or check the calibration')
 
 

@@ -175,6 +175,8 @@ def test_bad_value_is_rejected_with_the_reason_and_changes_nothing(ros, name, va
     'period:=soon', 'surface.model:=cubic', 'surface.image_size:=[640]', 'period:=.nan',
     'annotated_picture:=picture.doc', 'annotated_picture:=/does/not/exist.png',
     'surface.polynomial.y_of_v:=text',
+    'surface.hull:=[1.0, 2.0, 3.0]', 'surface.hull:=[1.0, 1.0, 2.0, 2.0, 3.0, 3.0]',
+    'surface.homography.distortion_coefficient:=5.0',
     'source:=/does/not/exist.avi', 'source:=/dev/video99'])
 def test_bad_value_at_start_is_refused(ros, argument):
     with pytest.raises((CameraToBaseError, ParameterException)) as error:
@@ -220,3 +222,41 @@ def test_picture_that_cannot_be_written_does_not_stop_the_positions(ros, play, t
     received = listen_for_camera(ros)
     play([table(), table_with_disc(320, 240)], '-p', f'annotated_picture:={folder}')
     assert ros.spin_until(lambda: len(received) >= 3)
+
+
+def warnings_of(node, monkeypatch):
+    texts = []
+    logger = node.get_logger()
+    monkeypatch.setattr(logger, 'warning', lambda text, **options: texts.append(text))
+    monkeypatch.setattr(node, 'get_logger', lambda: logger)
+    return texts
+
+
+# The left half of the picture.
+HULL = 'surface.hull:=[0.0, 0.0, 320.0, 0.0, 320.0, 480.0, 0.0, 480.0]'
+
+
+@pytest.mark.parametrize('u, warned', [(200, False), (400, True)])
+def test_object_outside_the_calibrated_area_is_published_with_a_warning(
+        ros, play, monkeypatch, u, warned):
+    received = listen_for_camera(ros)
+    warnings = warnings_of(play([table(), table_with_disc(u, 240)], '-p', HULL), monkeypatch)
+    assert ros.spin_until(lambda: received)
+    assert bool(warnings) == warned
+    if warned:
+        assert f'({received[0][0]:.2f}, {received[0][1]:.2f}) cm' in warnings[0]
+
+
+def test_object_outside_the_calibrated_area_is_left_out_where_that_is_asked_for(ros, play):
+    received = listen_for_camera(ros)
+    both = cv2.circle(table_with_disc(450, 240), (150, 240), 15, (50, 50, 50), -1)
+    play([table(), both], '-p', HULL, '-p', 'surface.reject_outside_hull:=true')
+    assert ros.spin_until(lambda: received)
+    assert received[0][0] == pytest.approx(150 * 0.05625, abs=0.12)
+
+
+def test_calibrated_area_can_be_changed_while_the_node_runs(ros, play):
+    node = play([table()], '-p', 'surface.hull:=[]')
+    for hull, good in ([0.0, 0.0, 9.0, 0.0, 9.0, 9.0], True), ([1.0, 2.0], False), ([], True):
+        result = node.set_parameters([Parameter('surface.hull', value=hull)])[0]
+        assert result.successful == good

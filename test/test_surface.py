@@ -14,6 +14,7 @@
 
 import re
 
+from camera_to_base.distortion import RadialDistortion
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
 from camera_to_base.surface import (
     check_image_size, HomographySurface, ParallelSurface, PolynomialSurface)
@@ -81,6 +82,59 @@ def test_homography_is_accepted_as_a_list_of_rows():
         HomographySurface(ROAD.tolist()).locate(PIXELS), HomographySurface(ROAD).locate(PIXELS))
 
 
+def distorted_radius(undistorted, coefficient):
+    """Solve r / (1 + coefficient r^2) = undistorted by halving."""
+    low, high = 0.0, 1.0
+    for _ in range(100):
+        middle = (low + high) / 2
+        low, high = ((middle, high) if middle / (1 + coefficient * middle**2) < undistorted
+                     else (low, middle))
+    return low
+
+
+@pytest.mark.parametrize('coefficient', [-0.4, -0.1, 0.1])
+def test_distortion_is_that_of_the_division_model(coefficient):
+    # A quarter of the diagonal (800 px) to the right of the centre.
+    lens = RadialDistortion.of_picture((640, 480), coefficient, (300, 200))
+    radius = 400 * distorted_radius(0.5, coefficient)
+    np.testing.assert_allclose(lens.undistort(np.array([[300 + radius, 200]])), [[500, 200]])
+    np.testing.assert_allclose(lens.distort(np.array([[500, 200]])), [[300 + radius, 200]])
+
+
+def test_without_a_coefficient_nothing_is_distorted():
+    lens = RadialDistortion.of_picture((640, 480))
+    np.testing.assert_allclose(lens.undistort(PIXELS), PIXELS, rtol=1e-15)
+
+
+@pytest.mark.parametrize('surface', [
+    HomographySurface(ROAD), PolynomialSurface(), PolynomialSurface(y_of_v=(0, -0.08, 25)),
+    HomographySurface(ROAD, (640, 480), RadialDistortion.of_picture((640, 480), -0.3)),
+    HomographySurface(ROAD, (640, 480), RadialDistortion.of_picture((640, 480), 0.2, (300, 230))),
+])
+def test_pixels_and_points_go_round_trip(surface):
+    np.testing.assert_allclose(surface.pixels(surface.locate(PIXELS)), PIXELS, rtol=1e-9)
+
+
+def test_point_that_the_camera_cannot_see_has_no_pixel():
+    behind_the_camera, far_away = [0, -10], [0, 1000]
+    assert np.isnan(HomographySurface(ROAD).pixels([behind_the_camera, far_away])).all()
+    assert np.isnan(PolynomialSurface().pixels([[0, -10]])).all()
+
+
+def test_pixel_farther_out_than_the_distortion_model_reaches_is_refused():
+    surface = HomographySurface(ROAD, (640, 480), RadialDistortion.of_picture((640, 480), -1.5))
+    assert surface.locate([[320, 240]]).shape == (1, 2)
+    with pytest.raises(HorizonError, match=re.escape('(639, 479)')):
+        surface.locate([[639, 479]])
+
+
+@pytest.mark.parametrize('coefficient, centre', [
+    (float('nan'), (320, 240)), (3.0, (320, 240)), (-0.1, (320,)), (-0.1, (320, float('inf')))])
+def test_distortion_that_no_lens_has_is_refused(coefficient, centre):
+    with pytest.raises(InvalidValueError, match='distortion_c'):
+        RadialDistortion.of_picture((640, 480), coefficient, centre)
+
+
 @all_models
 def test_pixels_together_are_located_as_each_alone(surface):
     together = surface.locate(PIXELS)
@@ -120,11 +174,11 @@ def test_pixel_that_is_not_finite_is_refused(surface, place, value):
 
 def test_pixel_just_below_the_horizon_is_far_away():
     np.testing.assert_allclose(
-        HomographySurface(ROAD).locate([[420, 113], [320, 112.125]]), [[100, 128], [0, 1024]])
+        HomographySurface(ROAD).locate([[420, 114], [320, 113.5]]), [[50, 64], [0, 256 / 3]])
 
 
-@pytest.mark.parametrize('v', [112, 112.0001, 111.999, 111, 0, -1000])
-def test_pixel_on_the_horizon_or_above_it_is_refused(v):
+@pytest.mark.parametrize('v', [113.25, 113, 112, 111.999, 111, 0, -1000])
+def test_pixel_near_the_horizon_on_it_or_above_it_is_refused(v):
     with pytest.raises(HorizonError, match=re.escape(f'(420, {v:g})')):
         HomographySurface(ROAD).locate([[420, v]])
 
@@ -136,8 +190,8 @@ def test_one_pixel_beyond_the_horizon_refuses_them_all():
 
 def test_upside_down_camera_sees_the_surface_above_the_horizon():
     upside_down = HomographySurface(ROAD @ HALF_TURN)
-    np.testing.assert_allclose(upside_down.locate([[220, 367]]), [[100, 128]])
-    for v in (368, 368.001, 479):
+    np.testing.assert_allclose(upside_down.locate([[220, 366]]), [[50, 64]])
+    for v in (367, 368, 368.001, 479):
         with pytest.raises(HorizonError):
             upside_down.locate([[320, v]])
 
@@ -145,7 +199,7 @@ def test_upside_down_camera_sees_the_surface_above_the_horizon():
 def test_horizon_may_stand_upright():
     # The road camera turned by a quarter: its u is our v.
     on_its_side = HomographySurface(ROAD[:, [1, 0, 2]])
-    np.testing.assert_allclose(on_its_side.locate([[113, 420]]), [[100, 128]])
+    np.testing.assert_allclose(on_its_side.locate([[116, 420]]), [[25, 32]])
     with pytest.raises(HorizonError):
         on_its_side.locate([[112, 240]])
 

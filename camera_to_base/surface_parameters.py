@@ -1,0 +1,71 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""From the parameters that describe a calibration to the surface and the area it holds for."""
+
+from typing import Any, Mapping, Optional
+
+from camera_to_base.checks import finite_numbers
+from camera_to_base.distortion import RadialDistortion
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.hull import Hull
+from camera_to_base.surface import (
+    check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
+
+SURFACE_MODELS = ('parallel', 'polynomial', 'homography')
+
+
+def make_surface(values: Mapping[str, Any]) -> Surface:
+    """
+    Make the surface of its parameters.
+
+    :param values: By their full names, 'surface.model' and so on.
+    :raises InvalidValueError: If they describe none.
+    """
+    model = values['surface.model']
+    image_size = check_image_size(values['surface.image_size'])
+    if model == 'parallel':
+        return ParallelSurface(values['surface.parallel.width_cm'], image_size[0])
+    if model == 'polynomial':
+        return PolynomialSurface(
+            values['surface.polynomial.y_of_v'], values['surface.polynomial.px_per_cm_of_y'],
+            values['surface.polynomial.centre_u'], image_size)
+    if model == 'homography':
+        return _homography_surface(values, image_size)
+    raise InvalidValueError(
+        f'surface.model must be one of {", ".join(SURFACE_MODELS)}, got \'{model}\'')
+
+
+def make_hull(values: Mapping[str, Any]) -> Optional[Hull]:
+    """
+    Make the area that the calibration was measured in; None where it is not known.
+
+    :param values: 'surface.hull' is u and v of one corner after the other, in px, or empty.
+    :raises InvalidValueError: If it is no area.
+    """
+    numbers = finite_numbers('surface.hull', values['surface.hull'], -1)
+    if len(numbers) % 2:
+        raise InvalidValueError(
+            f'surface.hull must be pairs of u and v, got {len(numbers)} numbers')
+    return Hull(numbers.reshape(-1, 2)) if len(numbers) else None
+
+
+def _homography_surface(values: Mapping[str, Any], image_size: ImageSize) -> HomographySurface:
+    matrix = finite_numbers('surface.homography.surface_from_pixel',
+                            values['surface.homography.surface_from_pixel'], 9).reshape(3, 3)
+    distortion = RadialDistortion.of_picture(
+        image_size, values['surface.homography.distortion_coefficient'],
+        values['surface.homography.distortion_centre'])
+    return HomographySurface(matrix, image_size, distortion)
