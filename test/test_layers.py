@@ -35,13 +35,15 @@ ROOMS = [
     {'absolute_difference', 'background', 'board_conditions', 'board_view', 'coordinate_transform',
      'detection', 'distortion', 'frame_sources', 'ghosts', 'hull', 'precise_difference',
      'simulated_board', 'surface'},
-    {'object_locator', 'overlay', 'surface_parameters'},
+    {'matched_points', 'object_locator', 'overlay', 'surface_parameters'},
+    {'figures', 'homography_fit', 'least_squares', 'polynomial_fit', 'rigid_fit'},
+    {'board', 'board_frame', 'board_squares', 'report_picture', 'tables', 'top_view'},
     {'messages', 'parameters', 'lifetime'},
     {'camera_parameters', 'transform_parameters'},
     NODES_AND_COMMANDS,
     EXECUTABLES,
 ]
-PURE = sorted(set.union(*ROOMS[:4]) & set(MODULES))
+PURE = sorted(set.union(*ROOMS[:6]) & set(MODULES))
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs'}
 
 IMPORT_WITHOUT_ROS = f"""
