@@ -34,7 +34,7 @@ ROOMS = [
     {'checks'},
     {'absolute_difference', 'background', 'board_conditions', 'board_view', 'coordinate_transform',
      'detection', 'distortion', 'frame_sources', 'ghosts', 'hull', 'precise_difference',
-     'simulated_board', 'surface'},
+     'simulated_board', 'simulated_chessboard', 'surface'},
     {'matched_points', 'object_locator', 'overlay', 'surface_parameters'},
     {'figures', 'homography_fit', 'least_squares', 'polynomial_fit', 'rigid_fit'},
     {'board', 'board_frame', 'board_squares', 'report_picture', 'tables', 'top_view'},
