@@ -28,7 +28,7 @@ setup(
         (f'share/{package_name}/config', glob('config/*.yaml')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    install_requires=['setuptools'],
+    install_requires=['setuptools', 'PyYAML'],
     zip_safe=True,
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
@@ -37,6 +37,7 @@ setup(
     extras_require={'test': ['pytest']},
     entry_points={
         'console_scripts': [
+            'calibrate = camera_to_base.calibrate:main',
             'camera_publisher = camera_to_base.executables:camera_publisher',
             'robot_base_publisher = camera_to_base.executables:robot_base_publisher',
             'robotic_arm_publishing_subscriber = '

@@ -25,7 +25,8 @@ from camera_to_base.overlay import check_picture_path
 from camera_to_base.parameters import ParameterSpec, Values
 from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import check_image_size, ImageSize, Surface
-from camera_to_base.surface_parameters import make_hull, make_surface, SURFACE_MODELS
+from camera_to_base.surface_parameters import (
+    make_hull, make_surface, SURFACE_DEFAULTS, SURFACE_MODELS)
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,10 @@ class CameraSettings:
     hull: Optional[Hull]
     reject_outside_hull: bool
     simulated: SimulationSettings
+
+
+def _surface_spec(name: str, *description: Any, **more: Any) -> ParameterSpec:
+    return ParameterSpec(name, SURFACE_DEFAULTS[name], *description, **more)
 
 
 CAMERA_SPECS = [
@@ -95,35 +100,34 @@ CAMERA_SPECS = [
     ParameterSpec('detector.publish_cut_off', False,
                   "precise: whether an object that touches the picture's edge is published; the "
                   'tutorial publishes it.'),
-    ParameterSpec('surface.model', 'parallel',
+    _surface_spec('surface.model',
                   'How the camera looks at the surface.',
                   constraints=f'one of {", ".join(SURFACE_MODELS)}'),
-    ParameterSpec('surface.image_size', [640, 480],
+    _surface_spec('surface.image_size',
                   'Width and height of the pictures that the calibration holds for, in px; a '
                   'camera device is asked for it when it is opened.'),
-    ParameterSpec('surface.hull', [],
+    _surface_spec('surface.hull',
                   'The area of the picture that the calibration was measured in, for an object '
                   'outside it the node warns: u and v of one corner after the other, in px; '
                   'empty for everywhere.', constraints='numbers, u and v in turn'),
-    ParameterSpec('surface.reject_outside_hull', False,
+    _surface_spec('surface.reject_outside_hull',
                   'Leave out objects outside surface.hull instead of warning of them.'),
-    ParameterSpec('surface.parallel.width_cm', 36.0,
+    _surface_spec('surface.parallel.width_cm',
                   "parallel: what the picture's width sees of the surface, in cm.",
                   (0.001, 100000)),
-    ParameterSpec('surface.polynomial.y_of_v', [0.00006, -0.0833, 25.848],
+    _surface_spec('surface.polynomial.y_of_v',
                   'polynomial: coefficients of v², v and 1 (v in px), for y in cm.'),
-    ParameterSpec('surface.polynomial.px_per_cm_of_y', [0.0625, -1.6393, 29.071],
+    _surface_spec('surface.polynomial.px_per_cm_of_y',
                   'polynomial: coefficients of y², y and 1 (y in cm), for the scale in px/cm.'),
-    ParameterSpec('surface.polynomial.centre_u', 292.0,
+    _surface_spec('surface.polynomial.centre_u',
                   'polynomial: u of the line x = 0, in px.', (-100000, 100000)),
-    ParameterSpec('surface.homography.surface_from_pixel',
-                  [0.05625, 0.0, 0.0, 0.0, 0.05625, 0.0, 0.0, 0.0, 1.0],
+    _surface_spec('surface.homography.surface_from_pixel',
                   'homography: the 3 x 3 matrix from undistorted px to cm, row by row.'),
-    ParameterSpec('surface.homography.distortion_coefficient', 0.0,
+    _surface_spec('surface.homography.distortion_coefficient',
                   "homography: the lens's radial distortion; an undistorted pixel lies at "
                   'centre + offset / (1 + coefficient r²), r being the distance to the centre in '
                   "halves of the picture's diagonal; 0 for none.", (-2, 2)),
-    ParameterSpec('surface.homography.distortion_centre', [319.5, 239.5],
+    _surface_spec('surface.homography.distortion_centre',
                   'homography: the centre of the distortion, u and v, in px.'),
     ParameterSpec('simulated.tilt_deg', 0.0,
                   "simulated: the camera's tilt, 0 looks straight down, in degrees.", (0, 60),

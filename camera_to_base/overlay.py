@@ -19,6 +19,7 @@ from typing import Sequence
 
 from camera_to_base.detection import check_frame, Pixel
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.files import write_files
 from camera_to_base.object_locator import LocatedObject, Point
 from camera_to_base.surface import ImageSize
 import cv2
@@ -68,17 +69,19 @@ def write_picture(path: str, picture: np.ndarray) -> None:
     :param path: Where to; the ending tells the format.
     :raises InvalidValueError: If it cannot be written.
     """
+    write_files({path: encoded_picture(path, picture)})
+
+
+def encoded_picture(path: str, picture: np.ndarray) -> bytes:
+    """
+    Make the content of a picture file.
+
+    :param path: Its name; the ending tells the format.
+    :raises InvalidValueError: If the ending is another, or the picture is none.
+    """
     ending = check_picture_path(path)
     check_frame(picture, 'picture')
-    unfinished = f'{path}.part'
-    try:
-        with open(unfinished, 'wb') as file:
-            file.write(cv2.imencode(ending, picture)[1].tobytes())
-        os.replace(unfinished, path)
-    except OSError as error:
-        if os.path.exists(unfinished):
-            os.remove(unfinished)
-        raise InvalidValueError(f"cannot write picture '{path}': {error.strerror}") from error
+    return cv2.imencode(ending, picture)[1].tobytes()
 
 
 def check_picture_path(path: str) -> str:

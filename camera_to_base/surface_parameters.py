@@ -15,7 +15,7 @@
 
 """From the parameters that describe a calibration to the surface and the area it holds for."""
 
-from typing import Any, Mapping, Optional
+from typing import Any, Dict, Mapping, Optional, Union
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.distortion import RadialDistortion
@@ -23,7 +23,21 @@ from camera_to_base.errors import InvalidValueError
 from camera_to_base.hull import Hull
 from camera_to_base.surface import (
     check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
+import numpy as np
 
+SURFACE_DEFAULTS: Mapping[str, Any] = {
+    'surface.model': 'parallel',
+    'surface.image_size': [640, 480],
+    'surface.hull': [],
+    'surface.reject_outside_hull': False,
+    'surface.parallel.width_cm': 36.0,
+    'surface.polynomial.y_of_v': [0.00006, -0.0833, 25.848],
+    'surface.polynomial.px_per_cm_of_y': [0.0625, -1.6393, 29.071],
+    'surface.polynomial.centre_u': 292.0,
+    'surface.homography.surface_from_pixel': [0.05625, 0.0, 0.0, 0.0, 0.05625, 0.0, 0.0, 0.0, 1.0],
+    'surface.homography.distortion_coefficient': 0.0,
+    'surface.homography.distortion_centre': [319.5, 239.5],
+}
 SURFACE_MODELS = ('parallel', 'polynomial', 'homography')
 
 
@@ -60,6 +74,28 @@ def make_hull(values: Mapping[str, Any]) -> Optional[Hull]:
         raise InvalidValueError(
             f'surface.hull must be pairs of u and v, got {len(numbers)} numbers')
     return Hull(numbers.reshape(-1, 2)) if len(numbers) else None
+
+
+def surface_values(
+    surface: Union[HomographySurface, PolynomialSurface], hull: Hull
+) -> Dict[str, Any]:
+    """
+    Give the parameters that :func:`make_surface` and :func:`make_hull` make the same of.
+
+    The hull is rounded to hundredths of a px, the rest is exact.
+    """
+    values = {'surface.image_size': list(surface.image_size),
+              'surface.hull': np.round(hull.corners, 2).ravel().tolist()}
+    if isinstance(surface, PolynomialSurface):
+        return {'surface.model': 'polynomial', **values,
+                'surface.polynomial.y_of_v': surface.y_of_v.tolist(),
+                'surface.polynomial.px_per_cm_of_y': surface.px_per_cm_of_y.tolist(),
+                'surface.polynomial.centre_u': surface.centre_u}
+    matrix = surface.surface_from_pixel.ravel().tolist()
+    return {'surface.model': 'homography', **values,
+            'surface.homography.surface_from_pixel': matrix,
+            'surface.homography.distortion_coefficient': surface.distortion.coefficient,
+            'surface.homography.distortion_centre': list(surface.distortion.centre)}
 
 
 def _homography_surface(values: Mapping[str, Any], image_size: ImageSize) -> HomographySurface:

@@ -26,6 +26,7 @@ import numpy as np
 POINT_COLUMNS = ('x_cm', 'y_cm', 'u_px', 'v_px')
 SIZE_COLUMNS = ('width_px', 'height_px')
 PAIR_COLUMNS = ('x_cam_cm', 'y_cam_cm', 'x_base_cm', 'y_base_cm')
+LARGEST = 1e6  # In cm and px: more is a slip, and its square would overflow.
 PAIR_HEIGHTS = ('z_cam_cm', 'z_base_cm')
 
 
@@ -119,6 +120,8 @@ def _number(record, index, name, row):
         raise InvalidValueError(f'row {row}: {name} is not a number: {text!r}') from None
     if not np.isfinite(number):
         raise InvalidValueError(f'row {row}: {name} is {text}: expected a finite number')
+    if abs(number) > LARGEST:
+        raise InvalidValueError(f'row {row}: {name} is {text}: expected at most {LARGEST:g}')
     return number
 
 

@@ -56,3 +56,11 @@ def test_points_that_form_no_rows_are_refused():
     points = np.array([[0.0, 1.0], [1.0, 2.0], [2.0, 4.0], [0.0, 9.0]])
     with pytest.raises(CalibrationError, match='at least three values of y_cm'):
         fit_polynomial(MatchedPoints(points, TUTORIAL.pixels(points)), IMAGE_SIZE)
+
+
+def test_order_of_the_points_does_not_matter():
+    pixels = TUTORIAL.pixels(GRID) + np.random.default_rng(0).normal(0, 0.5, GRID.shape)
+    order = np.random.default_rng(1).permutation(len(GRID))
+    one, other = (fit_polynomial(MatchedPoints(GRID[rows], pixels[rows]), IMAGE_SIZE).surface
+                  for rows in (np.arange(len(GRID)), order))
+    np.testing.assert_allclose(other.locate(pixels), one.locate(pixels), atol=1e-9)

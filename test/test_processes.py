@@ -42,6 +42,11 @@ def write_video(path, positions, size=(320, 240), fps=30.0):
     writer.release()
 
 
+def run_calibrate(*arguments):
+    path = os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', 'calibrate')
+    return subprocess.run([path, *map(str, arguments)], capture_output=True, text=True, timeout=60)
+
+
 def tutorial_positions(path, cm_per_px):
     """Compute what the tutorial's program would publish for a video, written out plainly."""
     def treat(frame):
@@ -65,15 +70,13 @@ def tutorial_positions(path, cm_per_px):
             positions.append([(x + int(w / 2)) * cm_per_px, (y + int(h / 2)) * cm_per_px])
 
 
-@pytest.mark.parametrize('tilt_deg, parameters', [
-    (0, 'overhead_camera.yaml'), (30, 'simulated_tilted_camera.yaml')])
-def test_simulated_coin_arrives_in_the_base_frame_within_2_mm(ros, start, tilt_deg, parameters):
+def check_simulated_coin_in_the_base_frame(ros, start, file, *more):
+    """Start both nodes with a parameter file, and compare a dozen positions with the truth."""
     base, true = ros.listen_with_time(BASE_TOPIC), ros.listen_with_time(TRUE_TOPIC)
-    file = os.path.join(PARAMETERS, parameters)
     start('robot_base_publisher', '--params-file', file)
     # Slow enough that a busy machine cannot mistake one frame's truth for the next one's.
     start('camera_publisher', '--params-file', file, '-p', 'source:=simulated',
-          '-p', 'simulated.frame_rate:=4.0', '-p', f'simulated.tilt_deg:={tilt_deg}')
+          '-p', 'simulated.frame_rate:=4.0', *more)
     assert ros.spin_until(
         lambda: true and len([sent for sent, _ in base if sent > true[0][0]]) >= 12, 20.0)
     positions = list(base)
@@ -85,6 +88,30 @@ def test_simulated_coin_arrives_in_the_base_frame_within_2_mm(ros, start, tilt_d
         _, true_point = max(entry for entry in true if entry[0] <= sent)
         true_base = conversion.convert_surface_points([true_point])[0][:2]
         assert math.dist(position, true_base) < 0.2
+
+
+@pytest.mark.parametrize('tilt_deg, parameters', [
+    (0, 'overhead_camera.yaml'), (30, 'simulated_tilted_camera.yaml')])
+def test_simulated_coin_arrives_in_the_base_frame_within_2_mm(ros, start, tilt_deg, parameters):
+    check_simulated_coin_in_the_base_frame(
+        ros, start, os.path.join(PARAMETERS, parameters),
+        '-p', f'simulated.tilt_deg:={tilt_deg}')
+
+
+def test_calibrated_on_the_simulated_camera_the_coin_arrives_within_2_mm(ros, start, tmp_path):
+    file = tmp_path / 'cell.yaml'
+    # The simulated camera frame's origin, seen from the first corner of the board in its middle.
+    calibrate = run_calibrate(
+        'board', '--camera', 'simulated', '--simulated-tilt-deg', '30', '--corners', '9x6',
+        '--square-mm', '25', '--origin-mm', '-80', '-72.5', '-o', file)
+    assert calibrate.returncode == 0, calibrate.stderr
+    check_simulated_coin_in_the_base_frame(ros, start, str(file))
+
+
+def test_calibrate_says_what_is_wrong_in_one_line_and_ends_with_1(tmp_path):
+    calibrate = run_calibrate('check', tmp_path / 'missing.yaml', tmp_path / 'points.csv')
+    assert calibrate.returncode == 1 and calibrate.stdout == ''
+    assert re.fullmatch('calibrate: cannot read .*missing.yaml.*\n', calibrate.stderr)
 
 
 def test_random_pixels_reach_the_base_frame_by_the_tutorials_formula(ros, start):

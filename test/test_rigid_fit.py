@@ -87,3 +87,15 @@ def test_three_pairs_have_no_leave_one_out_residuals():
 def test_pairs_that_leave_the_side_open_are_refused(points, message):
     with pytest.raises(CalibrationError, match=message):
         fit_rigid(pairs(points, points))
+
+
+def test_order_of_the_pairs_and_their_unit_do_not_matter():
+    noise = np.random.default_rng(1).normal(0, 0.1, POINTS.shape)
+    base = POINTS * [1, -1] + [-17.8, 24.4] + noise
+    fit = fit_rigid(pairs(POINTS, base))
+    shuffled = fit_rigid(pairs(POINTS[[3, 1, 4, 0, 2]], base[[3, 1, 4, 0, 2]]))
+    smaller = fit_rigid(pairs(POINTS / 100, base / 100))
+    for other, scale in ((shuffled, 1), (smaller, 100)):
+        np.testing.assert_allclose(other.rotation_deg, fit.rotation_deg, atol=1e-8)
+        np.testing.assert_allclose(
+            np.multiply(scale, other.displacement_cm), fit.displacement_cm, atol=1e-9)

@@ -61,6 +61,7 @@ def test_the_picture_size_is_read_where_it_is_there(table):
     ('x_cm,y_cm,u_px,v_px\n', 'has a header but no rows'),
     (GOOD.replace('30', 'thirty'), "row 4: x_cm is not a number: 'thirty'"),
     (GOOD.replace('30', 'nan'), 'row 4: x_cm is nan: expected a finite number'),
+    (GOOD.replace('220', '1e300'), 'row 4: u_px is 1e300: expected at most 1e'),
     (GOOD.replace('220', '-inf'), 'row 4: u_px is -inf: expected a finite number'),
     (GOOD.replace('220', ''), 'row 4: u_px is missing'),
     (GOOD.replace('11,220,b,30,0.5', '11'), 'row 4: x_cm is missing'),
