@@ -71,7 +71,10 @@ def fit_homography(matched: MatchedPoints, image_size: ImageSize) -> HomographyF
     plain = _fit_with_folds(_Problem(matched, image_size, with_distortion=False))
     if len(matched) < POINTS_FOR_DISTORTION:
         return plain
-    radial = _fit_with_folds(_Problem(matched, image_size, with_distortion=True))
+    try:
+        radial = _fit_with_folds(_Problem(matched, image_size, with_distortion=True))
+    except CalibrationError:
+        return plain  # No lens that there can be fits better.
     if _prediction_error(radial, matched) < _prediction_error(plain, matched):
         return radial
     return plain
@@ -143,10 +146,6 @@ class _Problem:
 
     def surface(self, parameters, kept):
         """Return the surface in the units that the points and pixels came in."""
-        lens = self._picture
-        if self._with_distortion:
-            centre = lens.centre + lens.radius * parameters[10:12]
-            lens = RadialDistortion(float(parameters[9]), tuple(centre.tolist()), lens.radius)
         pixel_from_surface = (np.linalg.inv(self._pixel_scale) @ parameters[:9].reshape(3, 3)
                               @ self._point_scale)
         w = homogeneous(parameters[:9].reshape(3, 3), self.points[kept])[:, 2]
@@ -155,7 +154,7 @@ class _Problem:
                                    'would lie behind it: are rows swapped, or x and y?')
         try:
             surface = HomographySurface(
-                np.linalg.inv(pixel_from_surface), self._image_size, lens)
+                np.linalg.inv(pixel_from_surface), self._image_size, self._lens(parameters))
         except InvalidValueError:
             surface = None
         points = homogeneous(np.linalg.inv(self._point_scale), self.points[kept])[:, :2]
@@ -163,6 +162,12 @@ class _Problem:
             raise CalibrationError("the horizon lies between the picture's centre and the points, "
                                    'or near them: tilt the camera down, or check the rows')
         return surface
+
+    def _lens(self, parameters):
+        if not self._with_distortion:
+            return None
+        centre = self._picture.centre + self._picture.radius * parameters[10:12]
+        return RadialDistortion.of_picture(self._image_size, parameters[9], centre)
 
     def _start(self, kept):
         starts = START_COEFFICIENTS if self._with_distortion else (0.0,)
