@@ -28,19 +28,26 @@ MODULES = sorted(path.stem for path in PACKAGE.glob('*.py') if path.stem != '__i
 # before it; nothing imports a node or a command.
 NODES_AND_COMMANDS = {'camera_publisher', 'robot_base_publisher', 'calibrate', 'locate'}
 ROOMS = [
-    {'errors'},
+    {'errors', 'health'},
     {'checks'},
     {'absolute_difference', 'surface', 'coordinate_transform', 'frame_sources',
      'simulated_board'},
+    {'background', 'damage_check', 'freshness', 'jump_filter', 'view_check'},
+    {'frame_reader', 'position_gate'},
     {'calibration', 'object_locator', 'overlay'},
-    {'messages', 'parameters', 'lifetime'},
+    {'camera_pipeline'},
+    {'camera_health'},
+    {'messages', 'parameters', 'lifetime', 'diagnostics'},
     {'camera_parameters', 'transform_parameters'},
     NODES_AND_COMMANDS,
 ]
 PURE = ['errors', 'checks', 'absolute_difference', 'surface', 'coordinate_transform',
-        'frame_sources', 'simulated_board', 'object_locator', 'overlay']
+        'frame_sources', 'simulated_board', 'object_locator', 'overlay', 'background',
+        'damage_check', 'freshness', 'jump_filter', 'view_check', 'frame_reader',
+        'position_gate', 'camera_pipeline', 'camera_health', 'health']
 PURE_IF_THERE = [*PURE, *({'calibration'} & set(MODULES))]
-ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs'}
+ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
+       'std_srvs'}
 
 IMPORT_WITHOUT_ROS = f"""
 import importlib
