@@ -46,12 +46,25 @@ class SimulationSettings:
 
 
 @dataclass(frozen=True)
+class ViewSettings:
+    """When a camera counts as moved, see :func:`view_problem`."""
+
+    max_shift_px: float
+    max_changed_share: float
+    check_period: float
+
+
+@dataclass(frozen=True)
 class CameraSettings:
     """All that `camera_publisher` takes from its parameters."""
 
     source: str
     period: float
     wait_for_subscribers: int
+    wait_for_camera: bool
+    background_frames: int
+    max_frame_age: float
+    confirm_jump_px: float
     annotated_picture: str
     image_size: Tuple[int, int]
     detector: DetectorSettings
@@ -59,6 +72,7 @@ class CameraSettings:
     hull: Optional[Hull]
     reject_outside_hull: bool
     simulated: SimulationSettings
+    view: ViewSettings
 
 
 def _surface_spec(name: str, *description: Any, **more: Any) -> ParameterSpec:
@@ -76,6 +90,32 @@ CAMERA_SPECS = [
         'wait_for_subscribers', 1,
         'A video file is not started before this many listen to pos_in_cam_frame, but 10 s '
         'later at the latest.', (0, 100), fixed=True),
+    ParameterSpec(
+        'wait_for_camera', False,
+        'Whether a device or a stream that is not there at the start is waited for; otherwise '
+        'the node ends with an error.', fixed=True),
+    ParameterSpec(
+        'background_frames', 1,
+        'The background is the median of this many frames; 1 takes the first one, as the '
+        'tutorial does.', (1, 1000)),
+    ParameterSpec(
+        'max_frame_age', 0.3,
+        'No position is published from a frame of a camera that is older than this, in s.',
+        (0.01, 60)),
+    ParameterSpec(
+        'confirm_jump_px', 8.0,
+        'A position that jumps farther than this, in px, is published when a second frame '
+        'confirms it; 0 for at once. Cameras only.', (0, 100000)),
+    ParameterSpec(
+        'view.max_shift_px', 3.0,
+        'Nothing is published while the view has moved by more than this since the background '
+        'was taken, in px; 0 for no check.', (0, 100000)),
+    ParameterSpec(
+        'view.max_changed_share', 0.7,
+        'Nor while the shift cannot be told and more than this share of the view differs.',
+        (0, 1)),
+    ParameterSpec('view.check_period', 2.0, 'Time between two checks of the view, in s.',
+                  (0.01, 3600)),
     ParameterSpec(
         'annotated_picture', '',
         'A file (.png or .jpg) that is kept up to date with the frame of the largest object so '
@@ -187,13 +227,18 @@ def camera_settings(values: Values) -> CameraSettings:
         source=values['source'],
         period=values['period'],
         wait_for_subscribers=values['wait_for_subscribers'],
+        wait_for_camera=values['wait_for_camera'],
+        background_frames=values['background_frames'],
+        max_frame_age=values['max_frame_age'],
+        confirm_jump_px=values['confirm_jump_px'],
         annotated_picture=values['annotated_picture'],
         image_size=check_image_size(values['surface.image_size']),
         detector=DetectorSettings(**_group(values, 'detector.')),
         surface=make_surface(values),
         hull=make_hull(values),
         reject_outside_hull=values['surface.reject_outside_hull'],
-        simulated=_simulated(**_group(values, 'simulated.')))
+        simulated=_simulated(**_group(values, 'simulated.')),
+        view=ViewSettings(**_group(values, 'view.')))
 
 
 def _simulated(

@@ -18,7 +18,7 @@ import glob
 import math
 import os
 import re
-from typing import Optional, Protocol, Union
+from typing import List, Optional, Protocol, Union
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.surface import ImageSize
@@ -30,6 +30,12 @@ _DEFAULT_FRAME_RATE = 30.0
 # FFmpeg, too, writes to standard error what we report in one sentence; OpenCV reads this when it
 # opens its first video.
 os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
+# An RTSP stream is otherwise watched for 1 s while it is opened, to guess its rate.
+os.environ.setdefault('OPENCV_FFMPEG_CAPTURE_OPTIONS', 'rtsp_transport;tcp|fpsprobesize;0')
+# OpenCV's own timeouts are 30 s. `set` after opening has no effect; V4L2 knows neither, and takes
+# its 10 s from the environment.
+_STREAM_TIMEOUTS = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, 1500, cv2.CAP_PROP_READ_TIMEOUT_MSEC, 1200]
+os.environ.setdefault('OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT', '1')
 # OpenCV 5 has moved it.
 _set_log_level = getattr(cv2, 'setLogLevel', None) or cv2.utils.logging.setLogLevel
 
@@ -91,15 +97,18 @@ class Camera:
 
     :param name: An index ('0'), a device path ('/dev/video0') or a stream's URL.
     :param image_size: The picture size to ask a device for; a camera may give another.
+    :param open_now: Otherwise the first read opens it, in the thread that reads.
     :raises FrameSourceError: If it cannot be opened.
     """
 
     frame_rate = 0.0
 
-    def __init__(self, name: str, image_size: ImageSize = (640, 480)) -> None:
+    def __init__(
+        self, name: str, image_size: ImageSize = (640, 480), open_now: bool = True
+    ) -> None:
         self.name = name
         self._image_size = image_size
-        self._capture = self._open_capture()
+        self._capture = self._open_capture() if open_now else None
 
     def read(self) -> np.ndarray:
         """
@@ -124,7 +133,7 @@ class Camera:
 
     def _open_capture(self) -> cv2.VideoCapture:
         if is_stream(self.name):
-            capture = _open(self.name, cv2.CAP_ANY)
+            capture = _open(self.name, cv2.CAP_FFMPEG, _STREAM_TIMEOUTS)
         else:
             capture = _open(_device_index(self.name), cv2.CAP_V4L2)
         if capture is None:
@@ -196,11 +205,13 @@ def _device_index(name: str) -> int:
     return number
 
 
-def _open(target: Union[int, str], backend: int) -> Optional[cv2.VideoCapture]:
+def _open(
+    target: Union[int, str], backend: int, *properties: List[int]
+) -> Optional[cv2.VideoCapture]:
     # OpenCV writes warnings of its own to standard error for what we report in one sentence.
     level = _set_log_level(0)
     try:
-        capture = cv2.VideoCapture(target, backend)
+        capture = cv2.VideoCapture(target, backend, *properties)
     finally:
         _set_log_level(level)
     if capture.isOpened():

@@ -20,6 +20,9 @@ from typing import Tuple
 from camera_to_base.errors import InvalidValueError
 from std_msgs.msg import Float64MultiArray
 
+# A position has two numbers, or a few more; a message of thousands was meant for another topic.
+MOST_NUMBERS = 16
+
 
 def position_message(x: float, y: float) -> Float64MultiArray:
     """
@@ -38,8 +41,10 @@ def position_from_message(message: Float64MultiArray) -> Tuple[float, float]:
     Numbers after the first two are left alone, as the tutorial leaves them.
 
     :returns: x and y, in cm.
-    :raises InvalidValueError: If it does not start with two finite numbers.
+    :raises InvalidValueError: If it does not start with two finite numbers, or has far too many.
     """
+    if len(message.data) > MOST_NUMBERS:
+        raise InvalidValueError(f'expected [x, y] in cm, got {len(message.data)} numbers')
     position = tuple(message.data[:2])
     if len(position) < 2:
         raise InvalidValueError(f'expected [x, y] in cm, got {len(position)} number(s)')

@@ -14,6 +14,8 @@
 
 """The parameters of `robot_base_publisher`, and the conversion that they make."""
 
+from dataclasses import dataclass
+
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.parameters import ParameterSpec, Values
 
@@ -23,7 +25,27 @@ TRANSFORM_SPECS = [
                   'fixed axes x, y and z, in degrees.'),
     ParameterSpec('displacement_cm', [-17.8, 24.4, 0.0],
                   "The camera frame's origin in the base frame: x, y and z, in cm."),
+    ParameterSpec('reach_cm', 1000.0,
+                  "A position farther than this from the robot's base, in cm, is dropped: set it "
+                  "to your arm's reach.", (0.001, 1000000.0)),
 ]
+
+
+@dataclass(frozen=True)
+class TransformSettings:
+    """All that `robot_base_publisher` takes from its parameters."""
+
+    conversion: CameraToRobotBaseConversion
+    reach_cm: float
+
+
+def transform_node_settings(values: Values) -> TransformSettings:
+    """
+    Make the transform node's settings of its parameters.
+
+    :raises CameraToBaseError: If they cannot be used.
+    """
+    return TransformSettings(transform_settings(values), values['reach_cm'])
 
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:

@@ -14,15 +14,23 @@
 
 """What node tests and process tests share: a node that listens, and waiting for a condition."""
 
+from collections import namedtuple
 import os
 import signal
 import subprocess
 import time
 
 from ament_index_python.packages import get_package_prefix
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import Log
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float64MultiArray
+from std_srvs.srv import Trigger
+
+LogLine = namedtuple('LogLine', 'received_at level text')
+Status = namedtuple('Status', 'received_at level message values')
 
 CAMERA_TOPIC = '/pos_in_cam_frame'
 BASE_TOPIC = '/pos_in_robot_base_frame'
@@ -56,6 +64,35 @@ class Ros:
         """Return a list that grows by (time sent in s, [x, y]) for each message of a topic."""
         return self._record(topic, lambda message, info: (
             info['source_timestamp'] / 1e9, list(message.data)))
+
+    def listen_to_diagnostics(self, node_name):
+        """Return a list that grows by level, message and values for each status of a node."""
+        received = []
+
+        def on_message(message):
+            received.extend(
+                Status(time.monotonic(), status.level[0], status.message,
+                       {pair.key: pair.value for pair in status.values})
+                for status in message.status if status.name == node_name)
+
+        self.node.create_subscription(DiagnosticArray, '/diagnostics', on_message, 100)
+        return received
+
+    def listen_to_log(self, node_name):
+        """Return a list that grows by time received, level and text for each line of a node."""
+        received = []
+        self.node.create_subscription(Log, '/rosout', lambda line: received.append(
+            LogLine(time.monotonic(), line.level, line.msg)) if line.name == node_name else None,
+            QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        return received
+
+    def call(self, name, timeout=15.0):
+        """Call a service of type Trigger, and return its response."""
+        client = self.node.create_client(Trigger, name)
+        assert self.spin_until(client.service_is_ready)
+        future = client.call_async(Trigger.Request())
+        assert self.spin_until(future.done, timeout)
+        return future.result()
 
     def talk(self, topic):
         """Return a publisher."""

@@ -13,8 +13,9 @@
 # limitations under the License.
 
 import math
+import time
 
-from camera_to_base import camera_publisher
+from camera_to_base import background_service, camera_publisher
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.errors import CameraToBaseError, FrameSourceError
 import cv2
@@ -27,18 +28,26 @@ from ros_helpers import CAMERA_TOPIC, TRUE_TOPIC
 
 
 class GivenFrames:
-    """A frame source that plays given frames; an error among them is raised."""
+    """A camera that plays given frames, the last one for ever; an error among them is raised."""
 
     frame_rate = 0.0
 
     def __init__(self, frames):
         self._frames = list(frames)
+        self._count = 0
 
     def read(self):
+        time.sleep(0.03)
         frame = self._frames.pop(0) if len(self._frames) > 1 else self._frames[0]
         if isinstance(frame, Exception):
             raise frame
-        return frame
+        self._count += 1
+        return self._with_noise(frame)
+
+    def _with_noise(self, frame):
+        # A picture without any noise would be taken for a repeated one.
+        noise = np.random.default_rng(self._count).integers(0, 3, frame.shape, np.uint8)
+        return cv2.add(frame, noise)
 
     def release(self):
         pass
@@ -180,7 +189,7 @@ def test_bad_value_is_rejected_with_the_reason_and_changes_nothing(ros, name, va
     'source:=/does/not/exist.avi', 'source:=/dev/video99'])
 def test_bad_value_at_start_is_refused(ros, argument):
     with pytest.raises((CameraToBaseError, ParameterException)) as error:
-        ros.add(CameraPublisher, '-p', argument)
+        ros.add(CameraPublisher, '-p', argument, '-p', 'wait_for_camera:=false')
     assert len(str(error.value)) > 20
 
 
@@ -211,7 +220,7 @@ def test_annotated_picture_shows_a_box_around_the_object(ros, play, tmp_path):
     frame = table_with_disc(320, 240)
     play([table(), frame], '-p', f'annotated_picture:={picture}')
     assert ros.spin_until(lambda: received and picture.exists())
-    drawn = (cv2.imread(str(picture)) != frame).any(axis=2)
+    drawn = (cv2.absdiff(cv2.imread(str(picture)), frame) > 3).any(axis=2)
     assert drawn[215:265, 290:350].any()
     assert not drawn[300:, :].any()
 
@@ -260,3 +269,61 @@ def test_calibrated_area_can_be_changed_while_the_node_runs(ros, play):
     for hull, good in ([0.0, 0.0, 9.0, 0.0, 9.0, 9.0], True), ([1.0, 2.0], False), ([], True):
         result = node.set_parameters([Parameter('surface.hull', value=hull)])[0]
         assert result.successful == good
+
+
+def test_background_is_captured_anew_by_a_service(ros, play):
+    received = listen_for_camera(ros)
+    play([*[table()] * 5, table_with_disc(320, 240)], '-p', 'background_frames:=3')
+    assert ros.spin_until(lambda: received)
+    response = ros.call('/camera_publisher/capture_background')
+    assert response.success
+    assert '640 x 480 px, the median of 3 frame(s)' in response.message
+    count = len(received)
+    ros.spin_for(0.5)
+    assert len(received) == count  # the disc is part of the background now
+
+
+def test_random_pixels_have_no_background_to_capture(ros):
+    ros.add(CameraPublisher, '-p', 'source:=random')
+    response = ros.call('/camera_publisher/capture_background')
+    assert not response.success and 'random' in response.message
+
+
+def test_capture_without_a_frame_is_answered_with_what_to_do(ros, play, monkeypatch):
+    monkeypatch.setattr(background_service, '_TIMEOUT_S', 0.5)
+    play([FrameSourceError('unplugged')])
+    response = ros.call('/camera_publisher/capture_background')
+    assert not response.success and 'next ones become the background' in response.message
+
+
+def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ros, play):
+    still = np.random.default_rng(1).normal(0, 40, (480, 740)).astype(np.float32)
+    wood = cv2.merge([np.clip(190 + cv2.GaussianBlur(still, (0, 0), 3), 120, 250).astype(
+        np.uint8)] * 3)
+
+    def seen(shift, disc=True):
+        frame = wood[:, 50 - shift:690 - shift].copy()
+        return cv2.circle(frame, (320 + shift, 240), 21, (30, 30, 30), -1) if disc else frame
+
+    received = listen_for_camera(ros)
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    play([seen(0, disc=False), *[seen(0)] * 20, *[seen(7)] * 70, seen(0)],
+         '-p', 'view.check_period:=0.1')
+    assert ros.spin_until(lambda: statuses and 'has moved by' in statuses[-1].message, 5.0)
+    assert statuses[-1].level == 2 and 'capture_background' in statuses[-1].message
+    count = len(received)
+    assert count
+    ros.spin_for(0.3)
+    assert len(received) == count
+    assert ros.spin_until(lambda: len(received) > count + 3, 8.0)
+    assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
+
+
+def test_diagnostics_come_once_a_second_with_what_a_user_should_know(ros, play):
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    play([table()])
+    assert ros.spin_until(lambda: len(statuses) >= 3, 6.0)
+    assert statuses[2].received_at - statuses[1].received_at == pytest.approx(1.0, abs=0.3)
+    assert statuses[-1].level == 0
+    assert {'source', 'frames read', 'frames dropped: damaged', 'reconnects', 'background',
+            'view shift (px)', 'age of the last frame (s)'} <= set(statuses[-1].values)

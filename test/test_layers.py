@@ -30,17 +30,19 @@ NODES_AND_COMMANDS = {'camera_publisher', 'robot_base_publisher', 'calibrate', '
 # What is installed: nothing imports it, and it imports the nodes.
 EXECUTABLES = {'executables'}
 ROOMS = [
-    {'errors'},
+    {'errors', 'health'},
     {'checks'},
     {'absolute_difference', 'background', 'board_conditions', 'board_view', 'coordinate_transform',
      'detection', 'distortion', 'frame_sources', 'ghosts', 'hull', 'precise_difference',
      'simulated_board', 'simulated_chessboard', 'surface'},
-    {'files', 'matched_points', 'object_locator', 'overlay', 'surface_parameters'},
-    {'figures', 'homography_fit', 'least_squares', 'polynomial_fit', 'rigid_fit'},
-    {'board', 'board_frame', 'board_squares', 'calibrate_options', 'parameter_file',
-     'report_picture', 'report_text', 'still_picture', 'tables', 'top_view'},
-    {'calibration'},
-    {'messages', 'parameters', 'lifetime'},
+    {'background_taker', 'damage_check', 'files', 'freshness', 'jump_filter', 'matched_points',
+     'object_locator', 'overlay', 'surface_parameters', 'view_check'},
+    {'figures', 'frame_reader', 'homography_fit', 'least_squares', 'picture_keeper',
+     'polynomial_fit', 'position_gate', 'rigid_fit'},
+    {'board', 'board_frame', 'board_squares', 'calibrate_options', 'camera_pipeline',
+     'parameter_file', 'report_picture', 'report_text', 'still_picture', 'tables', 'top_view'},
+    {'calibration', 'camera_health'},
+    {'background_service', 'diagnostics', 'lifetime', 'messages', 'parameters'},
     {'camera_parameters', 'transform_parameters'},
     NODES_AND_COMMANDS,
     EXECUTABLES,
@@ -48,7 +50,8 @@ ROOMS = [
 # Free of ROS, but it reads YAML, or is the command line.
 COMMAND_LINE = ['calibrate', 'calibrate_options', 'parameter_file']
 PURE = sorted((set.union(*ROOMS[:7]) - {*COMMAND_LINE}) & set(MODULES))
-ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs'}
+ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
+       'std_srvs'}
 
 IMPORT_WITHOUT_ROS = f"""
 import importlib

@@ -39,3 +39,9 @@ def test_further_numbers_are_left_alone():
 def test_what_is_no_position_is_refused(data):
     with pytest.raises(InvalidValueError):
         position_from_message(Float64MultiArray(data=data))
+
+
+def test_message_of_far_too_many_numbers_is_refused():
+    assert position_from_message(Float64MultiArray(data=[1.0] * 16)) == (1.0, 1.0)
+    with pytest.raises(InvalidValueError, match='1000000 numbers'):
+        position_from_message(Float64MultiArray(data=[1.0] * 10**6))

@@ -228,7 +228,7 @@ def test_two_interrupts_in_a_row_leave_no_traceback(ros, start):
 
 @pytest.mark.parametrize('arguments, said', [
     (['-p', 'source:=/does/not/exist.avi'], "cannot open video '/does/not/exist.avi'"),
-    (['-p', 'source:=99'], "cannot open camera '99'"),
+    (['-p', 'source:=99', '-p', 'wait_for_camera:=false'], "cannot open camera '99'"),
     (['-p', 'detector.threshold:=300'], 'detector.threshold'),
     (['-p', 'detector.threshold:=high'], 'detector.threshold'),
     (['-p', 'rotation_deg:=[1, 2.5]'], 'rotation_deg'),

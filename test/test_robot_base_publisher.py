@@ -53,7 +53,8 @@ def test_each_message_gives_one_in_order(ros):
 
 
 @pytest.mark.parametrize('data', [
-    [], [1.0], [math.nan, 1.0], [1.0, math.inf], [-math.inf, math.nan]])
+    [], [1.0], [math.nan, 1.0], [1.0, math.inf], [-math.inf, math.nan], [1e308, 1e308],
+    [1.0] * 10**6])
 def test_bad_message_is_dropped_and_counted_and_the_node_lives(ros, data):
     node, publisher, received = connect(ros)
     send(publisher, data, [1.0, 1.0])
@@ -135,5 +136,37 @@ def test_namespace_and_remap_move_the_topics(ros):
 
 def test_every_parameter_is_described(ros):
     node = ros.add(RobotBasePublisher)
-    for name in ('rotation_deg', 'displacement_cm'):
+    for name in ('rotation_deg', 'displacement_cm', 'reach_cm'):
         assert node.describe_parameter(name).description
+
+
+def test_position_beyond_the_reach_is_dropped(ros):
+    node, publisher, received = connect(
+        ros, '-p', 'reach_cm:=10', '-p', 'displacement_cm:=[0, 0, 0]')
+    send(publisher, [6.0, 8.1], [6.0, 8.0])
+    assert ros.spin_until(lambda: received)
+    assert received == [pytest.approx([6.0, -8.0])]
+    assert node.dropped_count == 1
+
+
+def test_reach_can_be_changed_while_the_node_runs(ros):
+    node, publisher, received = connect(ros)
+    send(publisher, [400.0, 0.0])
+    assert ros.spin_until(lambda: received)
+    assert node.set_parameters([Parameter('reach_cm', value=100.0)])[0].successful
+    send(publisher, [400.0, 0.0])
+    assert ros.spin_until(lambda: node.dropped_count == 1)
+    assert len(received) == 1
+
+
+def test_diagnostics_count_what_came_and_what_was_dropped_and_why(ros):
+    statuses = ros.listen_to_diagnostics('/robot_base_publisher')
+    _, publisher, _ = connect(ros)
+    send(publisher, [1.0, 1.0], [math.nan, 1.0], [1e6, 1.0])
+    assert ros.spin_until(
+        lambda: statuses and statuses[-1].values.get('messages in') == '3', 3.0)
+    values = statuses[-1].values
+    assert values['messages out'] == values['dropped: no position'] == '1'
+    assert values['dropped: out of reach'] == '1'
+    assert any('dropped in the last second' in status.message for status in statuses)
+    assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)

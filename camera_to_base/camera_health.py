@@ -1,0 +1,88 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a user should know about a camera: a level, a sentence that says what to do, numbers."""
+
+from typing import Dict, NamedTuple, Optional
+
+from camera_to_base.camera_pipeline import CameraPipeline
+from camera_to_base.frame_reader import FrameReader, LOST_AFTER_S, ReaderState
+from camera_to_base.health import Level
+
+# A camera that gives damaged frames only is said to do so after this many.
+_DAMAGED_IN_A_ROW = 10
+
+
+class Problem(NamedTuple):
+    """Why nothing is published: its kind stays while numbers in the sentence change."""
+
+    kind: str
+    level: Level
+    sentence: str
+
+
+def camera_problem(
+    reader: Optional[FrameReader], pipeline: CameraPipeline, name: str
+) -> Optional[Problem]:
+    """
+    Tell what keeps positions from being published.
+
+    :param reader: None for a source that is no camera.
+    :param name: The source's.
+    :returns: None where an object on the surface would be published.
+    """
+    if reader is not None and reader.state is not ReaderState.RUNNING:
+        return _reader_problem(reader, name)
+    if reader is not None and reader.damaged_in_a_row >= _DAMAGED_IN_A_ROW:
+        return Problem('damaged', Level.ERROR, (
+            f"camera '{name}' gives damaged pictures, {reader.last_damage}: check its cable and "
+            'its network, or lower its rate'))
+    if pipeline.background is None:
+        return Problem('background', Level.WARN, 'taking the background: keep the surface clear')
+    if pipeline.size_problem is not None:
+        return Problem('size', Level.ERROR, (
+            f'{pipeline.size_problem}, or call ~/capture_background with the surface clear'))
+    if pipeline.view_problem is not None:
+        return Problem('view', Level.ERROR, pipeline.view_problem)
+    return None
+
+
+def _reader_problem(reader: FrameReader, name: str) -> Problem:
+    cause = reader.error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
+    if reader.error is None and reader.seconds_without_frame < LOST_AFTER_S:
+        return Problem('opening', Level.WARN, f"opening camera '{name}'")
+    if reader.state is ReaderState.WAITING:
+        return Problem('waiting', Level.ERROR, f'waiting for the camera: {cause}')
+    return Problem('lost', Level.ERROR, f'{cause} Nothing is published until it is back.')
+
+
+def camera_values(reader: Optional[FrameReader], pipeline: CameraPipeline) -> Dict[str, str]:
+    """Give all numbers about a camera, as texts for the diagnostics."""
+    values = {'background': 'none' if pipeline.background is None else
+              '{1} x {0} px'.format(*pipeline.background.shape),
+              'view shift (px)': 'cannot be told' if pipeline.shift_px is None
+              else f'{pipeline.shift_px:.1f}'}
+    values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))
+    if reader is not None:
+        counts = reader.counts
+        values.update({
+            'state': reader.state.value,
+            'frames read': str(counts.read),
+            'frames dropped: replaced by a newer one': str(counts.overwritten),
+            'frames dropped: too old on arrival': str(counts.old),
+            'frames dropped: damaged': str(counts.damaged),
+            'reconnects': str(counts.reconnects),
+            'attempts to open': str(counts.attempts),
+            'age of the last frame (s)': f'{reader.seconds_without_frame:.2f}'})
+    return values

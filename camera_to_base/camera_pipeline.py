@@ -1,0 +1,130 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""From frames to objects that an arm may follow: background, detection, view check, gate."""
+
+from collections import Counter
+import time
+from typing import List, NamedTuple, Optional
+
+from camera_to_base.background_taker import BackgroundTaker
+from camera_to_base.detection import check_frame
+from camera_to_base.errors import FrameSizeError
+from camera_to_base.object_locator import DetectorSettings, LocatedObject, ObjectLocator
+from camera_to_base.position_gate import PositionGate
+from camera_to_base.surface import Surface
+from camera_to_base.view_check import view_problem, ViewCheck
+import numpy as np
+
+
+class Limits(NamedTuple):
+    """What a frame or a position must keep to, see the node's parameters."""
+
+    max_frame_age_s: float = 0.3
+    confirm_jump_px: float = 8.0
+    max_shift_px: float = 3.0
+    max_changed_share: float = 0.7
+    check_period_s: float = 2.0
+
+
+class CameraPipeline:
+    """
+    Turns one frame after another into objects that can be believed.
+
+    :param surface: Maps pixels to the work surface.
+    :param detector: Which detector, and which objects count.
+    :param background_frames: The first background is the median of this many frames.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        detector: DetectorSettings = DetectorSettings(),
+        limits: Limits = Limits(),
+        background_frames: int = 1,
+    ) -> None:
+        self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
+        self.counts: Counter = Counter()
+        self.size_problem: Optional[str] = None
+        self.shift_px: Optional[float] = None
+        self.configure(surface, detector, limits)
+        self.capture_background(background_frames)
+
+    def configure(
+        self, surface: Surface, detector: DetectorSettings, limits: Limits
+    ) -> None:
+        """Use other settings from the next frame on, with the same background."""
+        self._surface, self._detector, self._limits = surface, detector, limits
+        self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
+        self._locator: Optional[ObjectLocator] = None
+        self._checked_at = -np.inf
+
+    def capture_background(self, frame_count: int) -> None:
+        """Take the background anew, of the next frames; until then no objects are found."""
+        self._taker: Optional[BackgroundTaker] = BackgroundTaker(frame_count)
+        self.background: Optional[np.ndarray] = None
+
+    @property
+    def view_problem(self) -> Optional[str]:
+        """Why the view cannot be believed; None where it can."""
+        return self._gate.view_problem
+
+    def process(self, frame: np.ndarray, taken_at: Optional[float] = None) -> List[LocatedObject]:
+        """
+        Find the objects on a frame.
+
+        :param taken_at: When a camera took it, by time.monotonic(); None for a file's frame.
+        :returns: The largest first; none, where they cannot be believed (`counts` says why).
+        :raises CameraToBaseError: If the frame cannot be used.
+        """
+        check_frame(frame)
+        self.counts['frames'] += 1
+        if self.background is None and not self._take_background(frame):
+            return []
+        try:
+            objects = self._current_locator().locate(frame)
+            self.size_problem = None
+        except FrameSizeError as error:
+            self.size_problem = str(error)
+            raise
+        self._check_view(frame)
+        if not objects:
+            return []
+        reason = self._gate.reason(objects[0].detection.centre, taken_at)
+        self.counts[reason or 'positions'] += 1
+        return [] if reason else objects
+
+    def _take_background(self, frame: np.ndarray) -> bool:
+        self.background = self._taker.add(frame)
+        if self.background is None:
+            return False
+        self._view_check = ViewCheck(self.background)
+        self._gate.view_problem, self._checked_at = None, time.monotonic()
+        self._taker = self._locator = None
+        return True
+
+    def _current_locator(self) -> ObjectLocator:
+        if self._locator is None:
+            self._locator = ObjectLocator(self.background, self._surface, self._detector)
+        return self._locator
+
+    def _check_view(self, frame: np.ndarray) -> None:
+        limits = self._limits
+        if not limits.max_shift_px:
+            self._gate.view_problem = None
+        elif time.monotonic() - self._checked_at >= limits.check_period_s:
+            view = self._view_check.compare(frame)
+            self._checked_at, self.shift_px = time.monotonic(), view.shift_px
+            self._gate.view_problem = view_problem(
+                view, limits.max_shift_px, limits.max_changed_share)

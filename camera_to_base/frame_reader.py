@@ -1,0 +1,196 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Reads a camera in a thread of its own: the newest frame wins, and a lost camera is sought."""
+
+from enum import Enum
+import threading
+import time
+from typing import Callable, NamedTuple, Optional
+
+from camera_to_base.errors import FrameSourceError
+from camera_to_base.frame_sources import FrameSource
+from camera_to_base.freshness import Freshness
+import numpy as np
+
+FIRST_PAUSE_S, LONGEST_PAUSE_S, _PAUSE_GROWTH = 0.5, 5.0, 1.2
+# No frame for as long as this means that the camera is lost, whatever read() is waiting for.
+LOST_AFTER_S = 1.0
+# Longer than the timeouts of a stream, and short enough for a node that must end.
+_JOIN_S = 1.9
+_THREAD_NAME = 'frame reader'
+
+
+class ReaderState(Enum):
+    """What a reader is doing."""
+
+    WAITING = 'waiting for the first frame'
+    RUNNING = 'running'
+    LOST = 'lost the camera'
+
+
+class TakenFrame(NamedTuple):
+    """A frame, and when it came, in s of time.monotonic()."""
+
+    image: np.ndarray
+    taken_at: float
+
+
+class ReaderCounts(NamedTuple):
+    """What a reader has done so far."""
+
+    read: int = 0
+    old: int = 0
+    damaged: int = 0
+    overwritten: int = 0
+    attempts: int = 0
+    reconnects: int = 0
+
+
+class FrameReader:
+    """
+    Drains a camera, so that a slow consumer gets a new frame and never an old one.
+
+    Only the reader's thread opens, reads and releases the camera: a release while another thread
+    reads is a segmentation fault in OpenCV.
+
+    :param camera: A source whose `read` waits for a frame, opens what is not open, and raises
+        FrameSourceError, closed, where that fails.
+    :param on_frame: Called in the reader's thread for each frame.
+    :param damage: Tells for each frame why it cannot be believed, or None.
+    :param may_lag: Frames may lie in a buffer on the way, as those of a network stream do.
+    """
+
+    def __init__(
+        self,
+        camera: FrameSource,
+        on_frame: Callable[[], None] = lambda: None,
+        damage: Callable[[np.ndarray], Optional[str]] = lambda frame: None,
+        may_lag: bool = True,
+    ) -> None:
+        self._camera = camera
+        self._on_frame = on_frame
+        self._damage = damage
+        self._freshness = Freshness() if may_lag else None
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._first_attempt_over = threading.Event()
+        self._newest: Optional[TakenFrame] = None
+        self._last_frame_at: Optional[float] = None
+        self._begun_at = time.monotonic()
+        self.error: Optional[FrameSourceError] = None
+        self.last_damage: Optional[str] = None
+        self.damaged_in_a_row = 0
+        self.counts = ReaderCounts()
+        # A daemon: should read() hang for good, only `os._exit` ends the process without an
+        # abort (see `is_reader_hanging`), and no thread may be waited for on the way there.
+        self._thread = threading.Thread(target=self._run, name=_THREAD_NAME, daemon=True)
+        self._thread.start()
+
+    @property
+    def state(self) -> ReaderState:
+        """Tell what the reader is doing."""
+        if self._last_frame_at is None:
+            return ReaderState.WAITING
+        lost = self.error is not None or self.seconds_without_frame > LOST_AFTER_S
+        return ReaderState.LOST if lost else ReaderState.RUNNING
+
+    @property
+    def seconds_without_frame(self) -> float:
+        """How long ago the last frame came, or the reader was started."""
+        return time.monotonic() - (self._last_frame_at or self._begun_at)
+
+    def take(self) -> Optional[TakenFrame]:
+        """Give the newest frame, once; None where no new one has come."""
+        with self._lock:
+            newest, self._newest = self._newest, None
+            return newest
+
+    def wait_for_first_attempt(self) -> None:
+        """
+        Wait until the camera has given its first frame.
+
+        :raises FrameSourceError: If it could not be opened or gave none.
+        """
+        # A wait without an end could not be interrupted by a signal in older Pythons.
+        while not self._first_attempt_over.wait(0.1):
+            pass
+        if self.error is not None:
+            raise self.error
+
+    def close(self, timeout: float = _JOIN_S) -> bool:
+        """
+        End the thread, which releases the camera.
+
+        :returns: Whether it has ended; a device's driver may hold it for longer.
+        """
+        self._stop.set()
+        self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+    def _run(self) -> None:
+        pause = FIRST_PAUSE_S
+        while not self._stop.is_set():
+            self._count(attempts=1)
+            if self._read_until_lost():
+                pause = FIRST_PAUSE_S
+            self._stop.wait(pause)
+            pause = min(LONGEST_PAUSE_S, pause * _PAUSE_GROWTH)
+        self._camera.release()
+
+    def _read_until_lost(self) -> bool:
+        # Tells whether any frame came.
+        count = 0
+        if self._freshness is not None:
+            self._freshness.restart()
+        try:
+            while not self._stop.is_set():
+                begun_at = time.monotonic()
+                image = self._camera.read()
+                if count == 0 and self._last_frame_at is not None:
+                    self._count(reconnects=1)
+                count += 1
+                self._keep(image, begun_at, time.monotonic())
+        except FrameSourceError as error:
+            self.error = error
+            self._first_attempt_over.set()
+        return count > 0
+
+    def _keep(self, image: np.ndarray, begun_at: float, ended_at: float) -> None:
+        self.error, self._last_frame_at = None, ended_at
+        self._first_attempt_over.set()
+        damage = self._damage(image)
+        self.last_damage = damage or self.last_damage
+        self.damaged_in_a_row = self.damaged_in_a_row + 1 if damage else 0
+        fresh = self._freshness is None or self._freshness.is_fresh(begun_at, ended_at)
+        self._count(read=1, old=not fresh, damaged=damage is not None)
+        if fresh and damage is None and not self._stop.is_set():
+            with self._lock:
+                self._count(overwritten=self._newest is not None)
+                self._newest = TakenFrame(image, ended_at)
+            self._on_frame()
+
+    def _count(self, **more: int) -> None:
+        # The reader's thread alone writes; whoever reads gets one tuple or the next.
+        self.counts = self.counts._replace(
+            **{name: getattr(self.counts, name) + number for name, number in more.items()})
+
+
+def is_reader_hanging() -> bool:
+    """
+    Tell whether a reader's thread has not ended though it was closed.
+
+    An interpreter that exits then aborts in C++ (12 of 12 runs): leave by `os._exit`.
+    """
+    return any(thread.name == _THREAD_NAME for thread in threading.enumerate())

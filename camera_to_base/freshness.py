@@ -1,0 +1,70 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tells a frame that a stream has just taken from one that lay in a buffer on the way."""
+
+from collections import deque
+from statistics import median
+
+# A frame that could be read faster than this was there already.
+_WAITED_S = 0.006
+# How long a reader may go without waiting before what it reads counts as old.
+_LONGEST_RUSH_S = 0.2
+_STALL_S = 0.25
+_STALL_INTERVALS = 2.5
+
+
+class Freshness:
+    """
+    Judges frames by how long a reader had to wait for them.
+
+    Old frames come at once, one after another: those that FFmpeg gathers while it opens an RTSP
+    stream (1 s of them), those that the sockets hold after the network or this process has
+    stalled, and all of them where reading is slower than the camera. A frame that had to be
+    waited for is new. After a stall two in a row must have been waited for: the first frame's
+    wait is the stall itself, and a single slow read happens in a rush, too.
+    """
+
+    def __init__(self) -> None:
+        self._intervals = deque(maxlen=9)
+        self.restart()
+
+    def restart(self) -> None:
+        """Trust nothing yet: the stream was opened anew."""
+        self._waits_needed = 2
+        self._waited_at = 0.0
+        self._ended_at = None
+
+    def is_fresh(self, begun_at: float, ended_at: float) -> bool:
+        """
+        Judge one frame.
+
+        :param begun_at: When reading it began, in s, of a clock that never jumps.
+        :param ended_at: When it was there.
+        """
+        interval = ended_at - (self._ended_at if self._ended_at is not None else begun_at)
+        self._ended_at = ended_at
+        if interval > self._longest_interval():
+            self._waits_needed = 2
+        elif ended_at - begun_at >= _WAITED_S:
+            self._waits_needed = max(0, self._waits_needed - 1)
+            self._waited_at = ended_at
+        elif self._waits_needed or ended_at - self._waited_at > _LONGEST_RUSH_S:
+            self._waits_needed = 2
+        self._intervals.append(interval)
+        return self._waits_needed == 0
+
+    def _longest_interval(self) -> float:
+        usual = median(self._intervals) if self._intervals else 0.0
+        return max(_STALL_S, _STALL_INTERVALS * usual)

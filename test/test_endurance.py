@@ -1,0 +1,82 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+What holds after weeks: memory, rate, names. ENDURANCE=1000000 sends as many messages.
+
+Without it the tests send enough to see a leak of 100 bytes a message.
+"""
+
+import os
+import time
+
+import pytest
+from rclpy.qos import QoSProfile
+from ros_helpers import BASE_TOPIC, CAMERA_TOPIC
+from std_msgs.msg import Float64MultiArray
+
+MESSAGES = int(os.environ.get('ENDURANCE', '10000'))
+DEEP = [f'qos_overrides.{CAMERA_TOPIC}.subscription.depth:=10000',
+        f'qos_overrides.{BASE_TOPIC}.publisher.depth:=10000']
+
+
+@pytest.fixture
+def transform(ros, start):
+    """Start the transform node; give it, a function that sends at a rate, and what came back."""
+    node = start('robot_base_publisher', *[word for text in DEEP for word in ('-p', text)])
+    received = []
+    ros.node.create_subscription(
+        Float64MultiArray, BASE_TOPIC, lambda message: received.append(message.data[0]),
+        QoSProfile(depth=10000))
+    publisher = ros.node.create_publisher(Float64MultiArray, CAMERA_TOPIC, QoSProfile(depth=10000))
+    assert ros.spin_until(lambda: publisher.get_subscription_count() == 1
+                          and ros.node.count_publishers(BASE_TOPIC) == 1)
+    ros.spin_for(0.3)
+
+    def send(count, rate):
+        begin = time.monotonic()
+        for number in range(count):
+            publisher.publish(Float64MultiArray(data=[number * 1e-4, 0.0]))
+            while time.monotonic() < begin + (number + 1) / rate:
+                ros.executor.spin_once(timeout_sec=0)
+
+    return node, send, received
+
+
+def memory_of(node):
+    with open(f'/proc/{node._process.pid}/statm') as file:
+        return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+
+
+def test_nothing_is_lost_at_1_khz_and_memory_does_not_grow(ros, transform):
+    node, send, received = transform
+    warm_up = min(100_000, MESSAGES // 4)
+    send(warm_up, 1000.0)
+    before = memory_of(node)
+    send(MESSAGES - warm_up, 1000.0)
+    assert ros.spin_until(lambda: len(received) == MESSAGES, 5.0)
+    assert memory_of(node) - before < 1_000_000
+    expected = [number * 1e-4 - 17.8 for part in (warm_up, MESSAGES - warm_up)
+                for number in range(part)]
+    assert received == pytest.approx(expected)
+
+
+def test_second_transform_node_of_the_same_name_says_so_and_the_first_does_not(ros, start):
+    first = start('robot_base_publisher')
+    ros.spin_for(6.5)  # the first one asks for 5 s
+    second = start('robot_base_publisher')
+    ros.spin_for(3.0)
+    assert first.end() == second.end() == 0
+    assert second.output.count('another /robot_base_publisher is running') == 1
+    assert 'another' not in first.output

@@ -1,0 +1,239 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A camera that comes and goes, by real streams, real processes and real signals."""
+
+import math
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+from camera_to_base import object_locator
+from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.camera_publisher import CameraPublisher
+from child_camera import ChildCamera
+import damage
+from mjpeg_server import MjpegServer
+import pytest
+from ros_helpers import BASE_TOPIC, CAMERA_TOPIC
+from rtsp_server import RtspServer
+import scenes
+
+CM_PER_PX = 36.0 / 640
+SCRIPTS = ['mjpeg_server', 'rtsp_server']
+SERVERS = [MjpegServer, RtspServer]
+
+both_scripts = pytest.mark.parametrize('script', SCRIPTS)
+both_servers = pytest.mark.parametrize('server_class', SERVERS)
+
+
+def ages(positions):
+    """Tell how old each position was when it was sent, by the clock on the picture."""
+    return [scenes.clock_age(x / CM_PER_PX, sent) for sent, (x, _) in positions]
+
+
+def stream_arguments(url, *more):
+    return ['-p', f'source:={url}', *more]
+
+
+@both_scripts
+@pytest.mark.parametrize('away, back', [('kill', 'start'), ('freeze', 'thaw')])
+def test_lost_camera_is_reported_publishes_nothing_and_is_back_within_2_s(
+        ros, start, script, away, back):
+    positions = ros.listen_with_time(CAMERA_TOPIC)
+    lines = ros.listen_to_log('camera_publisher')
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    with ChildCamera(script, 'clock') as camera:
+        start('camera_publisher', *stream_arguments(camera.url))
+        assert ros.spin_until(lambda: len(positions) >= 20 and statuses, 15.0)
+        getattr(camera, away)()
+        left_at = time.monotonic()
+        ros.spin_for(0.5)
+        count = len(positions)
+        ros.spin_for(1.0)
+        # The diagnostics come once a second: up to that much later than the log.
+        assert 'Nothing is published' in lines[-1].text
+        assert lines[-1].received_at - left_at < 1.5
+        ros.spin_for(left_at + 5.0 - time.monotonic())
+        assert len(positions) == count
+        assert statuses[-1].level == 2 and 'Nothing is published' in statuses[-1].message
+        told = [line for line in lines if line.received_at > left_at]
+        assert len(told) == 1
+        returned_at = time.time()
+        getattr(camera, back)()
+        if back == 'start':
+            returned_at = time.time()  # its interpreter had to start first
+        assert ros.spin_until(lambda: len(positions) >= count + 20, 10.0)
+        returned = positions[count:]
+        # `clock` shows an empty table for 2 s at its start.
+        empty_s = 2.0 if back == 'start' else 0.0
+        assert returned[0][0] - returned_at < 2.0 + empty_s
+        assert max(ages(positions)) < 0.3
+        assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
+        assert statuses[-1].values['reconnects'] == '1'
+
+
+@both_scripts
+def test_camera_that_is_not_there_yet_is_waited_for_and_said_once(ros, start, script):
+    positions, lines = ros.listen(CAMERA_TOPIC), ros.listen_to_log('camera_publisher')
+    with ChildCamera(script, 'clock') as camera:
+        camera.kill()
+        node = start('camera_publisher', *stream_arguments(
+            camera.url, '-p', 'wait_for_camera:=true'))
+        assert ros.spin_until(lambda: lines, 10.0)
+        ros.spin_for(2.5)
+        assert node.is_running
+        assert len([line for line in lines if 'waiting for the camera' in line.text]) == 1
+        camera.start()
+        assert ros.spin_until(lambda: positions, 8.0)
+
+
+@both_scripts
+def test_camera_that_is_not_there_ends_the_node_where_it_shall_not_wait(start, script):
+    with ChildCamera(script) as camera:
+        camera.kill()
+        node = start('camera_publisher', *stream_arguments(
+            camera.url, '-p', 'wait_for_camera:=false'))
+        assert node.wait() == 1
+    assert f"cannot open camera '{camera.url}'" in node.output
+    assert 'Traceback' not in node.output
+
+
+@both_servers
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('moment', ['reading', 'opening'])
+def test_signal_ends_a_node_whose_camera_hangs_within_2_5_s(
+        ros, start, server_class, number, moment):
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    with server_class(scenes.coin()) as camera:
+        if moment == 'opening':
+            camera.freeze()
+        node = start('camera_publisher', *stream_arguments(camera.url))
+        assert ros.spin_until(lambda: statuses and (
+            moment == 'opening' or int(statuses[-1].values['frames read']) > 3), 10.0)
+        camera.freeze()
+        ros.spin_for(0.3)
+        assert node.end(number, 2.5) == 0
+    assert 'Traceback' not in node.output and 'terminate' not in node.output
+
+
+@both_servers
+def test_frame_is_never_old_where_detection_is_slower_than_the_camera(
+        ros, monkeypatch, server_class):
+    class SlowDetector(AbsoluteDifferenceDetector):
+        def detect(self, frame):
+            time.sleep(0.19)
+            return super().detect(frame)
+
+    monkeypatch.setattr(object_locator, 'AbsoluteDifferenceDetector', SlowDetector)
+    positions = ros.listen_with_time(CAMERA_TOPIC)
+    with server_class(scenes.clock(), 20.0) as camera:
+        ros.add(CameraPublisher, *stream_arguments(
+            camera.url, '-p', 'view.max_shift_px:=0.0'))
+        ros.spin_for(5.5)
+    assert len(positions) >= 10
+    assert max(ages(positions)) < 0.3
+
+
+@both_servers
+@pytest.mark.parametrize('name', damage.DAMAGES)
+def test_no_position_is_published_from_a_damaged_frame(ros, server_class, name):
+    positions, true = ros.listen(CAMERA_TOPIC), (400 * CM_PER_PX, 300 * CM_PER_PX)
+    with server_class(scenes.still_coin(empty_s=0.7), 40.0) as camera:
+        ros.add(CameraPublisher, *stream_arguments(camera.url))
+        assert ros.spin_until(lambda: len(positions) > 5)
+        camera.set_damage(damage.DAMAGES[name], 0.3)
+        ros.spin_for(1.2)
+        camera.set_damage(None)
+        count = len(positions)
+        assert ros.spin_until(lambda: len(positions) > count, 3.0)
+    assert camera.damaged_count >= 3
+    assert max(math.dist(position, true) for position in positions) < 0.2
+
+
+def test_garbage_between_frames_does_no_harm(ros):
+    positions, true = ros.listen(CAMERA_TOPIC), (400 * CM_PER_PX, 300 * CM_PER_PX)
+    with MjpegServer(scenes.still_coin(empty_s=0.7), 40.0) as camera:
+        ros.add(CameraPublisher, *stream_arguments(camera.url))
+        assert ros.spin_until(lambda: len(positions) > 5)
+        camera.garbage = os.urandom(3000) + b'\r\n'
+        ros.spin_for(1.5)
+        camera.garbage = b''
+        count = len(positions)
+        assert ros.spin_until(lambda: len(positions) > count, 3.0)
+    assert max(math.dist(position, true) for position in positions) < 0.2
+
+
+def test_frame_that_repeats_the_last_one_gives_no_position(ros):
+    positions, statuses = ros.listen(CAMERA_TOPIC), ros.listen_to_diagnostics('/camera_publisher')
+    with MjpegServer(scenes.still_coin(empty_s=0.7), 40.0) as camera:
+        ros.add(CameraPublisher, *stream_arguments(camera.url))
+        assert ros.spin_until(lambda: len(positions) > 5)
+        jpeg = camera.next_jpeg()
+        camera.set_damage(lambda other: jpeg)
+        ros.spin_for(0.3)
+        count = len(positions)
+        ros.spin_for(1.2)
+        assert len(positions) == count
+        assert ros.spin_until(lambda: statuses[-1].level == 2, 2.0)
+        assert 'repeats the last one' in statuses[-1].message
+
+
+def test_pictures_of_another_size_are_refused_until_the_background_is_taken_anew(ros):
+    positions, statuses = ros.listen(CAMERA_TOPIC), ros.listen_to_diagnostics('/camera_publisher')
+    with RtspServer(scenes.coin(), 20.0) as camera:
+        ros.add(CameraPublisher, *stream_arguments(camera.url))
+        assert ros.spin_until(lambda: len(positions) > 5)
+        camera.set_damage(damage.other_size)
+        ros.spin_for(0.5)
+        count = len(positions)
+        assert ros.spin_until(lambda: '320 x 240' in statuses[-1].message, 3.0)
+        assert len(positions) == count
+        camera.set_damage(None)
+        assert ros.spin_until(lambda: len(positions) > count + 3, 3.0)
+        camera.set_damage(damage.other_size)
+        ros.spin_for(0.5)
+        response = ros.call('/camera_publisher/capture_background')
+        assert response.success and '320 x 240' in response.message
+        assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
+
+
+@pytest.mark.skipif(shutil.which('ros2') is None, reason='ros2 launch is not installed')
+def test_node_that_was_killed_is_back_under_the_launch_file_within_5_s(ros):
+    positions = ros.listen_with_time(BASE_TOPIC)
+    with ChildCamera('mjpeg_server', 'clock') as camera:
+        launch = subprocess.Popen(
+            ['ros2', 'launch', 'camera_to_base', 'camera_to_base.launch.py',
+             f'source:={camera.url}'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, start_new_session=True)
+        try:
+            assert ros.spin_until(lambda: len(positions) > 10, 20.0)
+            for executable in ('camera_publisher', 'robot_base_publisher'):
+                pids = subprocess.run(
+                    ['pgrep', '-g', str(launch.pid), '-f', f'/{executable} '],
+                    capture_output=True, text=True).stdout.split()
+                assert len(pids) == 1
+                os.kill(int(pids[0]), signal.SIGKILL)
+                ros.spin_for(0.5)
+                count, killed_at = len(positions), time.time() - 0.5
+                assert ros.spin_until(lambda: len(positions) > count + 5, 10.0)
+                assert positions[count][0] - killed_at < 5.0
+        finally:
+            launch.send_signal(signal.SIGINT)
+            launch.communicate(timeout=10.0)
+    camera_positions = [(sent, (x + 17.8, 24.4 - y)) for sent, (x, y) in positions]
+    # After a start the background holds the disc where it was, which may be seen as well.
+    assert max(ages(camera_positions[:10])) < 0.3

@@ -1,0 +1,74 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from pathlib import Path
+import sys
+
+from camera_to_base.view_check import View, view_problem, ViewCheck
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / 'benchmarks'))
+import view_shift  # noqa: E402, I100
+
+
+@pytest.fixture(params=['board', 'wood', 'tiles'])
+def surface(request):
+    return view_shift.SURFACES[request.param]()
+
+
+def shifts(surface, move, disturbance='nothing', noise=2.0):
+    return view_shift.measure(
+        surface, view_shift.MOVES[move], view_shift.DISTURBANCES[disturbance], 3, noise)
+
+
+@pytest.mark.parametrize('disturbance', ['nothing', 'coin', 'hand', 'brighter', 'sun and shadow'])
+def test_camera_that_was_not_touched_never_counts_as_moved(surface, disturbance):
+    told = [shift for shift in shifts(surface, 'none', disturbance) if shift is not None]
+    assert all(shift < 2.0 for shift in told)
+
+
+@pytest.mark.parametrize('move, true_px', [('5 px', 5.0), ('0.5 deg', 3.5), ('2 deg', 14.0)])
+@pytest.mark.parametrize('disturbance', ['nothing', 'brighter'])
+def test_shift_and_rotation_are_told(surface, move, true_px, disturbance):
+    assert shifts(surface, move, disturbance) == pytest.approx([true_px] * 3, abs=1.0, rel=0.3)
+
+
+def test_large_shift_is_told_where_the_surface_has_a_structure_of_its_own():
+    assert shifts(view_shift.wood(), '20 px', 'coin') == pytest.approx([20.0] * 3, abs=2.0)
+
+
+def test_shift_cannot_be_told_on_a_surface_of_one_colour():
+    assert shifts(view_shift.plain(), '20 px') == [None] * 3
+
+
+def test_picture_of_something_else_is_a_changed_view():
+    random = np.random.default_rng(1)
+    check = ViewCheck(view_shift.seen(view_shift.tiles(), (0, 0, 0), random))
+    view = check.compare(view_shift.seen(view_shift.wood(), (0, 0, 0), random))
+    assert 'differs' in view_problem(view, 3.0, 0.7)
+
+
+@pytest.mark.parametrize('size', [(1, 1), (2, 3), (3, 700), (700, 3), (17, 33)])
+def test_odd_sizes_are_compared(size):
+    random = np.random.default_rng(1)
+    frames = [random.integers(0, 255, (*size, 3)).astype(np.uint8) for _ in range(2)]
+    assert ViewCheck(frames[0]).compare(frames[1]).changed_share <= 1.0
+
+
+def test_problem_says_how_far_the_view_has_moved_and_what_to_do():
+    assert view_problem(View(2.9, 0.1), 3.0, 0.7) is None
+    assert view_problem(View(None, 0.6), 3.0, 0.7) is None
+    problem = view_problem(View(7.25, 0.1), 3.0, 0.7)
+    assert '7.2 px' in problem and '~/capture_background' in problem
