@@ -22,6 +22,9 @@ from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
 
+# OpenCV computes with float32.
+_LIMIT_PX = 1e6
+
 
 class Hull:
     """
@@ -32,7 +35,11 @@ class Hull:
     """
 
     def __init__(self, pixels: np.ndarray) -> None:
-        pixels = finite_numbers('hull', pixels, -1, 2).astype(np.float32)
+        pixels = finite_numbers('hull', pixels, -1, 2)
+        if np.abs(pixels).max(initial=0) > _LIMIT_PX:
+            raise InvalidValueError(
+                f'expected a hull of pixels within {_LIMIT_PX:g} px, got {pixels.tolist()}')
+        pixels = pixels.astype(np.float32)
         self._outline = cv2.convexHull(pixels) if len(pixels) else pixels
         self.area = cv2.contourArea(self._outline) if len(pixels) else 0.0
         if not self.area > 0:

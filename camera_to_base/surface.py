@@ -156,8 +156,10 @@ class HomographySurface:
         self.image_size = check_image_size(image_size)
         self.distortion = distortion or RadialDistortion.of_picture(self.image_size)
         centre = self.distortion.undistort(np.array([self.image_size]) / 2)
-        centre_depth = homogeneous(matrix, centre)[0, 2]
-        if not abs(centre_depth) > 1e-6 * np.abs(matrix[2]).max() or not _has_inverse(matrix):
+        with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
+            centre_depth = homogeneous(matrix, centre)[0, 2]
+            usable = abs(centre_depth) > 1e-6 * np.abs(matrix[2]).max() and _has_inverse(matrix)
+        if not usable:
             raise InvalidValueError(
                 "surface_from_pixel must be a homography with an inverse, and the picture's "
                 f'centre must not lie on its horizon, got {matrix.tolist()}')
