@@ -121,7 +121,8 @@ def test_signal_ends_a_node_whose_camera_hangs_within_2_5_s(
     with server_class(scenes.coin()) as camera:
         if moment == 'opening':
             camera.freeze()
-        node = start('camera_publisher', *stream_arguments(camera.url))
+        node = start('camera_publisher', *stream_arguments(
+            camera.url, '-p', 'wait_for_camera:=true'))
         assert ros.spin_until(lambda: statuses and (
             moment == 'opening' or int(statuses[-1].values['frames read']) > 3), 10.0)
         camera.freeze()
