@@ -47,6 +47,7 @@ class Ros:
         self.node = rclpy.create_node('test_listener', context=self.context)
         self.executor.add_node(self.node)
         self._nodes = [self.node]
+        self._subscriptions = {}
 
     def add(self, node_class, *arguments):
         """Make a node of the package, as the command line would, and spin it here."""
@@ -116,9 +117,13 @@ class Ros:
         self.executor.shutdown()
         rclpy.shutdown(context=self.context)
 
+    def hears(self, topic):
+        """Tell whether a publisher of a topic that is listened to has been found."""
+        return self._subscriptions[topic].get_publisher_count() > 0
+
     def _record(self, topic, convert):
         received = []
-        self.node.create_subscription(
+        self._subscriptions[topic] = self.node.create_subscription(
             Float64MultiArray, topic,
             lambda message, info: received.append(convert(message, info)), 100)
         return received

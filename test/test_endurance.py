@@ -36,13 +36,13 @@ def transform(ros, start):
     """Start the transform node; give it, a function that sends at a rate, and what came back."""
     node = start('robot_base_publisher', *[word for text in DEEP for word in ('-p', text)])
     received = []
-    ros.node.create_subscription(
+    subscription = ros.node.create_subscription(
         Float64MultiArray, BASE_TOPIC, lambda message: received.append(message.data[0]),
         QoSProfile(depth=10000))
     publisher = ros.node.create_publisher(Float64MultiArray, CAMERA_TOPIC, QoSProfile(depth=10000))
     assert ros.spin_until(lambda: publisher.get_subscription_count() == 1
-                          and ros.node.count_publishers(BASE_TOPIC) == 1)
-    ros.spin_for(0.3)
+                          and subscription.get_publisher_count() == 1)
+    ros.spin_for(0.5)
 
     def send(count, rate):
         begin = time.monotonic()
@@ -76,7 +76,7 @@ def test_second_transform_node_of_the_same_name_says_so_and_the_first_does_not(r
     first = start('robot_base_publisher')
     ros.spin_for(6.5)  # the first one asks for 5 s
     second = start('robot_base_publisher')
-    ros.spin_for(3.0)
+    ros.spin_for(7.0)  # discovery takes up to 4 s
     assert first.end() == second.end() == 0
     assert second.output.count('another /robot_base_publisher is running') == 1
     assert 'another' not in first.output

@@ -58,7 +58,7 @@ def test_lost_camera_is_reported_publishes_nothing_and_is_back_within_2_s(
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     with ChildCamera(script, 'clock') as camera:
         start('camera_publisher', *stream_arguments(camera.url))
-        assert ros.spin_until(lambda: len(positions) >= 20 and statuses, 15.0)
+        assert ros.spin_until(lambda: len(positions) >= 20 and statuses and lines, 15.0)
         getattr(camera, away)()
         left_at = time.monotonic()
         ros.spin_for(0.5)
@@ -98,7 +98,7 @@ def test_camera_that_is_not_there_yet_is_waited_for_and_said_once(ros, start, sc
         assert node.is_running
         assert len([line for line in lines if 'waiting for the camera' in line.text]) == 1
         camera.start()
-        assert ros.spin_until(lambda: positions, 8.0)
+        assert ros.spin_until(lambda: positions, 15.0)
 
 
 @both_scripts
