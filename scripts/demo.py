@@ -19,9 +19,12 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 PICTURE = 'demo.png'
+# A signal only sets this: an exception out of the middle of rclpy would not always come through.
+told_to_end = threading.Event()
 
 
 def main(arguments):
@@ -70,14 +73,14 @@ def listen(nodes):
     node = rclpy.create_node('demo')
     report = Report(node)
     try:
-        while all(process.poll() is None for process in nodes):
+        while not told_to_end.is_set() and all(process.poll() is None for process in nodes):
             rclpy.spin_once(node, timeout_sec=0.1)
         until = time.monotonic() + 0.5
-        while time.monotonic() < until:
+        while not told_to_end.is_set() and time.monotonic() < until:
             rclpy.spin_once(node, timeout_sec=0.1)
     finally:
         report.close()
-    return max(process.poll() or 0 for process in nodes)
+    return 0 if told_to_end.is_set() else max(process.poll() or 0 for process in nodes)
 
 
 class Report:
@@ -181,5 +184,5 @@ def stop(nodes):
 
 if __name__ == '__main__':
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: sys.exit(0))
+        signal.signal(number, lambda *_: told_to_end.set())
     sys.exit(main(sys.argv[1:]))
