@@ -74,16 +74,20 @@ def listen_for_camera(ros):
     return ros.listen(CAMERA_TOPIC)
 
 
-def test_simulated_coin_is_published_within_2_mm_of_its_true_position(ros):
+def distances_to_the_truth_cm(ros, *arguments):
+    """Run the node on the simulated board; give each position's distance to the true one."""
     received, true = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(TRUE_TOPIC)
-    ros.add(CameraPublisher, '-p', 'source:=simulated')
+    ros.add(CameraPublisher, '-p', 'source:=simulated', *arguments)
     assert ros.spin_until(lambda: len(received) >= 10 and len(true) >= 10)
     positions = [(sent, position) for sent, position in received if sent > true[0][0]]
     ros.spin_for(0.2)  # topics do not wait for each other: let the last one's truth arrive
     assert len(positions) >= 5
-    for sent, position in positions:
-        _, true_position = max(entry for entry in true if entry[0] <= sent)
-        assert math.dist(position, true_position) < 0.2
+    return [math.dist(position, max(entry for entry in true if entry[0] <= sent)[1])
+            for sent, position in positions]
+
+
+def test_simulated_coin_is_published_within_2_mm_of_its_true_position(ros):
+    assert max(distances_to_the_truth_cm(ros)) < 0.2
 
 
 def test_position_of_an_object_is_in_cm(ros, play):
@@ -123,15 +127,7 @@ def test_homography_refuses_pictures_that_it_was_not_made_for(ros, play):
 
 
 def test_precise_method_puts_the_simulated_coin_within_a_tenth_of_a_mm(ros):
-    received, true = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(TRUE_TOPIC)
-    ros.add(CameraPublisher, '-p', 'source:=simulated', '-p', 'detector.method:=precise')
-    assert ros.spin_until(lambda: len(received) >= 10 and len(true) >= 10)
-    positions = [(sent, position) for sent, position in received if sent > true[0][0]]
-    ros.spin_for(0.2)  # topics do not wait for each other: let the last one's truth arrive
-    assert len(positions) >= 5
-    for sent, position in positions:
-        _, true_position = max(entry for entry in true if entry[0] <= sent)
-        assert math.dist(position, true_position) < 0.01
+    assert max(distances_to_the_truth_cm(ros, '-p', 'detector.method:=precise')) < 0.01
 
 
 def test_random_pixels_come_from_the_tutorials_range(ros):
