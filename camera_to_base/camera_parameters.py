@@ -22,7 +22,7 @@ from camera_to_base.errors import InvalidValueError
 from camera_to_base.hull import Hull
 from camera_to_base.object_locator import DetectorSettings, METHODS
 from camera_to_base.overlay import check_picture_path
-from camera_to_base.parameters import ParameterSpec, Values
+from camera_to_base.parameter_spec import ParameterSpec, Values
 from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import check_image_size, ImageSize, Surface
 from camera_to_base.surface_parameters import (

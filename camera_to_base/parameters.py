@@ -14,70 +14,17 @@
 
 """Declares and checks a node's parameters; hands out frozen values."""
 
-from dataclasses import dataclass
 import difflib
-from typing import Any, Callable, Dict, Generic, List, Mapping, Optional, Tuple, TypeVar
+from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar
 
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.parameter_spec import kind_of, ParameterSpec, Values
 from rcl_interfaces.msg import (
     FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 T = TypeVar('T')
-Values = Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class ParameterSpec:
-    """
-    One parameter, as `ros2 param describe` shows it.
-
-    :param limits: Lowest and highest number, both allowed.
-    :param step: Distance of allowed whole numbers; 0 allows all.
-    :param constraints: What else must hold, in words.
-    :param fixed: Cannot be changed while the node runs.
-    """
-
-    name: str
-    default: Any
-    description: str
-    limits: Optional[Tuple[float, float]] = None
-    step: int = 0
-    constraints: str = ''
-    fixed: bool = False
-
-    def descriptor(self) -> ParameterDescriptor:
-        """Make the descriptor that ROS shows and checks."""
-        descriptor = ParameterDescriptor(
-            description=self.description, additional_constraints=self.constraints,
-            read_only=self.fixed, dynamic_typing=self._is_empty_list())
-        if self.limits and type(self.default) is int:
-            descriptor.integer_range = [IntegerRange(
-                from_value=self.limits[0], to_value=self.limits[1], step=self.step)]
-        elif self.limits:
-            descriptor.floating_point_range = [FloatingPointRange(
-                from_value=float(self.limits[0]), to_value=float(self.limits[1]))]
-        return descriptor
-
-    def has_type_of(self, value: Any) -> bool:
-        """Tell whether a value has the declared type; an empty list has none that ROS tells."""
-        return self._is_empty_list() or _type_of(value) == _type_of(self.default)
-
-    def converted(self, value: Any) -> Any:
-        """Make a double of an int and a text of a device index, as a user would expect."""
-        if self._is_empty_list() and value is None:
-            return []  # what rcl makes of an empty list in a file
-        if isinstance(self.default, str) and type(value) is int:
-            return str(value)
-        if isinstance(self.default, float) and type(value) is int:
-            return float(value)
-        if _is_list_of(self.default, float) and _is_list_of(value, int):
-            return [float(number) for number in value]
-        return value
-
-    def _is_empty_list(self) -> bool:
-        return isinstance(self.default, list) and not self.default
 
 
 class NodeParameters(Generic[T]):
@@ -147,16 +94,20 @@ def _declare(node: Node, spec: ParameterSpec) -> Any:
     node.undeclare_parameter(spec.name)
     if not spec.has_type_of(value):
         raise InvalidValueError(
-            f'parameter {spec.name} must be of type {_type_of(spec.default).name}, '
-            f'got {value!r} of type {_type_of(value).name}')
+            f'parameter {spec.name} must be of type {kind_of(spec.default)}, '
+            f'got {value!r} of type {kind_of(value)}')
     return node.declare_parameter(
-        spec.name, value, spec.descriptor(), ignore_override=True).value
+        spec.name, value, _descriptor(spec), ignore_override=True).value
 
 
-def _type_of(value: Any) -> Parameter.Type:
-    return Parameter.Type.from_parameter_value(value)
-
-
-def _is_list_of(value: Any, kind: type) -> bool:
-    return hasattr(value, '__len__') and not isinstance(value, str) and len(value) > 0 and all(
-        type(item) is kind for item in value)
+def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
+    descriptor = ParameterDescriptor(
+        description=spec.description, additional_constraints=spec.constraints,
+        read_only=spec.fixed, dynamic_typing=spec.takes_any_list)
+    if spec.limits and type(spec.default) is int:
+        descriptor.integer_range = [IntegerRange(
+            from_value=spec.limits[0], to_value=spec.limits[1], step=spec.step)]
+    elif spec.limits:
+        descriptor.floating_point_range = [FloatingPointRange(
+            from_value=float(spec.limits[0]), to_value=float(spec.limits[1]))]
+    return descriptor

@@ -17,7 +17,7 @@
 from dataclasses import dataclass
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
-from camera_to_base.parameters import ParameterSpec, Values
+from camera_to_base.parameter_spec import ParameterSpec, Values
 
 TRANSFORM_SPECS = [
     ParameterSpec('rotation_deg', [180.0, 0.0, 0.0],

@@ -30,7 +30,7 @@ NODES_AND_COMMANDS = {'camera_publisher', 'robot_base_publisher', 'calibrate', '
 # What is installed: nothing imports it, and it imports the nodes.
 EXECUTABLES = {'executables'}
 ROOMS = [
-    {'errors', 'health'},
+    {'errors', 'health', 'parameter_spec'},
     {'checks'},
     {'absolute_difference', 'background', 'board_conditions', 'board_view', 'coordinate_transform',
      'detection', 'distortion', 'frame_sources', 'ghosts', 'hull', 'precise_difference',
@@ -41,9 +41,8 @@ ROOMS = [
      'polynomial_fit', 'position_gate', 'rigid_fit'},
     {'board', 'board_frame', 'board_squares', 'calibrate_options', 'camera_pipeline',
      'parameter_file', 'report_picture', 'report_text', 'still_picture', 'tables', 'top_view'},
-    {'calibration', 'camera_health'},
+    {'calibration', 'camera_health', 'camera_parameters', 'transform_parameters'},
     {'background_service', 'diagnostics', 'lifetime', 'messages', 'parameters'},
-    {'camera_parameters', 'transform_parameters'},
     NODES_AND_COMMANDS,
     EXECUTABLES,
 ]
