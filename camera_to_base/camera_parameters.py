@@ -21,12 +21,13 @@ from camera_to_base.board_conditions import BoardConditions
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.hull import Hull
 from camera_to_base.object_locator import DetectorSettings, METHODS
-from camera_to_base.overlay import check_picture_path
+from camera_to_base.overlay import base_label, camera_label, check_picture_path, Label
 from camera_to_base.parameter_spec import ParameterSpec, Values
 from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import check_image_size, ImageSize, Surface
 from camera_to_base.surface_parameters import (
     make_hull, make_surface, SURFACE_DEFAULTS, SURFACE_MODELS)
+from camera_to_base.transform_parameters import PLACEMENT_SPECS, transform_settings
 
 
 @dataclass(frozen=True)
@@ -66,13 +67,14 @@ class CameraSettings:
     max_frame_age: float
     confirm_jump_px: float
     annotated_picture: str
+    camera_frame_id: str
     image_size: Tuple[int, int]
     detector: DetectorSettings
     surface: Surface
     hull: Optional[Hull]
-    reject_outside_hull: bool
     simulated: SimulationSettings
     view: ViewSettings
+    debug_label: Label
 
 
 def _surface_spec(name: str, *description: Any, **more: Any) -> ParameterSpec:
@@ -120,7 +122,13 @@ CAMERA_SPECS = [
         'annotated_picture', '',
         'A file (.png or .jpg) that is kept up to date with the frame of the largest object so '
         'far, its box, centre and position drawn; empty for none.', fixed=True),
-    ParameterSpec('detector.method', 'tutorial',
+    ParameterSpec('camera_frame_id', 'camera_surface',
+                  "The stamped topics' name for the camera frame, which lies on the surface."),
+    ParameterSpec('debug_image.coordinates', 'camera',
+                  'In which frame the debug image tells where objects are: camera, or base, by '
+                  'rotation_deg and displacement_cm.', constraints='one of camera, base'),
+    *PLACEMENT_SPECS,
+    ParameterSpec('detector.method', 'precise',
                   "tutorial: the tutorial's result, to the pixel; precise: right to a tenth of a "
                   'pixel, also in changing light.',
                   constraints=f'one of {", ".join(METHODS)}'),
@@ -221,6 +229,7 @@ def camera_settings(values: Values) -> CameraSettings:
     """
     if not values['source']:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
+    hull = make_hull(values)
     if values['annotated_picture']:
         check_picture_path(values['annotated_picture'])
     return CameraSettings(
@@ -232,13 +241,26 @@ def camera_settings(values: Values) -> CameraSettings:
         max_frame_age=values['max_frame_age'],
         confirm_jump_px=values['confirm_jump_px'],
         annotated_picture=values['annotated_picture'],
+        camera_frame_id=values['camera_frame_id'],
         image_size=check_image_size(values['surface.image_size']),
-        detector=DetectorSettings(**_group(values, 'detector.')),
+        detector=DetectorSettings(
+            **_group(values, 'detector.'),
+            area=hull if values['surface.reject_outside_hull'] else None),
         surface=make_surface(values),
-        hull=make_hull(values),
-        reject_outside_hull=values['surface.reject_outside_hull'],
+        hull=hull,
         simulated=_simulated(**_group(values, 'simulated.')),
-        view=ViewSettings(**_group(values, 'view.')))
+        view=ViewSettings(**_group(values, 'view.')),
+        debug_label=_debug_label(values))
+
+
+def _debug_label(values: Values) -> Label:
+    coordinates = values['debug_image.coordinates']
+    if coordinates == 'camera':
+        return camera_label
+    if coordinates == 'base':
+        return base_label(transform_settings(values))
+    raise InvalidValueError(
+        f"debug_image.coordinates must be 'camera' or 'base', got '{coordinates}'")
 
 
 def _simulated(

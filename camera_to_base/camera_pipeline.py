@@ -16,13 +16,13 @@
 
 from collections import Counter
 import time
-from typing import List, NamedTuple, Optional
+from typing import NamedTuple, Optional
 
 from camera_to_base.background_taker import BackgroundTaker
 from camera_to_base.detection import check_frame
 from camera_to_base.errors import FrameSizeError
-from camera_to_base.object_locator import DetectorSettings, LocatedObject, ObjectLocator
-from camera_to_base.position_gate import PositionGate
+from camera_to_base.object_locator import DetectorSettings, ObjectLocator
+from camera_to_base.position_gate import PositionGate, Sighting
 from camera_to_base.surface import Surface
 from camera_to_base.view_check import view_problem, ViewCheck
 import numpy as np
@@ -76,22 +76,27 @@ class CameraPipeline:
         self.background: Optional[np.ndarray] = None
 
     @property
+    def background_age_s(self) -> float:
+        """How long ago the background was taken, in s."""
+        return time.monotonic() - self._background_taken_at
+
+    @property
     def view_problem(self) -> Optional[str]:
         """Why the view cannot be believed; None where it can."""
         return self._gate.view_problem
 
-    def process(self, frame: np.ndarray, taken_at: Optional[float] = None) -> List[LocatedObject]:
+    def process(self, frame: np.ndarray, taken_at: Optional[float] = None) -> Sighting:
         """
         Find the objects on a frame.
 
         :param taken_at: When a camera took it, by time.monotonic(); None for a file's frame.
-        :returns: The largest first; none, where they cannot be believed (`counts` says why).
+        :returns: The objects, and why they may not be published where they may not.
         :raises CameraToBaseError: If the frame cannot be used.
         """
         check_frame(frame)
         self.counts['frames'] += 1
         if self.background is None and not self._take_background(frame):
-            return []
+            return Sighting([], 'the background is being taken')
         try:
             objects = self._current_locator().locate(frame)
             self.size_problem = None
@@ -99,18 +104,23 @@ class CameraPipeline:
             self.size_problem = str(error)
             raise
         self._check_view(frame)
-        if not objects:
-            return []
-        reason = self._gate.reason(objects[0].detection.centre, taken_at)
-        self.counts[reason or 'positions'] += 1
-        return [] if reason else objects
+        sighting = self._gate.judge(objects, taken_at)
+        self._count(sighting)
+        return sighting
+
+    def _count(self, sighting: Sighting) -> None:
+        if sighting.objects:
+            self.counts['frames with an object'] += 1
+        if sighting.held_back is not None:
+            self.counts[f'frames held back: {sighting.held_back}'] += 1
 
     def _take_background(self, frame: np.ndarray) -> bool:
         self.background = self._taker.add(frame)
         if self.background is None:
             return False
         self._view_check = ViewCheck(self.background)
-        self._gate.view_problem, self._checked_at = None, time.monotonic()
+        self._gate.view_problem = None
+        self._background_taken_at = self._checked_at = time.monotonic()
         self._taker = self._locator = None
         return True
 

@@ -16,7 +16,7 @@
 
 import math
 import random
-from typing import Sequence, Tuple
+from typing import NamedTuple, Sequence, Tuple
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
@@ -60,6 +60,32 @@ def homogeneous_matrix(
     matrix[:3, 3] = finite_numbers('displacement_cm', displacement_cm, 3)
     matrix.setflags(write=False)
     return matrix
+
+
+def axis_angle(x: float, y: float) -> float:
+    """
+    Tell the direction of an axis, which has no front: (-x, -y) is the same as (x, y).
+
+    :returns: From the x axis towards the y axis, in rad, in (-pi/2, pi/2].
+    """
+    angle = math.atan2(y, x)
+    return angle - math.copysign(math.pi, angle) if not -math.pi / 2 < angle <= math.pi / 2 \
+        else angle
+
+
+class Pose(NamedTuple):
+    """
+    Where an object lies, and how it is turned.
+
+    :param x: In cm; y and z, too.
+    :param yaw: Direction of its long axis about the frame's z, from x towards y, in rad, in
+        (-pi/2, pi/2]: an axis has no front. 0 for a round object.
+    """
+
+    x: float
+    y: float
+    z: float
+    yaw: float
 
 
 class CoordinateConversion:
@@ -133,24 +159,38 @@ class CameraToRobotBaseConversion(CoordinateConversion):
         on_surface[3] = 1.0
         return self.convert(on_surface)[:3].T
 
-    def convert_surface_point(self, x: float, y: float) -> Tuple[float, float, float]:
+    def convert_point(self, x: float, y: float, z: float = 0.0) -> Tuple[float, float, float]:
         """
-        Convert one point on the work surface; on one point plain floats are faster than arrays.
+        Convert one point; on one point plain floats are faster than arrays.
 
-        :param x: In cm, in the camera frame.
-        :param y: In cm, in the camera frame.
+        :param x: In cm, in the camera frame; y and z, too. z is 0 on the work surface.
         :returns: x, y and z, in cm, in the base frame.
         :raises InvalidValueError: If a number is not finite, or the result is not.
         """
         base_point = tuple(
-            from_x * x + from_y * y + displacement for from_x, from_y, displacement in self._rows)
+            from_x * x + from_y * y + from_z * z + displacement
+            for from_x, from_y, from_z, displacement in self._rows)
         if not all(map(math.isfinite, base_point)):
-            raise InvalidValueError(f'expected a point on the surface, got ({x}, {y}) cm')
+            raise InvalidValueError(f'expected a finite point, got ({x}, {y}, {z}) cm')
         return base_point
+
+    def convert_yaw(self, yaw: float) -> float:
+        """
+        Convert the direction of a long axis on the work surface.
+
+        :param yaw: About the camera frame's z, in rad.
+        :returns: About the base frame's z, seen along it, in rad, in (-pi/2, pi/2].
+        :raises InvalidValueError: If it is not finite.
+        """
+        if not math.isfinite(yaw):
+            raise InvalidValueError(f'expected a finite yaw, got {yaw} rad')
+        (along_x, along_y, _, _), (across_x, across_y, _, _), _ = self._rows
+        return axis_angle(along_x * math.cos(yaw) + along_y * math.sin(yaw),
+                          across_x * math.cos(yaw) + across_y * math.sin(yaw))
 
     def _set_matrix(self, base_from_camera: np.ndarray) -> None:
         self._base_from_camera = base_from_camera
-        self._rows = base_from_camera[:3, [0, 1, 3]].tolist()
+        self._rows = base_from_camera[:3].tolist()
 
 
 def main() -> None:

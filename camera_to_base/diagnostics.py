@@ -17,8 +17,8 @@
 from typing import Callable
 
 from camera_to_base.health import Health
+from camera_to_base.heartbeat import Heartbeat
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 _PERIOD_S = 1.0
@@ -29,15 +29,17 @@ class Diagnostics:
     Publishes what a function tells about a node.
 
     :param node: The node; its full name is the status's.
+    :param heartbeat: The node's.
     :param collect: Called once a second.
     """
 
-    def __init__(self, node: Node, collect: Callable[[], Health]) -> None:
+    def __init__(
+        self, node: Node, heartbeat: Heartbeat, collect: Callable[[], Health]
+    ) -> None:
         self._node = node
         self._collect = collect
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
-        node.create_timer(
-            _PERIOD_S, self._publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        heartbeat.every(_PERIOD_S, self._publish)
 
     def _publish(self) -> None:
         health = self._collect()

@@ -31,6 +31,10 @@ class FrameSourceError(CameraToBaseError):
     """A camera, a stream or a file cannot be opened, or gives no frame."""
 
 
+class OutOfReachError(CameraToBaseError):
+    """A position lies farther from the robot's base than its arm can reach."""
+
+
 class HorizonError(CameraToBaseError):
     """A pixel does not look at the work surface: it lies near the horizon or beyond it."""
 

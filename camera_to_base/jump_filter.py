@@ -12,41 +12,55 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Holds a position back that jumps until a second frame agrees with it."""
+"""Holds positions back that jump until a second frame agrees with them."""
 
 from collections import deque
+from typing import Iterable, List, Sequence
 
 from camera_to_base.detection import Pixel
 
 
 class JumpFilter:
     """
-    Accepts a position that continues those before it.
+    Believes positions that continue those before them.
 
-    A damaged frame may show the object in a wrong place, but two of them do not agree. A position
-    is accepted near the last one that was accepted, near the last one that was seen, or where the
-    last two lead to: an object at any speed is held back for two frames at most.
+    A damaged frame may show objects in wrong places, but two of them do not agree. A position is
+    believed near one that was believed or seen last, or where an object's last two lead to: an
+    object at any speed is held back for two frames at most.
 
-    :param radius_px: How far counts as near, in px; 0 accepts everything.
+    :param radius_px: How far counts as near, in px; 0 believes everything.
     """
 
     def __init__(self, radius_px: float) -> None:
         self._radius_px = radius_px
         self._seen = deque(maxlen=2)
-        self._accepted = None
+        self._believed: List[Pixel] = []
 
-    def accepts(self, pixel: Pixel) -> bool:
-        """Tell whether a frame's position can be believed."""
-        expected = [self._accepted, *list(self._seen)[-1:]]
+    def believed(self, pixels: Sequence[Pixel]) -> List[Pixel]:
+        """
+        Give those positions of a frame that can be believed.
+
+        :param pixels: Those of all its objects, the largest first.
+        """
+        expected = list(self._expected())
+        believed = [pixel for pixel in pixels if not self._radius_px or any(
+            self._is_near(pixel, other) for other in expected)]
+        self._seen.append(pixels)
+        self._believed = believed or self._believed
+        return believed
+
+    def believes_empty(self) -> bool:
+        """Tell whether the last two frames agree that there is nothing."""
+        return not self._radius_px or (len(self._seen) == 2 and not any(self._seen))
+
+    def _expected(self) -> Iterable[Pixel]:
+        yield from self._believed
+        if self._seen:
+            yield from self._seen[-1]
         if len(self._seen) == 2:
-            (u1, v1), (u2, v2) = self._seen
-            expected.append(Pixel(2 * u2 - u1, 2 * v2 - v1))
-        self._seen.append(pixel)
-        near = not self._radius_px or any(
-            self._is_near(pixel, other) for other in expected if other is not None)
-        if near:
-            self._accepted = pixel
-        return near
+            # Ordered by size: an object mostly keeps its place in the list.
+            for (u1, v1), (u2, v2) in zip(*self._seen):
+                yield Pixel(2 * u2 - u1, 2 * v2 - v1)
 
     def _is_near(self, pixel: Pixel, other: Pixel) -> bool:
         return max(abs(pixel[0] - other[0]), abs(pixel[1] - other[1])) <= self._radius_px

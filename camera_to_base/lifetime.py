@@ -19,15 +19,11 @@ from typing import Callable, List, Optional
 
 from camera_to_base.errors import CameraToBaseError
 import rclpy
-from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-
-# How long a signal may wait until the executor looks.
-_WAKE_S = 0.2
 
 
 def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = None) -> int:
@@ -35,7 +31,7 @@ def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = No
     Spin a node until it is told to end or shuts its context down.
 
     :param name: What an error is logged as before there is a node.
-    :param make_node: The node's class.
+    :param make_node: The node's class; its node has a heartbeat.
     :param args: Command-line arguments; those of the process where none are given.
     :returns: The process's exit code: 0, or 1 if the node could not start.
     """
@@ -43,14 +39,13 @@ def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = No
     try:
         # rclpy's own handler shuts the context down under a running callback, whose next publish
         # then fails; and a SIGTERM just before the executor waits leaves it waiting (rclpy 7.1:
-        # about 1 in 20). A KeyboardInterrupt for both signals and a timer that wakes do neither.
+        # about 1 in 20). A KeyboardInterrupt for both signals and the node's heartbeat do neither.
         # SIGINT is set, too: a shell starts what runs in its background with SIGINT ignored.
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         node = _start(name, make_node, args)
         if node is None:
             return 1
-        node.create_timer(_WAKE_S, lambda: None, clock=Clock(clock_type=ClockType.STEADY_TIME))
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

@@ -14,14 +14,24 @@
 
 """The only place where ROS messages become numbers and numbers become messages."""
 
+from array import array
 import math
-from typing import Tuple
+from typing import Iterable, List, Sequence, Tuple
 
+from camera_to_base.coordinate_transform import axis_angle, Pose
 from camera_to_base.errors import InvalidValueError
-from std_msgs.msg import Float64MultiArray
+import cv2
+from geometry_msgs.msg import Point, PointStamped, Pose as PoseMessage, PoseArray, Quaternion
+import numpy as np
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Float64MultiArray, Header
 
 # A position has two numbers, or a few more; a message of thousands was meant for another topic.
 MOST_NUMBERS = 16
+MOST_POSES = 1000
+_CM_PER_M = 100.0
+# A quaternion that is this far from a rotation about z, or from length 1, is something else.
+_QUATERNION_TOLERANCE = 1e-3
 
 
 def position_message(x: float, y: float) -> Float64MultiArray:
@@ -51,3 +61,87 @@ def position_from_message(message: Float64MultiArray) -> Tuple[float, float]:
     if not all(math.isfinite(value) for value in position):
         raise InvalidValueError(f'expected two finite numbers in cm, got {list(position)}')
     return position
+
+
+def point_message(header: Header, x: float, y: float, z: float = 0.0) -> PointStamped:
+    """
+    Make a stamped point, in m.
+
+    :param x: In cm; y and z, too.
+    """
+    return PointStamped(header=header, point=_point(x, y, z))
+
+
+def point_from_message(message: PointStamped) -> Tuple[float, float, float]:
+    """
+    Read a stamped point.
+
+    :returns: x, y and z, in cm.
+    :raises InvalidValueError: If they are not finite.
+    """
+    return _cm(message.point)
+
+
+def poses_message(header: Header, poses: Iterable[Pose]) -> PoseArray:
+    """Make a stamped array of poses, in m, with a yaw about the frame's z."""
+    return PoseArray(header=header, poses=[
+        PoseMessage(position=_point(x, y, z), orientation=Quaternion(
+            x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2)))
+        for x, y, z, yaw in poses])
+
+
+def poses_from_message(message: PoseArray) -> List[Pose]:
+    """
+    Read a stamped array of poses.
+
+    :returns: In its order.
+    :raises InvalidValueError: If one is not finite or turned about another axis than z, or there
+        are far too many.
+    """
+    if len(message.poses) > MOST_POSES:
+        raise InvalidValueError(f'expected at most {MOST_POSES} poses, got {len(message.poses)}')
+    return [Pose(*_cm(pose.position), _yaw(pose.orientation)) for pose in message.poses]
+
+
+def image_message(header: Header, picture: np.ndarray) -> Image:
+    """
+    Make an image message.
+
+    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
+    """
+    height, width = picture.shape[:2]
+    colour = picture.ndim == 3
+    # Anything but an array of bytes is copied byte by byte.
+    return Image(header=header, height=height, width=width,
+                 encoding='bgr8' if colour else 'mono8',
+                 step=width * (3 if colour else 1), data=array('B', picture.tobytes()))
+
+
+def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
+    """
+    Make a message with a JPEG.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    """
+    jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
+    return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
+
+
+def _point(x: float, y: float, z: float) -> Point:
+    return Point(x=x / _CM_PER_M, y=y / _CM_PER_M, z=z / _CM_PER_M)
+
+
+def _cm(point: Point) -> Tuple[float, float, float]:
+    numbers: Sequence[float] = (point.x, point.y, point.z)
+    if not all(map(math.isfinite, numbers)):
+        raise InvalidValueError(f'expected three finite numbers in m, got {list(numbers)}')
+    return tuple(_CM_PER_M * number for number in numbers)
+
+
+def _yaw(q: Quaternion) -> float:
+    about_z = abs(q.x) + abs(q.y) < _QUATERNION_TOLERANCE
+    if not (about_z and abs(math.hypot(q.z, q.w) - 1) < _QUATERNION_TOLERANCE):
+        raise InvalidValueError(
+            f'expected a yaw about z, got the quaternion ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g})')
+    # Half the angle, doubled.
+    return axis_angle(q.w * q.w - q.z * q.z, 2 * q.z * q.w)

@@ -15,17 +15,23 @@
 """The whole way on one frame: from the picture to points in the camera frame."""
 
 from dataclasses import dataclass
-from typing import List, NamedTuple, Protocol, Sequence
+from typing import List, NamedTuple, Optional, Protocol, Sequence
 
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.checks import finite_number
 from camera_to_base.detection import Detection, locate_on_surface
 from camera_to_base.errors import HorizonError, InvalidValueError
+from camera_to_base.hull import Hull
 from camera_to_base.precise_difference import PreciseDifferenceDetector
 from camera_to_base.surface import Surface
 import numpy as np
 
-METHODS = ('tutorial', 'precise')
+# What each method takes of the settings, beside the limits for the objects' size and place.
+_METHOD_SETTINGS = {
+    'tutorial': ('threshold', 'closing_size', 'median_size'),
+    'precise': ('precise_threshold', 'publish_cut_off'),
+}
+METHODS = tuple(_METHOD_SETTINGS)
 # A frame of nothing but noise must not stop who locates objects on it.
 _MOST_OBJECTS = 100
 
@@ -38,10 +44,16 @@ class Point(NamedTuple):
 
 
 class LocatedObject(NamedTuple):
-    """An object: where it is on the picture, and where on the surface."""
+    """
+    An object: where it is on the picture, and where on the surface.
+
+    :param yaw: Direction of its long axis about the camera frame's z, from x towards y, in rad,
+        in (-pi/2, pi/2]; None where it has none.
+    """
 
     detection: Detection
     point: Point
+    yaw: Optional[float] = None
 
 
 class Detector(Protocol):
@@ -69,12 +81,13 @@ class DetectorSettings:
     :param precise_threshold: precise: the same as threshold, at the background's light.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
+    :param area: Objects outside of it do not count; None for everywhere.
     :param publish_cut_off: precise: whether an object that touches the picture's edge counts; the
         tutorial's method takes it for whole.
     :raises InvalidValueError: If a value cannot be used.
     """
 
-    method: str = 'tutorial'
+    method: str = 'precise'
     threshold: int = 95
     closing_size: int = 20
     median_size: int = 5
@@ -82,6 +95,7 @@ class DetectorSettings:
     min_area_cm2: float = 0.0
     max_area_cm2: float = 1e6
     publish_cut_off: bool = False
+    area: Optional[Hull] = None
 
     def __post_init__(self) -> None:
         """Check what can be checked without a background."""
@@ -93,6 +107,12 @@ class DetectorSettings:
         finite_number('precise_threshold', self.precise_threshold, 0, 255)
         finite_number('min_area_cm2', self.min_area_cm2, 0, 1e6)
         finite_number('max_area_cm2', self.max_area_cm2, self.min_area_cm2, 1e6)
+
+    @property
+    def without_effect(self) -> List[str]:
+        """Names of settings that were changed, but belong to another method."""
+        return [name for method, names in _METHOD_SETTINGS.items() if method != self.method
+                for name in names if getattr(self, name) != getattr(type(self), name)]
 
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""
@@ -151,6 +171,8 @@ class ObjectLocator:
     def _counts(self, detection: Detection) -> bool:
         settings = self._settings
         if detection.cut_off and settings.method == 'precise' and not settings.publish_cut_off:
+            return False
+        if settings.area is not None and not settings.area.contains(detection.centre):
             return False
         area_cm2 = detection.area * _cm2_per_px2(self._surface, detection.centre)
         return settings.min_area_cm2 <= area_cm2 <= settings.max_area_cm2

@@ -15,8 +15,9 @@
 """Draws on a frame what was found there."""
 
 import os
-from typing import Sequence
+from typing import Callable, Sequence
 
+from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import check_frame, Pixel
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import write_files
@@ -25,6 +26,9 @@ from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
+Label = Callable[[Point], str]
+
+_OUTLINE_COLOUR = (216, 160, 32)
 _BOX_COLOUR = (36, 200, 36)
 _CENTRE_COLOUR = (32, 32, 240)
 _TEXT_COLOUR = (255, 255, 255)
@@ -32,21 +36,56 @@ _PATCH_COLOUR = (40, 40, 40)
 _EMPTY_COLOUR = (208, 208, 208)
 
 
-def draw_objects(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:
+def camera_label(point: Point) -> str:
+    """Tell a position in the camera frame, as the tutorial's first script does."""
+    return f'x {point.x:.2f}, y {point.y:.2f} cm'
+
+
+def base_label(conversion: CameraToRobotBaseConversion) -> Label:
+    """Make what tells a position in the base frame, as the tutorial's second script does."""
+    def label(point: Point) -> str:
+        x, y, _ = conversion.convert_point(*point)
+        return f'base x {x:.2f}, y {y:.2f} cm'
+    return label
+
+
+def draw_objects(
+    frame: np.ndarray, objects: Sequence[LocatedObject], label: Label = camera_label
+) -> np.ndarray:
     """
-    Draw each object's box, its centre and its position in the camera frame, in cm.
+    Draw each object's outline, its box, its centre and its position.
 
     :param frame: Shape (h, w, 3), uint8, BGR; it is left as it is.
+    :param label: Makes the text of a position.
     :returns: A picture of the same shape.
     """
     picture = frame.copy()
-    for detection, point in objects:
-        box = detection.box
+    for found in objects:
+        detection, box = found.detection, found.detection.box
+        cv2.polylines(picture, [detection.outline], True, _OUTLINE_COLOUR, 1, cv2.LINE_AA)
         cv2.rectangle(picture, (box.x, box.y), (box.x + box.width - 1, box.y + box.height - 1),
                       _BOX_COLOUR, 2)
         _draw_centre(picture, detection.centre)
-        _draw_text(picture, _position_text(point), (box.x, box.y - 8))
+        _draw_text(picture, label(found.point), (box.x, box.y - 8))
     return picture
+
+
+def draw_note(picture: np.ndarray, note: str) -> None:
+    """Write a line into a picture's top-left corner."""
+    _draw_text(picture, note, (8, 20))
+
+
+def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:
+    """
+    Tell what of a frame belongs to objects.
+
+    :param frame: Shape (h, w, 3).
+    :returns: Shape (h, w), uint8, 255 within the objects' outlines, 0 elsewhere.
+    """
+    mask = np.zeros(frame.shape[:2], np.uint8)
+    for found in objects:
+        cv2.fillPoly(mask, [found.detection.outline], 255)
+    return mask
 
 
 def draw_pixel(image_size: ImageSize, pixel: Pixel, point: Point) -> np.ndarray:
@@ -58,7 +97,7 @@ def draw_pixel(image_size: ImageSize, pixel: Pixel, point: Point) -> np.ndarray:
     """
     picture = np.full((image_size[1], image_size[0], 3), _EMPTY_COLOUR, np.uint8)
     _draw_centre(picture, pixel)
-    _draw_text(picture, _position_text(point), (round(pixel.u) + 8, round(pixel.v) - 8))
+    _draw_text(picture, camera_label(point), (round(pixel.u) + 8, round(pixel.v) - 8))
     return picture
 
 
@@ -98,10 +137,6 @@ def check_picture_path(path: str) -> str:
     if not os.path.isdir(folder):
         raise InvalidValueError(f"cannot write picture '{path}': there is no folder '{folder}'")
     return ending
-
-
-def _position_text(point: Point) -> str:
-    return f'x {point.x:.2f}, y {point.y:.2f} cm'
 
 
 def _draw_centre(picture: np.ndarray, pixel: Pixel) -> None:

@@ -12,18 +12,31 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Decides whether a position may be published."""
+"""Decides what of a frame may be published."""
 
 import time
-from typing import Optional
+from typing import List, NamedTuple, Optional
 
-from camera_to_base.detection import Pixel
 from camera_to_base.jump_filter import JumpFilter
+from camera_to_base.object_locator import LocatedObject
+
+
+class Sighting(NamedTuple):
+    """
+    What a frame shows.
+
+    :param objects: The largest first; none where the surface is empty.
+    :param held_back: Why none of this may be published, not even that there is nothing; None
+        where an arm may follow it.
+    """
+
+    objects: List[LocatedObject]
+    held_back: Optional[str] = None
 
 
 class PositionGate:
     """
-    Lets positions through that an arm may follow.
+    Lets through what an arm may follow.
 
     :param max_age_s: The oldest frame of a live camera that a position may come from.
     :param jump_radius_px: See :class:`JumpFilter`.
@@ -38,20 +51,28 @@ class PositionGate:
         self._max_age_s = max_age_s
         self._jumps = JumpFilter(jump_radius_px)
 
-    def reason(self, pixel: Pixel, taken_at: Optional[float]) -> Optional[str]:
+    def judge(self, objects: List[LocatedObject], taken_at: Optional[float]) -> Sighting:
         """
-        Tell why the position of one frame is held back.
+        Tell which objects of a frame may be published.
 
-        :param pixel: Where the object was seen.
+        Where the largest one is not confirmed none is; another is left out until it is.
+
+        :param objects: The largest first.
         :param taken_at: When the frame was taken, by time.monotonic(); None where a frame waits
             for its reader, as those of a file do: it is never too old, and nothing damages it.
-        :returns: None where it may be published.
         """
-        confirmed = taken_at is None or self._jumps.accepts(pixel)
+        believed = objects if taken_at is None else self._believed(objects)
         if self.view_problem is not None:
-            return 'positions held back: the view has moved'
-        if not confirmed:
-            return 'positions held back: not confirmed by a second frame'
+            return Sighting(objects, 'the view has moved')
+        if believed is None:
+            return Sighting(objects, 'not confirmed by a second frame')
         if taken_at is not None and time.monotonic() - taken_at > self._max_age_s:
-            return 'positions held back: detection took too long'
-        return None
+            return Sighting(objects, 'detection took too long')
+        return Sighting(believed)
+
+    def _believed(self, objects: List[LocatedObject]) -> Optional[List[LocatedObject]]:
+        pixels = [found.detection.centre for found in objects]
+        believed = self._jumps.believed(pixels)
+        confirmed = pixels[0] in believed if pixels else self._jumps.believes_empty()
+        return [found for found, pixel in zip(objects, pixels)
+                if pixel in believed] if confirmed else None

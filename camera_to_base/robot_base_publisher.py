@@ -15,21 +15,26 @@
 """Node: applies the homogeneous matrix to each position that the camera node publishes."""
 
 from collections import Counter
-import math
-from typing import List, Optional
+from contextlib import contextmanager
+from typing import Callable, Iterator, List, Optional
 
+from camera_to_base.coordinate_transform import Pose
 from camera_to_base.diagnostics import Diagnostics
-from camera_to_base.errors import CameraToBaseError
+from camera_to_base.errors import CameraToBaseError, OutOfReachError
 from camera_to_base.health import Health, Level
+from camera_to_base.heartbeat import Heartbeat
 from camera_to_base.lifetime import run
-from camera_to_base.messages import position_from_message, position_message
+from camera_to_base.messages import point_from_message, poses_from_message, position_from_message
 from camera_to_base.parameters import NodeParameters
-from camera_to_base.transform_parameters import transform_node_settings, TRANSFORM_SPECS
-from rclpy.clock import Clock, ClockType
+from camera_to_base.position_topics import PositionTopics
+from camera_to_base.transform_parameters import (
+    transform_node_settings, TRANSFORM_SPECS, TransformSettings)
+from geometry_msgs.msg import PointStamped, PoseArray
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, Header
 
+_POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
 # A node that finds its name taken within this time is the second one; later, it is the first.
 _NAME_CHECKS, _NAME_CHECK_PERIOD_S = 5, 1.0
 
@@ -40,66 +45,96 @@ class RobotBasePublisher(Node):
     def __init__(self, **node_options) -> None:
         super().__init__('robot_base_publisher', **node_options)
         self._node_parameters = NodeParameters(self, TRANSFORM_SPECS, transform_node_settings)
-        self._published_count = 0
+        self._received_count = self._published_count = 0
         self._dropped: Counter = Counter()
         self._dropped_before = 0
-        self._publisher = self.create_publisher(
-            Float64MultiArray, 'pos_in_robot_base_frame', 10,
-            qos_overriding_options=QoSOverridingOptions.with_default_policies())
-        subscription = self.create_subscription(
-            Float64MultiArray, 'pos_in_cam_frame', self._on_position, 10,
-            qos_overriding_options=QoSOverridingOptions.with_default_policies())
-        self.get_logger().info(
-            f'publishing on {self._publisher.topic_name} what comes on {subscription.topic_name}')
-        Diagnostics(self, self._health)
+        self._topics = PositionTopics(
+            self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame')
+        self._subscribe(Float64MultiArray, _POSITION, self._on_position)
+        self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point)
+        self._subscribe(PoseArray, _OBJECTS, self._on_objects)
+        self.get_logger().info(f'publishing on {self._topics.name} what comes on '
+                               f'{self.resolve_topic_name(_POSITION)}')
+        heartbeat = Heartbeat(self)
+        Diagnostics(self, heartbeat, self._health)
         self._name_checks = 0
-        self._name_timer = self.create_timer(
-            _NAME_CHECK_PERIOD_S, self._on_name_timer,
-            clock=Clock(clock_type=ClockType.STEADY_TIME))
+        heartbeat.every(_NAME_CHECK_PERIOD_S, self._check_name)
 
     @property
     def dropped_count(self) -> int:
-        """How many messages were no position, or one out of reach, and were dropped."""
+        """How many positions were none, or out of reach, and were dropped."""
         return sum(self._dropped.values())
 
-    def _on_position(self, message: Float64MultiArray) -> None:
-        settings = self._node_parameters.current
-        try:
-            x, y = position_from_message(message)
-            base_x, base_y, _ = settings.conversion.convert_surface_point(x, y)
-        except CameraToBaseError as error:
-            self._drop('no position', error)
-            return
-        if math.hypot(base_x, base_y) > settings.reach_cm:
-            self._drop('out of reach', f'({base_x:g}, {base_y:g}) cm in the base frame is beyond '
-                       f'reach_cm, {settings.reach_cm:g} cm')
-            return
-        self._publisher.publish(position_message(base_x, base_y))
-        self._published_count += 1
+    @property
+    def _settings(self) -> TransformSettings:
+        return self._node_parameters.current
 
-    def _drop(self, reason: str, why: object) -> None:
-        self._dropped[reason] += 1
+    def _subscribe(self, message_type: type, topic: str, callback: Callable) -> None:
+        self.create_subscription(
+            message_type, topic, callback, 10,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
+
+    def _on_position(self, message: Float64MultiArray) -> None:
+        with self._dropping_what_is_wrong(_POSITION):
+            x, y, _ = self._settings.base_point(*position_from_message(message))
+            self._topics.publish_position(x, y)
+            self._published_count += 1
+
+    def _on_point(self, message: PointStamped) -> None:
+        with self._dropping_what_is_wrong(f'{_POSITION}/point'):
+            point = self._settings.base_point(*point_from_message(message))
+            self._topics.publish_point(self._header(message.header), *point)
+            self._published_count += 1
+
+    def _on_objects(self, message: PoseArray) -> None:
+        with self._dropping_what_is_wrong(_OBJECTS):
+            poses = self._within_reach(poses_from_message(message))
+            self._topics.publish_objects(self._header(message.header), poses)
+            self._published_count += 1
+
+    def _within_reach(self, camera_poses: List[Pose]) -> List[Pose]:
+        base_poses = []
+        for pose in camera_poses:
+            try:
+                base_poses.append(self._settings.base_pose(pose))
+            except OutOfReachError as error:
+                self._drop(_OBJECTS, error)
+        return base_poses
+
+    def _header(self, camera_header: Header) -> Header:
+        # The stamp is the time at which the frame was taken: whoever follows can tell the delay.
+        return Header(stamp=camera_header.stamp, frame_id=self._settings.base_frame_id)
+
+    @contextmanager
+    def _dropping_what_is_wrong(self, topic: str) -> Iterator[None]:
+        self._received_count += 1
+        try:
+            yield
+        except CameraToBaseError as error:
+            self._drop(topic, error)
+
+    def _drop(self, topic: str, error: CameraToBaseError) -> None:
+        out_of_reach = isinstance(error, OutOfReachError)
+        self._dropped['out of reach' if out_of_reach else 'no position'] += 1
         self.get_logger().warning(
-            f'dropped a message on the topic pos_in_cam_frame: {why} '
+            f'dropped a message on the topic {topic}: {error} '
             f'({self.dropped_count} dropped so far)', throttle_duration_sec=5.0)
 
-    def _on_name_timer(self) -> None:
+    def _check_name(self) -> None:
         self._name_checks += 1
-        taken = self._is_name_taken()
-        if taken:
+        if self._name_checks <= _NAME_CHECKS and self._is_name_taken():
+            self._name_checks = _NAME_CHECKS
             self.get_logger().warning(
                 f'another {self.get_fully_qualified_name()} is running: every position is '
                 'published twice; end one, or give one a namespace (-r __ns:=/cell_2)')
-        if taken or self._name_checks == _NAME_CHECKS:
-            self.destroy_timer(self._name_timer)
 
     def _is_name_taken(self) -> bool:
         own = self.get_name(), self.get_namespace()
         return self.get_node_names_and_namespaces().count(own) > 1
 
     def _health(self) -> Health:
-        values = {'source': self.resolve_topic_name('pos_in_cam_frame'),
-                  'messages in': str(self._published_count + self.dropped_count),
+        values = {'source': self.resolve_topic_name(_POSITION),
+                  'messages in': str(self._received_count),
                   'messages out': str(self._published_count)}
         values.update((f'dropped: {reason}', str(count))
                       for reason, count in sorted(self._dropped.items()))
@@ -108,8 +143,8 @@ class RobotBasePublisher(Node):
         if newly:
             return Health(Level.WARN, (
                 f'{newly} message(s) dropped in the last second: see who else publishes on '
-                'pos_in_cam_frame, and check reach_cm'), values)
-        if not self.count_publishers('pos_in_cam_frame'):
+                f'{_POSITION}, and check reach_cm'), values)
+        if not self.count_publishers(_POSITION):
             return Health(Level.WARN, 'nobody publishes positions: start camera_publisher', values)
         return Health(Level.OK, 'positions are transformed', values)
 

@@ -15,19 +15,27 @@
 """The parameters of `robot_base_publisher`, and the conversion that they make."""
 
 from dataclasses import dataclass
+import math
+from typing import Tuple
 
-from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
+from camera_to_base.coordinate_transform import CameraToRobotBaseConversion, Pose
+from camera_to_base.errors import OutOfReachError
 from camera_to_base.parameter_spec import ParameterSpec, Values
 
-TRANSFORM_SPECS = [
+PLACEMENT_SPECS = [
     ParameterSpec('rotation_deg', [180.0, 0.0, 0.0],
                   'Rotation of the camera frame in the base frame: roll, pitch and yaw about the '
                   'fixed axes x, y and z, in degrees.'),
     ParameterSpec('displacement_cm', [-17.8, 24.4, 0.0],
                   "The camera frame's origin in the base frame: x, y and z, in cm."),
+]
+TRANSFORM_SPECS = [
+    *PLACEMENT_SPECS,
     ParameterSpec('reach_cm', 1000.0,
                   "A position farther than this from the robot's base, in cm, is dropped: set it "
                   "to your arm's reach.", (0.001, 1000000.0)),
+    ParameterSpec('base_frame_id', 'base_link',
+                  "The stamped topics' name for the robot's base frame."),
 ]
 
 
@@ -37,6 +45,31 @@ class TransformSettings:
 
     conversion: CameraToRobotBaseConversion
     reach_cm: float
+    base_frame_id: str
+
+    def base_point(self, x: float, y: float, z: float = 0.0) -> Tuple[float, float, float]:
+        """
+        Convert a point from the camera frame to the base frame.
+
+        :param x: In cm; y and z, too.
+        :returns: x, y and z, in cm.
+        :raises InvalidValueError: If a number is not finite.
+        :raises OutOfReachError: If it is farther from the base than the arm can reach.
+        """
+        base_point = self.conversion.convert_point(x, y, z)
+        if math.hypot(*base_point[:2]) > self.reach_cm:
+            raise OutOfReachError(
+                f'({base_point[0]:g}, {base_point[1]:g}) cm in the base frame is beyond '
+                f'reach_cm, {self.reach_cm:g} cm')
+        return base_point
+
+    def base_pose(self, pose: Pose) -> Pose:
+        """
+        Convert a pose from the camera frame to the base frame.
+
+        :raises CameraToBaseError: As :meth:`base_point`.
+        """
+        return Pose(*self.base_point(*pose[:3]), self.conversion.convert_yaw(pose.yaw))
 
 
 def transform_node_settings(values: Values) -> TransformSettings:
@@ -45,12 +78,13 @@ def transform_node_settings(values: Values) -> TransformSettings:
 
     :raises CameraToBaseError: If they cannot be used.
     """
-    return TransformSettings(transform_settings(values), values['reach_cm'])
+    return TransformSettings(
+        transform_settings(values), values['reach_cm'], values['base_frame_id'])
 
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:
     """
-    Make the transform node's conversion of its parameters.
+    Make the conversion of its parameters.
 
     :raises CameraToBaseError: If either is not three finite numbers.
     """

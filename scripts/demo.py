@@ -131,7 +131,7 @@ class Report:
         line = f'camera ({camera_x:6.2f}, {camera_y:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
         truth = last_before(self._true_positions, self._last_stamp)
         if truth is not None:
-            true_x, true_y, _ = self._conversion.convert_surface_point(*truth[1])
+            true_x, true_y, _ = self._conversion.convert_point(*truth[1])
             error_mm = 10 * ((x - true_x) ** 2 + (y - true_y) ** 2) ** 0.5
             line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.1f} mm'
         print(line, flush=True)

@@ -40,10 +40,15 @@ def pipeline(limits=AT_ONCE, background_frames=1):
         ParallelSurface(36.0, 640), limits=limits, background_frames=background_frames)
 
 
+def published(camera, frame, taken_at=None):
+    sighting = camera.process(frame, taken_at)
+    return sighting.objects if sighting.held_back is None else []
+
+
 def test_first_frame_is_the_background_and_an_object_is_located():
     camera = pipeline()
-    assert camera.process(table()) == []
-    located, = camera.process(table(disc=(320, 240)))
+    assert not published(camera, table())
+    (located,), _ = camera.process(table(disc=(320, 240)))
     assert located.point == pytest.approx((18.0, 13.5), abs=0.12)
 
 
@@ -51,33 +56,33 @@ def test_background_is_the_median_of_as_many_frames_as_were_asked_for():
     camera = pipeline(background_frames=3)
     for disc in ((100, 100), (300, 300), None):
         assert camera.background is None
-        assert camera.process(table(disc=disc)) == []
+        assert not published(camera, table(disc=disc))
     assert (camera.background == table()).all()
 
 
 def test_no_object_is_believed_while_the_view_has_moved_and_it_is_again_when_it_is_back():
     camera = pipeline()
     camera.process(table())
-    assert camera.process(table(disc=(320, 240)))
-    assert camera.process(table(move=(6, 0), disc=(320, 240))) == []
+    assert published(camera, table(disc=(320, 240)))
+    assert not published(camera, table(move=(6, 0), disc=(320, 240)))
     assert '6.' in camera.view_problem or '5.9' in camera.view_problem
-    assert camera.process(table(disc=(320, 240)))
+    assert published(camera, table(disc=(320, 240)))
     assert camera.view_problem is None
 
 
 def test_background_taken_anew_makes_a_moved_view_the_right_one():
     camera = pipeline()
     camera.process(table())
-    assert camera.process(table(move=(6, 0), disc=(320, 240))) == []
+    assert not published(camera, table(move=(6, 0), disc=(320, 240)))
     camera.capture_background(1)
-    assert camera.process(table(move=(6, 0))) == []
-    assert camera.process(table(move=(6, 0), disc=(320, 240)))
+    assert not published(camera, table(move=(6, 0)))
+    assert published(camera, table(move=(6, 0), disc=(320, 240)))
 
 
 def test_check_of_the_view_can_be_switched_off():
     camera = pipeline(AT_ONCE._replace(max_shift_px=0.0))
     camera.process(table())
-    assert camera.process(table(move=(6, 0), disc=(320, 240)))
+    assert published(camera, table(move=(6, 0), disc=(320, 240)))
 
 
 def test_frame_of_another_size_is_an_error_until_the_old_size_is_back():
@@ -86,30 +91,46 @@ def test_frame_of_another_size_is_an_error_until_the_old_size_is_back():
     with pytest.raises(FrameSizeError):
         camera.process(table(size=(320, 240)))
     assert '320 x 240' in camera.size_problem
-    assert camera.process(table(disc=(320, 240)))
+    assert published(camera, table(disc=(320, 240)))
     assert camera.size_problem is None
 
 
 def test_position_from_an_old_frame_is_held_back():
     camera = pipeline(AT_ONCE._replace(max_shift_px=0.0))
     camera.process(table())
-    assert camera.process(table(disc=(320, 240)), time.monotonic() - 0.31) == []
-    assert camera.process(table(disc=(320, 240)), time.monotonic() - 0.1)
-    assert camera.counts['positions'] == 1
+    assert not published(camera, table(disc=(320, 240)), time.monotonic() - 0.31)
+    assert published(camera, table(disc=(320, 240)), time.monotonic() - 0.1)
+    assert camera.counts['frames held back: detection took too long'] == 1
 
 
 def test_position_that_jumps_is_confirmed_for_cameras_only():
     camera = pipeline(Limits())
     camera.process(table())
-    assert camera.process(table(disc=(320, 240)), time.monotonic()) == []
-    assert camera.process(table(disc=(320, 240)), time.monotonic())
+    assert not published(camera, table(disc=(320, 240)), time.monotonic())
+    assert published(camera, table(disc=(320, 240)), time.monotonic())
     assert pipeline_of_a_file_finds_at_once()
 
 
 def pipeline_of_a_file_finds_at_once():
     recording = pipeline(Limits())
     recording.process(table())
-    return recording.process(table(disc=(320, 240)))
+    return published(recording, table(disc=(320, 240)))
+
+
+def test_empty_surface_is_told_from_one_that_cannot_be_told():
+    camera = pipeline(background_frames=2)
+    assert camera.process(table()) == ([], 'the background is being taken')
+    assert camera.process(table()) == ([], None)
+    sighting = camera.process(table(move=(6, 0), disc=(320, 240)))
+    assert sighting.objects and sighting.held_back == 'the view has moved'
+
+
+def test_empty_surface_of_a_camera_is_confirmed_by_a_second_frame():
+    camera = pipeline(Limits())
+    camera.process(table())
+    now = time.monotonic
+    assert camera.process(table(), now()).held_back == 'not confirmed by a second frame'
+    assert camera.process(table(), now()) == ([], None)
 
 
 def test_memory_does_not_grow_with_the_frames():

@@ -154,7 +154,8 @@ def test_whole_number_is_accepted_for_the_period(ros):
 
 def test_new_threshold_takes_effect_with_the_old_background(ros, play):
     received = listen_for_camera(ros)
-    node = play([table(), table_with_disc(320, 240)], '-p', 'detector.threshold:=200')
+    node = play([table(), table_with_disc(320, 240)], '-p', 'detector.method:=tutorial',
+                '-p', 'detector.threshold:=200')
     ros.spin_for(0.5)
     assert received == []
     assert node.set_parameters([Parameter('detector.threshold', value=95)])[0].successful

@@ -216,7 +216,7 @@ def test_one_point_comes_out_as_among_many():
     conversion = CameraToRobotBaseConversion.from_roll_pitch_yaw((10, 20, 30), (1, 2, 3))
     points = np.random.default_rng(0).uniform(-50, 50, (20, 2))
     together = conversion.convert_surface_points(points)
-    alone = [conversion.convert_surface_point(x, y) for x, y in points]
+    alone = [conversion.convert_point(x, y) for x, y in points]
     np.testing.assert_allclose(alone, together, rtol=0, atol=1e-12)
 
 
@@ -224,4 +224,4 @@ def test_one_point_comes_out_as_among_many():
 def test_one_point_that_is_not_finite_is_refused(x, y):
     conversion = CameraToRobotBaseConversion.from_roll_pitch_yaw((0, 0, 45), (0, 0, 0))
     with pytest.raises(InvalidValueError):
-        conversion.convert_surface_point(x * 10, y * 10)
+        conversion.convert_point(x * 10, y * 10)

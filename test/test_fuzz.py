@@ -80,7 +80,7 @@ def test_any_message_gives_a_finite_position_or_our_error(data):
     if position is not None:
         assert np.isfinite(position).all() and len(position) == 2
         conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
-        outcome('transforms', conversion.convert_surface_point, *position)
+        outcome('transforms', conversion.convert_point, *position)
 
 
 @pytest.mark.parametrize('specs, make', [

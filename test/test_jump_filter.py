@@ -18,7 +18,7 @@ import pytest
 
 
 def accepted(jumps, *pixels):
-    return [jumps.accepts(Pixel(*pixel)) for pixel in pixels]
+    return [bool(jumps.believed([Pixel(*pixel)])) for pixel in pixels]
 
 
 def test_first_position_needs_a_second_one():
@@ -46,3 +46,20 @@ def test_moving_object_is_followed_at_any_speed(speed):
 
 def test_radius_of_zero_accepts_everything():
     assert accepted(JumpFilter(0), (0, 0), (500, 500), (3, 400)) == [True] * 3
+
+
+def test_each_of_several_objects_is_judged_by_itself():
+    jumps = JumpFilter(8)
+    jumps.believed([Pixel(100, 100), Pixel(300, 300)])
+    assert jumps.believed([Pixel(101, 100), Pixel(500, 300)]) == [Pixel(101, 100)]
+    assert jumps.believed([Pixel(101, 100), Pixel(500, 300)]) == [
+        Pixel(101, 100), Pixel(500, 300)]
+
+
+def test_empty_surface_needs_a_second_frame_too():
+    jumps = JumpFilter(8)
+    empty = []
+    for pixels in ([], [], [Pixel(1, 1)], [], []):
+        jumps.believed(pixels)
+        empty.append(jumps.believes_empty())
+    assert empty == [False, True, False, False, True]

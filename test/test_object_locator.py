@@ -38,7 +38,7 @@ def frame_with(*boxes):
 
 
 # The tutorial's closing kernel has no middle pixel and moves an object by one.
-SETTINGS = DetectorSettings(closing_size=1)
+SETTINGS = DetectorSettings(method='tutorial', closing_size=1)
 
 
 def detector():

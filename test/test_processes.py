@@ -143,7 +143,8 @@ def test_video_is_published_frame_for_frame_as_by_the_tutorial_and_ends_with_0(
     camera, base = ros.listen(CAMERA_TOPIC), ros.listen(BASE_TOPIC)
     start('robot_base_publisher')
     assert ros.spin_until(lambda: ros.hears(BASE_TOPIC))
-    node = start('camera_publisher', '-p', f'source:={video}', '-p', 'wait_for_subscribers:=2')
+    node = start('camera_publisher', '-p', f'source:={video}', '-p', 'wait_for_subscribers:=2',
+                 '-p', 'detector.method:=tutorial')
     assert ros.spin_until(lambda: not node.is_running, 20.0)
     assert node.wait() == 0
     assert 'has ended after 43 frames' in node.output

@@ -1,0 +1,47 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""One timer for all that a node does every now and then."""
+
+from typing import Callable, List, Tuple
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+_PERIOD_S = 0.2
+
+
+class Heartbeat:
+    """
+    Calls tasks again and again, in real time, from one timer.
+
+    The executor looks at each timer for each message, so that every timer costs every message.
+    The heartbeat also wakes the executor, which otherwise learns of a signal with the next
+    message only.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._tasks: List[Tuple[int, Callable[[], None]]] = []
+        self._count = 0
+        node.create_timer(_PERIOD_S, self._beat, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def every(self, period_s: float, task: Callable[[], None]) -> None:
+        """Call a task with a period that is rounded to a multiple of 0.2 s."""
+        self._tasks.append((max(1, round(period_s / _PERIOD_S)), task))
+
+    def _beat(self) -> None:
+        self._count += 1
+        for beats, task in self._tasks:
+            if self._count % beats == 0:
+                task()

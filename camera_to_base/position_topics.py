@@ -1,0 +1,77 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Publishes positions in one frame: on the tutorial's topic, and stamped, in metres."""
+
+from typing import Iterable
+
+from camera_to_base.coordinate_transform import Pose
+from camera_to_base.messages import point_message, poses_message, position_message
+from geometry_msgs.msg import PointStamped, PoseArray
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from std_msgs.msg import Float64MultiArray, Header
+
+_DEPTH = 10
+
+
+class PositionTopics:
+    """
+    The three topics on which a node publishes positions.
+
+    :param node: The node that publishes.
+    :param position: Name of the tutorial's topic; the same object's point is beside it.
+    :param objects: Name of the topic of all objects.
+    """
+
+    def __init__(self, node: Node, position: str, objects: str) -> None:
+        self._position = _publisher(node, Float64MultiArray, position)
+        self._point = _publisher(node, PointStamped, f'{position}/point')
+        self._objects = _publisher(node, PoseArray, objects)
+
+    @property
+    def name(self) -> str:
+        """Name of the tutorial's topic, as it is after remapping."""
+        return self._position.topic_name
+
+    @property
+    def listener_count(self) -> int:
+        """How many listen to the tutorial's topic, or to all objects."""
+        return max(publisher.get_subscription_count()
+                   for publisher in (self._position, self._point, self._objects))
+
+    def publish_position(self, x: float, y: float) -> None:
+        """Publish a position, in cm, on the tutorial's topic."""
+        self._position.publish(position_message(x, y))
+
+    def publish_point(self, header: Header, x: float, y: float, z: float = 0.0) -> None:
+        """Publish a position, in cm, as a stamped point."""
+        self._point.publish(point_message(header, x, y, z))
+
+    def publish_objects(self, header: Header, poses: Iterable[Pose]) -> None:
+        """Publish all objects of a frame, the largest first, also where there are none."""
+        self._objects.publish(poses_message(header, poses))
+
+    def wait_until_received(self, seconds: float) -> None:
+        """Wait until all listeners have what was published."""
+        for publisher in (self._position, self._point, self._objects):
+            publisher.wait_for_all_acked(Duration(seconds=seconds))
+
+
+def _publisher(node: Node, message_type: type, topic: str) -> Publisher:
+    return node.create_publisher(
+        message_type, topic, _DEPTH,
+        qos_overriding_options=QoSOverridingOptions.with_default_policies())
