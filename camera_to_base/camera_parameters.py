@@ -177,6 +177,18 @@ CAMERA_SPECS = [
                   "halves of the picture's diagonal; 0 for none.", (-2, 2)),
     _surface_spec('surface.homography.distortion_centre',
                   'homography: the centre of the distortion, u and v, in px.'),
+    _surface_spec('surface.camera_height_cm',
+                  'How far above the surface the camera is, in cm; 0 for not known.', (0, 100000)),
+    _surface_spec('surface.camera_foot_cm',
+                  'The point of the surface below the camera, x and y, in cm, in the camera '
+                  "frame; empty for not known: parallel then takes what the picture's centre "
+                  'looks at.',
+                  constraints='x and y, or nothing'),
+    _surface_spec('object_height_cm',
+                  'How far above the surface the face is whose outline is seen, in cm: the '
+                  "object's height, or about 0.6 of it where its sides stand out from the "
+                  'surface, too; 0 for flat objects; others need surface.camera_height_cm.',
+                  (0, 10000)),
     ParameterSpec('simulated.tilt_deg', 0.0,
                   "simulated: the camera's tilt, 0 looks straight down, in degrees.", (0, 60),
                   fixed=True),

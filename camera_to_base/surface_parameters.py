@@ -17,10 +17,11 @@
 
 from typing import Any, Dict, Mapping, Optional, Union
 
-from camera_to_base.checks import finite_numbers
+from camera_to_base.checks import finite_number, finite_numbers
 from camera_to_base.distortion import RadialDistortion
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.hull import Hull
+from camera_to_base.raised_surface import RaisedSurface
 from camera_to_base.surface import (
     check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
 import numpy as np
@@ -37,17 +38,46 @@ SURFACE_DEFAULTS: Mapping[str, Any] = {
     'surface.homography.surface_from_pixel': [0.05625, 0.0, 0.0, 0.0, 0.05625, 0.0, 0.0, 0.0, 1.0],
     'surface.homography.distortion_coefficient': 0.0,
     'surface.homography.distortion_centre': [319.5, 239.5],
+    'surface.camera_height_cm': 0.0,
+    'surface.camera_foot_cm': [],
+    'object_height_cm': 0.0,
 }
 SURFACE_MODELS = ('parallel', 'polynomial', 'homography')
 
 
 def make_surface(values: Mapping[str, Any]) -> Surface:
     """
-    Make the surface of its parameters.
+    Make the surface of its parameters, for the height of the objects on it.
 
     :param values: By their full names, 'surface.model' and so on.
-    :raises InvalidValueError: If they describe none.
+    :raises InvalidValueError: If they describe none, or do not say where the camera is although
+        the objects have a height.
     """
+    surface = _flat_surface(values)
+    object_height_cm = finite_number('object_height_cm', values['object_height_cm'], 0, 1e4)
+    camera_height_cm = finite_number(
+        'surface.camera_height_cm', values['surface.camera_height_cm'], 0, 1e5)
+    foot_cm = finite_numbers('surface.camera_foot_cm', values['surface.camera_foot_cm'], -1)
+    if len(foot_cm) not in (0, 2):
+        raise InvalidValueError(
+            f'surface.camera_foot_cm must be x and y, or empty, got {len(foot_cm)} numbers')
+    if object_height_cm == 0:
+        return surface
+    if camera_height_cm == 0:
+        raise _where_is_the_camera('surface.camera_height_cm')
+    if len(foot_cm) == 0 and values['surface.model'] != 'parallel':
+        raise _where_is_the_camera('surface.camera_foot_cm')
+    return RaisedSurface(surface, object_height_cm, camera_height_cm,
+                         foot_cm if len(foot_cm) else None, values['surface.image_size'])
+
+
+def _where_is_the_camera(name: str) -> InvalidValueError:
+    return InvalidValueError(
+        f'object_height_cm needs {name}: measure and set it, or let `calibrate board` with '
+        '--intrinsics find it')
+
+
+def _flat_surface(values: Mapping[str, Any]) -> Surface:
     model = values['surface.model']
     image_size = check_image_size(values['surface.image_size'])
     if model == 'parallel':

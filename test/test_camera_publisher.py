@@ -268,6 +268,21 @@ def test_calibrated_area_can_be_changed_while_the_node_runs(ros, play):
         assert result.successful == good
 
 
+def test_height_of_the_objects_can_be_told_while_the_node_runs(ros, play):
+    received = listen_for_camera(ros)
+    node = play([table(), table_with_disc(520, 240)])
+    assert ros.spin_until(lambda: received)
+    assert received[-1] == pytest.approx([29.25, 13.5], abs=0.12)
+    height = Parameter('object_height_cm', value=4.0)
+    refused, = node.set_parameters([height])
+    assert not refused.successful and 'surface.camera_height_cm' in refused.reason
+    results = node.set_parameters([Parameter('surface.camera_height_cm', value=60.0), height])
+    assert all(result.successful for result in results)
+    # The picture's centre looks at x = 18 cm.
+    shifted = 18 + (29.25 - 18) * (1 - 4 / 60)
+    assert ros.spin_until(lambda: received[-1] == pytest.approx([shifted, 13.5], abs=0.12))
+
+
 def test_background_is_captured_anew_by_a_service(ros, play):
     received = listen_for_camera(ros)
     play([*[table()] * 5, table_with_disc(320, 240)], '-p', 'background_frames:=3')

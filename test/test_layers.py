@@ -34,7 +34,7 @@ ROOMS = [
     {'checks'},
     {'absolute_difference', 'background', 'board_conditions', 'board_view', 'coordinate_transform',
      'detection', 'distortion', 'frame_sources', 'ghosts', 'hull', 'precise_difference',
-     'simulated_board', 'simulated_chessboard', 'surface'},
+     'raised_surface', 'simulated_board', 'simulated_chessboard', 'surface'},
     {'background_taker', 'damage_check', 'files', 'freshness', 'jump_filter', 'matched_points',
      'object_locator', 'overlay', 'surface_parameters', 'view_check'},
     {'figures', 'frame_reader', 'homography_fit', 'least_squares', 'picture_keeper',
