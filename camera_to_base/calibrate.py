@@ -25,7 +25,8 @@ from camera_to_base.board import find_board
 from camera_to_base.board_frame import board_points
 from camera_to_base.calibrate_options import parse
 from camera_to_base.calibration import (
-    calibrate_base, calibrate_surface, Calibration, check_surface)
+    add_camera_pose, calibrate_base, calibrate_surface, Calibration, check_surface)
+from camera_to_base.camera_info_file import read_camera_info
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import refuse_existing, write_files
 from camera_to_base.frame_sources import FrameSource, open_frame_source
@@ -59,14 +60,18 @@ def _run_board(options: argparse.Namespace) -> Report:
     columns, rows = options.corners
     points = board_points(columns, rows, options.square_mm, origin_corner=options.origin_corner,
                           origin_mm=options.origin_mm, yaw_deg=options.yaw_deg)
-    outputs = _outputs(options, options.picture_file)
+    outputs = _outputs(options, options.picture_file, options.intrinsics)
+    intrinsics = read_camera_info(options.intrinsics) if options.intrinsics else None
     image, name, source_values = _board_picture(options)
     board = find_board(image, columns, rows)
+    matched = MatchedPoints(points, board.pixels)
     calibration = calibrate_surface(
-        MatchedPoints(points, board.pixels), (image.shape[1], image.shape[0]), image=image,
+        matched, (image.shape[1], image.shape[0]), image=image,
         lattice=points.reshape(rows, columns, 2), points_are='corner',
         source=f'a chessboard of {columns} x {rows} inner corners, {options.square_mm:g} mm '
                f'apart, in {name}')
+    if intrinsics is not None:
+        calibration = add_camera_pose(calibration, matched, intrinsics)
     if board.second_board:
         calibration.report['warnings'].append(
             'another such board is in the picture: this is the larger one')
@@ -127,12 +132,12 @@ def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, An
     return chessboard, {'simulated.tilt_deg': options.simulated_tilt_deg}
 
 
-def _outputs(options: argparse.Namespace, source: Optional[str]) -> List[str]:
+def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
     """Name the files to write, and check them before any work is done for them."""
     outputs = [options.output]
     if 'picture' in options:
         outputs.append(options.picture or f'{os.path.splitext(options.output)[0]}_report.png')
-    files = [path for path in (source, *outputs) if path]
+    files = [path for path in (*sources, *outputs) if path]
     if len({os.path.realpath(path) for path in files}) < len(files):
         raise InvalidValueError('expected different files to read and to write, got '
                                 + ', '.join(f"'{path}'" for path in files))

@@ -29,7 +29,12 @@ Print a chessboard, lay it flat on the work surface, and take one picture of it.
   calibrate board --camera 0 --corners 9x6 --square-mm 25 -o surface.yaml
 
 The camera frame lies on the board: its origin is the first inner corner, x runs along the rows
-of corners, y along the columns. The report and its picture show where that came out.""",
+of corners, y along the columns. The report and its picture show where that came out.
+
+Objects that are not flat need the camera's height, too. It follows from what ROS's
+camera_calibration found of the lens:
+
+  calibrate board picture.png --corners 9x6 --square-mm 25 --intrinsics lens.yaml -o cell.yaml""",
     'points': """
 Measure where points lie on the work surface (cm), and at which pixel the picture shows them.
 The table's columns, in any order: x_cm, y_cm, u_px, v_px (and width_px, height_px if you like).
@@ -130,6 +135,9 @@ def _add_board(board: argparse.ArgumentParser) -> None:
                        help='move the origin along the board from that corner')
     board.add_argument('--yaw-deg', type=float, default=0.0, metavar='DEG',
                        help="turn the camera frame from the board's x towards its y")
+    board.add_argument('--intrinsics', metavar='CAMERA_INFO.yaml',
+                       help="the lens as ROS's camera_calibration writes it: tells the camera's "
+                            'height and foot point, which object_height_cm needs')
     _add_image_size(board, 'that --camera is asked for')
     board.add_argument('--simulated-tilt-deg', type=float, default=0.0, metavar='DEG',
                        help='of --camera simulated (default: %(default)s)')

@@ -15,10 +15,11 @@
 
 """From matched points to the nodes' parameters, with a report of how good they are."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
-from typing import Any, Dict, Mapping, Optional
+from typing import Any, Dict, Mapping, Optional, Sequence
 
+from camera_to_base.camera_pose import camera_pose, CameraIntrinsics
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.figures import (
     coverage, error_figures, ErrorFigures, left_out_errors, surface_errors, tilt, warnings)
@@ -35,6 +36,9 @@ from camera_to_base.surface_parameters import (
 from camera_to_base.tables import refuse_other_size
 from camera_to_base.top_view import sees_y_clockwise
 import numpy as np
+
+# Corners are found to 0.1 to 0.2 px, and so well do a lens's own intrinsics show them.
+LARGEST_POSE_RMS_PX = 1.0
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,34 @@ def calibrate_surface(
     return Calibration(report, surface_values(fit.surface, hull), picture)
 
 
+def add_camera_pose(
+    calibration: Calibration, matched: MatchedPoints, intrinsics: CameraIntrinsics
+) -> Calibration:
+    """
+    Add where the camera is above the surface.
+
+    :param calibration: Of a surface.
+    :param matched: The points that it was made of.
+    :raises CameraToBaseError: If the intrinsics are of another picture size, or the points do not
+        determine the pose.
+    """
+    report = calibration.report
+    _check_intrinsics_size(intrinsics.image_size, report['image_size'])
+    pose = camera_pose(matched, intrinsics)
+    # To a micrometre, which is less than the figures are good for.
+    found = {'camera_height_cm': round(pose.height_cm, 4),
+             'camera_foot_cm': [round(value, 4) for value in pose.foot_cm]}
+    doubts = [] if pose.rms_px < LARGEST_POSE_RMS_PX else [
+        f'with these intrinsics the points are off by rms {pose.rms_px:.1f} px: are they those of '
+        'this camera, at this zoom and focus?']
+    return replace(
+        calibration,
+        report={**report, **found, 'pose_rms_px': pose.rms_px,
+                'warnings': [*report['warnings'], *doubts]},
+        values={**calibration.values,
+                **{f'surface.{name}': value for name, value in found.items()}})
+
+
 def calibrate_base(pairs: PointPairs, *, source: str) -> Calibration:
     """
     Fit the transform from the camera frame to the base frame.
@@ -124,13 +156,21 @@ def check_surface(
         raise InvalidValueError(
             'expected the parameters of a surface, as calibrate board and calibrate points write '
             f'them, got {", ".join(values) or "none"}')
-    values = {**SURFACE_DEFAULTS, **values}
+    # The points lie on the surface, whatever the height of the objects that are to come.
+    values = {**SURFACE_DEFAULTS, **values, 'object_height_cm': 0.0}
     surface, hull = make_surface(values), make_hull(values)
     refuse_other_size(table_size, values['surface.image_size'])
     figures = error_figures(surface_errors(surface, matched), matched.rows)
     outside = 0 if hull is None else sum(not hull.contains(pixel) for pixel in matched.pixels)
     return {'model': values['surface.model'], **_figures(figures, 'row'),
             'outside_hull': outside, 'warnings': []}
+
+
+def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:
+    if list(intrinsics_size) != list(image_size):
+        raise InvalidValueError(
+            'the intrinsics are for pictures of {} x {} px, but this one has {} x {} px: use '
+            'those of its size'.format(*intrinsics_size, *image_size))
 
 
 def _axes(surface: Surface, matched: MatchedPoints) -> Dict[str, Any]:

@@ -15,7 +15,7 @@
 
 """Reads and writes parameter files, as `ros2 run ... --ros-args --params-file` takes them."""
 
-from typing import Any, Dict, Iterable, List, Mapping, NamedTuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Tuple
 
 from camera_to_base.errors import InvalidValueError
 import yaml
@@ -58,15 +58,7 @@ def read_parameter_file(path: str) -> ParameterFile:
 
     :raises InvalidValueError: If there is no such file, or it holds none.
     """
-    try:
-        with open(path, encoding='utf-8') as file:
-            text = file.read()
-        content = yaml.safe_load(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise InvalidValueError(f"cannot read the parameter file '{path}': {error}") from error
-    except yaml.YAMLError as error:
-        reason = ' '.join(str(error).split())
-        raise InvalidValueError(f"'{path}' is no YAML: {reason}") from error
+    text, content = load_yaml(path, 'parameter file')
     try:
         tree = content['/**']['ros__parameters']
     except (KeyError, TypeError) as error:
@@ -74,6 +66,25 @@ def read_parameter_file(path: str) -> ParameterFile:
             f"'{path}' is no parameter file for all nodes: it has no '/**: ros__parameters:'"
         ) from error
     return ParameterFile(_flat(tree), _comments(text))
+
+
+def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
+    """
+    Load a file.
+
+    :param kind: What messages call it.
+    :returns: Its text, and the content of that.
+    :raises InvalidValueError: If there is no such file, or it is no YAML.
+    """
+    try:
+        with open(path, encoding='utf-8') as file:
+            text = file.read()
+        return text, yaml.safe_load(text)
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidValueError(f"cannot read the {kind} '{path}': {error}") from error
+    except yaml.YAMLError as error:
+        reason = ' '.join(str(error).split())
+        raise InvalidValueError(f"'{path}' is no YAML: {reason}") from error
 
 
 def _flat(tree: Any, prefix: str = '') -> Dict[str, Any]:

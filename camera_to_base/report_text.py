@@ -76,6 +76,12 @@ def _tilt(report: Mapping[str, Any]) -> Iterator[str]:
            'down' if told else "the camera's tilt cannot be told from these points")
 
 
+def _camera(report: Mapping[str, Any]) -> Iterator[str]:
+    yield (f'the camera is {report["camera_height_cm"]:.1f} cm above the surface, its foot point '
+           'is at ({:.1f}, {:.1f}) cm'.format(*report['camera_foot_cm'])
+           + f'; with these intrinsics the points are off by rms {report["pose_rms_px"]:.2f} px')
+
+
 def _axes(report: Mapping[str, Any]) -> Iterator[str]:
     yield ('camera frame: origin at pixel ({:.1f}, {:.1f}), '.format(*report['origin_px'])
            + 'x towards pixel ({:.1f}, {:.1f}), '.format(*report['x_towards_px'])
@@ -100,6 +106,7 @@ _PARTS = {
     'distortion_coefficient': _lens,
     'equations': _equations,
     'tilt_deg': _tilt,
+    'camera_height_cm': _camera,
     'origin_px': _axes,
     'rotation_deg': _rotation,
 }

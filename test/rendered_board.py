@@ -36,6 +36,13 @@ def pixel_from_surface(tilt_deg=30.0, yaw_deg=10.0, *, away_cm=45.0, focal_px=60
     return camera @ np.column_stack([rotation[:, :2], displacement])
 
 
+def camera_place(tilt_deg=30.0, yaw_deg=10.0, *, away_cm=45.0, middle=(10.0, 6.25)):
+    """Return the foot point (2,) and the height of that camera, in cm."""
+    tilt, yaw = np.radians([tilt_deg, yaw_deg])
+    back = np.sin(tilt) * np.array([np.sin(yaw), np.cos(yaw)])
+    return middle - away_cm * back, away_cm * np.cos(tilt)
+
+
 def project(homography, points, coefficient=0.0, centre=CENTRE):
     """Show points (n, 2) through a homography and the division model, solved independently."""
     u, v, w = homography @ np.vstack([np.transpose(points), np.ones(len(points))])

@@ -21,13 +21,15 @@ import re
 
 from camera_to_base.calibrate import main
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS
-from camera_to_base.parameter_file import read_parameter_file
+from camera_to_base.parameter_file import parameter_text, read_parameter_file
 from camera_to_base.surface import PolynomialSurface
 from camera_to_base.transform_parameters import transform_settings, TRANSFORM_SPECS
 import cv2
 import numpy as np
 import pytest
-from rendered_board import IMAGE_SIZE, pixel_from_surface, project, render
+from rendered_board import (
+    camera_place, CENTRE, IMAGE_SIZE, pixel_from_surface, project, render)
+import yaml
 
 DEFAULTS = {spec.name: spec.default for spec in CAMERA_SPECS + TRANSFORM_SPECS}
 BOARD = ('--corners', '9x6', '--square-mm', '25')
@@ -265,6 +267,20 @@ def written(name, text):
     return name
 
 
+def camera_info(name='camera_info.yaml', focal=600.0, centre=CENTRE, **changed):
+    """Write what ROS's camera_calibration writes; None leaves a key out."""
+    content = {
+        'image_width': 640, 'image_height': 480, 'camera_name': 'narrow_stereo',
+        'camera_matrix': {'rows': 3, 'cols': 3,
+                          'data': [focal, 0, centre[0], 0, focal, centre[1], 0, 0, 1]},
+        'distortion_model': 'plumb_bob',
+        'distortion_coefficients': {'rows': 1, 'cols': 5, 'data': [0.0, 0.0, 0.0, 0.0, 0.0]},
+        **changed}
+    Path(name).write_text(yaml.safe_dump(
+        {key: value for key, value in content.items() if value is not None}))
+    return name
+
+
 LINE = 'x_cm,y_cm,u_px,v_px\n' + ''.join(f'{k},{k},{9 * k},{5 * k}\n' for k in range(1, 6))
 SIZED = 'x_cm,y_cm,u_px,v_px,width_px,height_px\n0,0,1,1,320,240\n9,0,99,1,320,240\n'
 BAD_INPUTS = {
@@ -288,6 +304,14 @@ BAD_INPUTS = {
                        'cannot open camera'),
     'missing video': (lambda: ('board', '--camera', 'none.avi', *BOARD), 'there is no such file'),
     'neither picture nor camera': (lambda: ('board', *BOARD), 'PICTURE --camera is required'),
+    'missing intrinsics': (lambda: ('board', board_picture(), *BOARD, '--intrinsics', 'none.yaml'),
+                           "cannot read the camera_info file 'none.yaml'"),
+    'intrinsics of another size': (
+        lambda: ('board', board_picture(), *BOARD, '--intrinsics', camera_info(image_width=1280)),
+        'intrinsics are for pictures of 1280 x 480 px, but this one has 640 x 480 px'),
+    'output over the intrinsics': (
+        lambda: ('board', board_picture(), *BOARD, '--intrinsics', camera_info(), '-o',
+                 'camera_info.yaml', '--force'), 'different files to read and to write'),
     'missing table': (lambda: ('points', 'none.csv'), 'cannot read the table none.csv'),
     'missing column': (lambda: ('points', table(header='x_cm,y_cm,u_px,v')), 'no column v_px'),
     'not a number': (lambda: ('points', written('a.csv', LINE + '6,six,7,8\n')),
@@ -366,3 +390,66 @@ def test_help_explains_itself_with_an_example(run, command):
     code, output, _ = run(*command, '--help')
     assert code == 0
     assert f'\n  calibrate {"".join(command) or "board"} ' in output
+
+
+@pytest.mark.parametrize('tilt', [0, 15, 45])
+def test_board_with_intrinsics_tells_where_the_camera_is(report, run, tilt):
+    picture = board_picture(homography=pixel_from_surface(tilt), noise=2)
+    found = report('board', picture, *BOARD, '-o', 'surface.yaml', '--intrinsics', camera_info())
+    foot, height = camera_place(tilt)
+    assert found['camera_height_cm'] == pytest.approx(height, rel=0.01)
+    assert found['camera_foot_cm'] == pytest.approx(foot, abs=0.01 * height)
+    assert found['warnings'] == []
+    values = read_parameter_file('surface.yaml').values
+    assert values['surface.camera_height_cm'] == found['camera_height_cm']
+    assert values['surface.camera_foot_cm'] == found['camera_foot_cm']
+    _, output, _ = run('board', picture, *BOARD, '-o', 'again.yaml', '--intrinsics',
+                       'camera_info.yaml')
+    told = re.search(
+        r'the camera is ([\d.]+) cm above the surface, its foot point is at \(', output)
+    assert float(told[1]) == pytest.approx(height, rel=0.01)
+
+
+def test_foot_point_is_in_the_camera_frame_that_was_asked_for(report):
+    found = report('board', board_picture(), *BOARD, '-o', 'surface.yaml', '--intrinsics',
+                   camera_info(), '--origin-corner', 2, '--origin-mm', 50, 25, '--yaw-deg', 90)
+    foot, height = camera_place()
+    # From the far corner both axes turn round; then x runs along the board's y.
+    x, y = np.array([20, 12.5]) - foot - [5, 2.5]
+    assert found['camera_foot_cm'] == pytest.approx([y, -x], abs=0.01 * height)
+    assert found['camera_height_cm'] == pytest.approx(height, rel=0.01)
+
+
+@pytest.mark.parametrize('tilt', [0, 30])
+def test_simulated_camera_is_found_60_cm_from_the_pictures_centre(report, tilt):
+    # The origin is put where the simulated board has its own; see BoardView for the place.
+    intrinsics = camera_info(focal=60 / (36 / 640), centre=(320.0, 240.0))
+    found = report('board', '--camera', 'simulated', '--simulated-tilt-deg', tilt, *BOARD,
+                   '--origin-mm', -80, -72.5, '-o', 'a.yaml', '--intrinsics', intrinsics)
+    height, back = 60 * np.cos(np.radians(tilt)), 60 * np.sin(np.radians(tilt))
+    assert found['camera_height_cm'] == pytest.approx(height, rel=0.01)
+    assert found['camera_foot_cm'] == pytest.approx([18.0, 13.5 + back], abs=0.6)
+
+
+def test_file_with_the_cameras_place_locates_objects_that_have_a_height(report):
+    report('board', board_picture(), *BOARD, '-o', 'surface.yaml', '--intrinsics', camera_info())
+    values = {**DEFAULTS, **read_parameter_file('surface.yaml').values, 'object_height_cm': 4.0}
+    foot, height = camera_place()
+    seen = foot + (POINTS - foot) / (1 - 4 / height)
+    located = camera_settings(values).surface.locate(project(pixel_from_surface(), seen))
+    np.testing.assert_allclose(located, POINTS, atol=0.05)
+    assert np.linalg.norm(seen - POINTS, axis=1).min() > 1
+
+
+def test_check_is_made_on_the_surface_whatever_the_height_of_the_objects(report):
+    report('points', table(), '-o', 'a.yaml', '--image-size', '640x480')
+    values = {**read_parameter_file('a.yaml').values, 'object_height_cm': 4.0,
+              'surface.camera_height_cm': 45.0, 'surface.camera_foot_cm': [0.0, 0.0]}
+    written('a.yaml', parameter_text(values, []))
+    assert report('check', 'a.yaml', 'points.csv')['max_mm'] < 1e-6
+
+
+def test_intrinsics_of_another_lens_are_a_warning(report):
+    found = report('board', board_picture(), *BOARD, '-o', 'surface.yaml', '--intrinsics',
+                   camera_info(focal=400.0))
+    assert 'are they those of this camera' in found['warnings'][-1]

@@ -32,15 +32,17 @@ EXECUTABLES = {'executables'}
 ROOMS = [
     {'errors', 'health', 'parameter_spec'},
     {'checks'},
-    {'absolute_difference', 'background', 'board_conditions', 'board_view', 'coordinate_transform',
-     'detection', 'distortion', 'frame_sources', 'ghosts', 'hull', 'precise_difference',
-     'raised_surface', 'simulated_board', 'simulated_chessboard', 'surface'},
+    {'absolute_difference', 'background', 'board_conditions', 'board_view',
+     'coordinate_transform', 'detection', 'distortion', 'frame_sources', 'ghosts', 'hull',
+     'precise_difference', 'raised_surface', 'simulated_board', 'simulated_chessboard',
+     'surface'},
     {'background_taker', 'damage_check', 'files', 'freshness', 'jump_filter', 'matched_points',
      'object_locator', 'overlay', 'surface_parameters', 'view_check'},
-    {'figures', 'frame_reader', 'homography_fit', 'least_squares', 'picture_keeper',
-     'polynomial_fit', 'position_gate', 'random_pixels', 'rigid_fit'},
-    {'board', 'board_frame', 'board_squares', 'calibrate_options', 'camera_pipeline',
-     'parameter_file', 'report_picture', 'report_text', 'still_picture', 'tables', 'top_view'},
+    {'camera_pose', 'figures', 'frame_reader', 'homography_fit', 'least_squares',
+     'picture_keeper', 'polynomial_fit', 'position_gate', 'random_pixels', 'rigid_fit'},
+    {'board', 'board_frame', 'board_squares', 'calibrate_options', 'camera_info_file',
+     'camera_pipeline', 'parameter_file', 'report_picture', 'report_text', 'still_picture',
+     'tables', 'top_view'},
     {'calibration', 'camera_health', 'camera_parameters', 'transform_parameters'},
     {'heartbeat', 'lifetime', 'messages', 'parameters'},
     {'background_service', 'debug_images', 'diagnostics', 'frame_feeds', 'position_topics'},
@@ -48,7 +50,7 @@ ROOMS = [
     EXECUTABLES,
 ]
 # Free of ROS, but it reads YAML, or is the command line.
-COMMAND_LINE = ['calibrate', 'calibrate_options', 'parameter_file']
+COMMAND_LINE = ['calibrate', 'calibrate_options', 'camera_info_file', 'parameter_file']
 PURE = sorted((set.union(*ROOMS[:7]) - {*COMMAND_LINE}) & set(MODULES))
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
        'std_srvs', 'builtin_interfaces'}
