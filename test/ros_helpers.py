@@ -66,6 +66,17 @@ class Ros:
         return self._record(topic, lambda message, info: (
             info['source_timestamp'] / 1e9, list(message.data)))
 
+    def listen_to(self, message_type, topic):
+        """Return a list that grows by each message of a topic."""
+        received = []
+        self._subscriptions[topic] = self.node.create_subscription(
+            message_type, topic, received.append, 100)
+        return received
+
+    def stop_listening(self, topic):
+        """Give a subscription back."""
+        self.node.destroy_subscription(self._subscriptions.pop(topic))
+
     def listen_to_diagnostics(self, node_name):
         """Return a list that grows by level, message and values for each status of a node."""
         received = []

@@ -12,6 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import math
 import os
 import re
 import subprocess
@@ -225,3 +226,24 @@ def test_one_point_that_is_not_finite_is_refused(x, y):
     conversion = CameraToRobotBaseConversion.from_roll_pitch_yaw((0, 0, 45), (0, 0, 0))
     with pytest.raises(InvalidValueError):
         conversion.convert_point(x * 10, y * 10)
+
+
+@pytest.mark.parametrize('rotation_deg, yaw_deg, expected_deg', [
+    ((180, 0, 0), 30, -30), ((0, 0, 90), 30, -60), ((0, 0, 45), 30, 75), ((180, 0, 90), 0, 90),
+    ((0, 0, 0), 90, 90), ((180, 0, 0), 90, 90), ((0, 0, 180), -20, -20)])
+def test_direction_of_a_long_axis_is_turned_with_the_frame(rotation_deg, yaw_deg, expected_deg):
+    conversion = CameraToRobotBaseConversion.from_roll_pitch_yaw(rotation_deg, (0, 0, 0))
+    yaw = conversion.convert_yaw(math.radians(yaw_deg))
+    assert math.degrees(yaw) == pytest.approx(expected_deg)
+
+
+def test_direction_of_a_long_axis_is_that_of_its_converted_ends():
+    conversion = CameraToRobotBaseConversion.from_roll_pitch_yaw((180, 0, 25), (1, 2, 3))
+    for yaw in np.linspace(-1.5, 1.5, 13):
+        (x0, y0, _), (x1, y1, _) = conversion.convert_surface_points(
+            [[4, 5], [4 + math.cos(yaw), 5 + math.sin(yaw)]])
+        assert math.tan(conversion.convert_yaw(yaw)) == pytest.approx((y1 - y0) / (x1 - x0))
+
+
+def test_point_above_the_surface_is_converted_with_its_height():
+    assert tutorial_conversion().convert_point(1.0, 2.0, 3.0) == pytest.approx((-16.8, 22.4, -3.0))

@@ -1,0 +1,119 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import math
+import time
+
+from builtin_interfaces.msg import Time
+from camera_to_base.camera_publisher import CameraPublisher
+from camera_to_base.coordinate_transform import Pose
+from camera_to_base.messages import poses_from_message, poses_message
+from camera_to_base.robot_base_publisher import RobotBasePublisher
+from geometry_msgs.msg import Point, PointStamped, PoseArray
+import pytest
+from ros_helpers import CAMERA_TOPIC
+from std_msgs.msg import Header
+
+CAMERA_OBJECTS, BASE_OBJECTS = '/objects_in_cam_frame', '/objects_in_robot_base_frame'
+CAMERA_POINT, BASE_POINT = '/pos_in_cam_frame/point', '/pos_in_robot_base_frame/point'
+STAMP = Time(sec=12, nanosec=345678901)
+
+
+def seconds(stamp):
+    return stamp.sec + stamp.nanosec / 1e9
+
+
+def connect(ros, *arguments):
+    """Start the transform node; give it, two publishers and what comes out of it."""
+    node = ros.add(RobotBasePublisher, *arguments)
+    points, objects = ros.listen_to(PointStamped, BASE_POINT), ros.listen_to(
+        PoseArray, BASE_OBJECTS)
+    talkers = (ros.node.create_publisher(PointStamped, CAMERA_POINT, 10),
+               ros.node.create_publisher(PoseArray, CAMERA_OBJECTS, 10))
+    assert ros.spin_until(lambda: all(t.get_subscription_count() for t in talkers)
+                          and ros.hears(BASE_POINT) and ros.hears(BASE_OBJECTS))
+    ros.spin_for(0.2)
+    return node, *talkers, points, objects
+
+
+def test_point_is_that_of_the_tutorials_topic_in_metres(ros):
+    positions = ros.listen(CAMERA_TOPIC)
+    points = ros.listen_to(PointStamped, CAMERA_POINT)
+    ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=0.05')
+    assert ros.spin_until(lambda: len(points) >= 5 and len(positions) >= 5)
+    assert {point.header.frame_id for point in points} == {'camera_surface'}
+    in_cm = [[100 * point.point.x, 100 * point.point.y] for point in points]
+    assert any(position == pytest.approx(in_cm[-1]) for position in positions)
+    assert all(point.point.z == 0.0 for point in points)
+
+
+def test_stamp_is_the_time_at_which_the_frame_was_taken(ros):
+    points = ros.listen_to(PointStamped, CAMERA_POINT)
+    ros.add(CameraPublisher, '-p', 'source:=simulated')
+    assert ros.spin_until(lambda: len(points) >= 3)
+    points.clear()
+    assert ros.spin_until(lambda: points)
+    assert 0 <= time.time() - seconds(points[0].header.stamp) < 0.5
+
+
+def test_stamp_passes_through_the_transform_unchanged(ros):
+    _, point_talker, object_talker, points, objects = connect(ros)
+    header = Header(stamp=STAMP, frame_id='camera_surface')
+    point_talker.publish(PointStamped(header=header, point=Point(x=0.195, y=0.1375)))
+    object_talker.publish(poses_message(header, [Pose(19.5, 13.75, 0.0, 0.5)]))
+    assert ros.spin_until(lambda: points and objects)
+    assert points[0].header == objects[0].header == Header(stamp=STAMP, frame_id='base_link')
+    point = points[0].point
+    assert (point.x, point.y, point.z) == pytest.approx((0.017, 0.1065, 0.0))
+    assert poses_from_message(objects[0]) == [pytest.approx((1.7, 10.65, 0.0, -0.5))]
+
+
+def test_names_of_the_frames_are_parameters(ros):
+    objects = ros.listen_to(PoseArray, BASE_OBJECTS)
+    seen = ros.listen_to(PoseArray, CAMERA_OBJECTS)
+    ros.add(RobotBasePublisher, '-p', 'base_frame_id:=cell_2/base_link')
+    ros.add(CameraPublisher, '-p', 'source:=simulated', '-p', 'camera_frame_id:=table')
+    assert ros.spin_until(lambda: objects and seen)
+    assert objects[0].header.frame_id == 'cell_2/base_link'
+    assert seen[0].header.frame_id == 'table'
+
+
+def test_empty_surface_is_an_empty_array_on_both_topics(ros):
+    _, _, object_talker, points, objects = connect(ros)
+    object_talker.publish(PoseArray(header=Header(stamp=STAMP)))
+    assert ros.spin_until(lambda: objects)
+    assert list(objects[0].poses) == [] and objects[0].header.stamp == STAMP
+    assert points == []
+
+
+def test_array_keeps_its_order_and_leaves_out_what_is_beyond_the_reach(ros):
+    node, _, object_talker, _, objects = connect(
+        ros, '-p', 'reach_cm:=50', '-p', 'displacement_cm:=[0, 0, 0]')
+    object_talker.publish(poses_message(Header(stamp=STAMP), [
+        Pose(30.0, 0.0, 0.0, 0.0), Pose(50.1, 0.0, 0.0, 0.0), Pose(10.0, 0.0, 0.0, 0.0)]))
+    assert ros.spin_until(lambda: objects)
+    assert [pose.x for pose in poses_from_message(objects[0])] == pytest.approx([30.0, 10.0])
+    assert node.dropped_count == 1
+
+
+def test_stamped_message_that_is_no_position_is_dropped_and_the_node_lives(ros):
+    node, point_talker, object_talker, points, objects = connect(ros)
+    bad = poses_message(Header(), [Pose(1.0, 1.0, 0.0, 0.0)])
+    bad.poses[0].position.x = math.nan
+    object_talker.publish(bad)
+    point_talker.publish(PointStamped(point=Point(x=math.inf)))
+    assert ros.spin_until(lambda: node.dropped_count == 2)
+    object_talker.publish(PoseArray())
+    assert ros.spin_until(lambda: objects)
+    assert points == [] and len(objects) == 1
