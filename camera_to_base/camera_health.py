@@ -17,8 +17,8 @@
 from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.camera_pipeline import CameraPipeline
-from camera_to_base.frame_reader import FrameReader, LOST_AFTER_S, ReaderState
 from camera_to_base.health import Level
+from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
 
 # A camera that gives damaged frames only is said to do so after this many.
 _DAMAGED_IN_A_ROW = 10
@@ -33,13 +33,13 @@ class Problem(NamedTuple):
 
 
 def camera_problem(
-    reader: Optional[FrameReader], pipeline: CameraPipeline, name: str
+    reader: Optional[ReaderStatus], pipeline: CameraPipeline, name: str
 ) -> Optional[Problem]:
     """
     Tell what keeps positions from being published.
 
     :param reader: None for a source that is no camera.
-    :param name: The source's.
+    :param name: The source's, or its topic's.
     :returns: None where an object on the surface would be published.
     """
     if reader is not None and reader.state is not ReaderState.RUNNING:
@@ -58,16 +58,16 @@ def camera_problem(
     return None
 
 
-def _reader_problem(reader: FrameReader, name: str) -> Problem:
+def _reader_problem(reader: ReaderStatus, name: str) -> Problem:
     cause = reader.error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
     if reader.error is None and reader.seconds_without_frame < LOST_AFTER_S:
-        return Problem('opening', Level.WARN, f"opening camera '{name}'")
+        return Problem('opening', Level.WARN, f"waiting for the first frame of '{name}'")
     if reader.state is ReaderState.WAITING:
         return Problem('waiting', Level.ERROR, f'waiting for the camera: {cause}')
-    return Problem('lost', Level.ERROR, f'{cause} Nothing is published until it is back.')
+    return Problem('lost', Level.ERROR, f'nothing is published: {cause}')
 
 
-def camera_values(reader: Optional[FrameReader], pipeline: CameraPipeline) -> Dict[str, str]:
+def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:
     """Give all numbers about a camera, as texts for the diagnostics."""
     values = {'background': 'none' if pipeline.background is None else
               '{1} x {0} px'.format(*pipeline.background.shape),

@@ -14,7 +14,6 @@
 
 """Reads a camera in a thread of its own: the newest frame wins, and a lost camera is sought."""
 
-from enum import Enum
 import threading
 import time
 from typing import Callable, NamedTuple, Optional
@@ -22,22 +21,13 @@ from typing import Callable, NamedTuple, Optional
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.frame_sources import FrameSource
 from camera_to_base.freshness import Freshness
+from camera_to_base.reader_status import ReaderStatus
 import numpy as np
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S, _PAUSE_GROWTH = 0.5, 5.0, 1.2
-# No frame for as long as this means that the camera is lost, whatever read() is waiting for.
-LOST_AFTER_S = 1.0
 # Longer than the timeouts of a stream, and short enough for a node that must end.
 _JOIN_S = 1.9
 _THREAD_NAME = 'frame reader'
-
-
-class ReaderState(Enum):
-    """What a reader is doing."""
-
-    WAITING = 'waiting for the first frame'
-    RUNNING = 'running'
-    LOST = 'lost the camera'
 
 
 class TakenFrame(NamedTuple):
@@ -47,18 +37,7 @@ class TakenFrame(NamedTuple):
     taken_at: float
 
 
-class ReaderCounts(NamedTuple):
-    """What a reader has done so far."""
-
-    read: int = 0
-    old: int = 0
-    damaged: int = 0
-    overwritten: int = 0
-    attempts: int = 0
-    reconnects: int = 0
-
-
-class FrameReader:
+class FrameReader(ReaderStatus):
     """
     Drains a camera, so that a slow consumer gets a new frame and never an old one.
 
@@ -79,6 +58,7 @@ class FrameReader:
         damage: Callable[[np.ndarray], Optional[str]] = lambda frame: None,
         may_lag: bool = True,
     ) -> None:
+        super().__init__()
         self._camera = camera
         self._on_frame = on_frame
         self._damage = damage
@@ -87,29 +67,10 @@ class FrameReader:
         self._stop = threading.Event()
         self._first_attempt_over = threading.Event()
         self._newest: Optional[TakenFrame] = None
-        self._last_frame_at: Optional[float] = None
-        self._begun_at = time.monotonic()
-        self.error: Optional[FrameSourceError] = None
-        self.last_damage: Optional[str] = None
-        self.damaged_in_a_row = 0
-        self.counts = ReaderCounts()
         # A daemon: should read() hang for good, only `os._exit` ends the process without an
         # abort (see `is_reader_hanging`), and no thread may be waited for on the way there.
         self._thread = threading.Thread(target=self._run, name=_THREAD_NAME, daemon=True)
         self._thread.start()
-
-    @property
-    def state(self) -> ReaderState:
-        """Tell what the reader is doing."""
-        if self._last_frame_at is None:
-            return ReaderState.WAITING
-        lost = self.error is not None or self.seconds_without_frame > LOST_AFTER_S
-        return ReaderState.LOST if lost else ReaderState.RUNNING
-
-    @property
-    def seconds_without_frame(self) -> float:
-        """How long ago the last frame came, or the reader was started."""
-        return time.monotonic() - (self._last_frame_at or self._begun_at)
 
     def take(self) -> Optional[TakenFrame]:
         """Give the newest frame, once; None where no new one has come."""
@@ -163,28 +124,22 @@ class FrameReader:
                 count += 1
                 self._keep(image, begun_at, time.monotonic())
         except FrameSourceError as error:
-            self.error = error
+            self._error = error
             self._first_attempt_over.set()
         return count > 0
 
     def _keep(self, image: np.ndarray, begun_at: float, ended_at: float) -> None:
-        self.error, self._last_frame_at = None, ended_at
+        self._note_frame(ended_at)
         self._first_attempt_over.set()
         damage = self._damage(image)
-        self.last_damage = damage or self.last_damage
-        self.damaged_in_a_row = self.damaged_in_a_row + 1 if damage else 0
+        self._note_damage(damage)
         fresh = self._freshness is None or self._freshness.is_fresh(begun_at, ended_at)
-        self._count(read=1, old=not fresh, damaged=damage is not None)
+        self._count(old=not fresh)
         if fresh and damage is None and not self._stop.is_set():
             with self._lock:
                 self._count(overwritten=self._newest is not None)
                 self._newest = TakenFrame(image, ended_at)
             self._on_frame()
-
-    def _count(self, **more: int) -> None:
-        # The reader's thread alone writes; whoever reads gets one tuple or the next.
-        self.counts = self.counts._replace(
-            **{name: getattr(self.counts, name) + number for name, number in more.items()})
 
 
 def is_reader_hanging() -> bool:

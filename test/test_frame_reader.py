@@ -19,8 +19,9 @@ import threading
 import time
 
 from camera_to_base.errors import FrameSourceError
-from camera_to_base.frame_reader import FrameReader, ReaderState
+from camera_to_base.frame_reader import FrameReader
 from camera_to_base.frame_sources import Camera
+from camera_to_base.reader_status import ReaderState
 from mjpeg_server import MjpegServer
 import numpy as np
 import pytest

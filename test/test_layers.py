@@ -37,7 +37,7 @@ ROOMS = [
      'precise_difference', 'raised_surface', 'simulated_board', 'simulated_chessboard',
      'surface'},
     {'background_taker', 'damage_check', 'files', 'freshness', 'jump_filter', 'matched_points',
-     'object_locator', 'overlay', 'surface_parameters', 'view_check'},
+     'object_locator', 'overlay', 'reader_status', 'surface_parameters', 'view_check'},
     {'camera_pose', 'figures', 'frame_reader', 'homography_fit', 'least_squares',
      'picture_keeper', 'polynomial_fit', 'position_gate', 'random_pixels', 'rigid_fit'},
     {'board', 'board_frame', 'board_squares', 'calibrate_options', 'camera_info_file',
