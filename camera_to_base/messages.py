@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The only place where ROS messages become numbers and numbers become messages."""
+"""The only place where ROS messages become numbers or frames, and numbers become messages."""
 
 from array import array
 import math
@@ -20,6 +20,7 @@ from typing import Iterable, List, Sequence, Tuple
 
 from camera_to_base.coordinate_transform import axis_angle, Pose
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.image_decoding import decode_compressed, decode_image
 import cv2
 from geometry_msgs.msg import Point, PointStamped, Pose as PoseMessage, PoseArray, Quaternion
 import numpy as np
@@ -125,6 +126,27 @@ def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
     """
     jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
     return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
+
+
+def frame_from_image_message(message: Image) -> np.ndarray:
+    """
+    Make a frame of a picture, see :func:`.decode_image`; it may share the message's memory.
+
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises InvalidValueError: If it cannot be used.
+    """
+    return decode_image(message.encoding, message.width, message.height, message.step,
+                        bool(message.is_bigendian), message.data)
+
+
+def frame_from_compressed_message(message: CompressedImage) -> np.ndarray:
+    """
+    Make a frame of a compressed picture, see :func:`.decode_compressed`.
+
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises InvalidValueError: If it cannot be used.
+    """
+    return decode_compressed(message.data, message.format)
 
 
 def _point(x: float, y: float, z: float) -> Point:

@@ -27,6 +27,7 @@ from camera_to_base.camera_pipeline import CameraPipeline, Limits
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.damage_check import DamageCheck
 from camera_to_base.errors import CameraToBaseError
+from camera_to_base.image_decoding import decode_compressed, decode_image, ENCODINGS
 from camera_to_base.messages import position_from_message
 from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
 from camera_to_base.transform_parameters import transform_node_settings, TRANSFORM_SPECS
@@ -169,3 +170,25 @@ def test_any_damaged_jpeg_that_opencv_decodes_goes_through_the_pipeline(tail, cu
         outcome('jpegs', pipeline.process, frame, 0.0)
         outcome('jpegs', pipeline.process, frame, 0.0)
     counts['jpegs'] += 1
+
+
+@bounded
+@given(st.sampled_from([*ENCODINGS, 'nv12', '']), st.integers(-1, 2**32 - 1) | sides,
+       st.integers(-1, 2**32 - 1) | sides, st.integers(-1, 2**32 - 1) | st.integers(0, 200),
+       st.booleans(), st.binary(max_size=2000))
+def test_any_picture_message_gives_a_frame_or_our_error(
+        encoding, width, height, step, is_bigendian, data):
+    frame = outcome('raw pictures', decode_image, encoding, width, height, step, is_bigendian,
+                    data)
+    assert frame is None or (frame.dtype == np.uint8 and frame.shape == (height, width, 3))
+
+
+@bounded
+@given(st.sampled_from(['.jpg', '.png']), st.floats(0, 1), st.integers(0, 255),
+       st.binary(max_size=30), st.text(max_size=5))
+def test_any_compressed_picture_gives_a_frame_or_our_error(ending, place, value, tail, name):
+    content = bytearray(cv2.imencode(ending, np.full((48, 64, 3), 200, np.uint8))[1].tobytes())
+    content[int(place * (len(content) - 1))] = value
+    frame = outcome('compressed pictures', decode_compressed, content + tail, name)
+    assert frame is None or (frame.dtype == np.uint8 and frame.ndim == 3 and frame.shape[2] == 3)
+    outcome('compressed pictures', decode_compressed, tail, name)
