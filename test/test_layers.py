@@ -45,7 +45,8 @@ ROOMS = [
      'tables', 'top_view'},
     {'calibration', 'camera_health', 'camera_parameters', 'transform_parameters'},
     {'heartbeat', 'lifetime', 'messages', 'parameters'},
-    {'background_service', 'debug_images', 'diagnostics', 'frame_feeds', 'position_topics'},
+    {'background_service', 'debug_images', 'diagnostics', 'frame_feeds', 'image_topic',
+     'position_topics'},
     NODES_AND_COMMANDS,
     EXECUTABLES,
 ]
