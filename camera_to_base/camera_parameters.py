@@ -85,8 +85,9 @@ CAMERA_SPECS = [
     ParameterSpec(
         'source', 'auto',
         'Where frames come from: auto (the first attached camera, or random pixels where none '
-        "is attached), random, a device index or path, a video file, a stream's URL, or "
-        'simulated.', fixed=True),
+        "is attached), random, a device index or path, a video file, a stream's URL, topic (a "
+        "camera driver's image), compressed_topic (its image/compressed), or simulated.",
+        fixed=True),
     ParameterSpec('period', 3.0, 'Time between two random pixels, in s.', (0.001, 3600)),
     ParameterSpec(
         'wait_for_subscribers', 1,

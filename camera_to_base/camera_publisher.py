@@ -21,19 +21,18 @@ from typing import Callable, List, Optional, Union
 
 from builtin_interfaces.msg import Time
 from camera_to_base.background_service import BackgroundService
-from camera_to_base.camera_health import camera_problem, camera_values, Problem
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS, CameraSettings
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
+from camera_to_base.camera_watch import CameraWatch
 from camera_to_base.coordinate_transform import Pose
+from camera_to_base.damage_check import DamageCheck
 from camera_to_base.debug_images import DebugImages
-from camera_to_base.diagnostics import Diagnostics
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.frame_feeds import CameraFeed, real_time_timer, TimedFeed
 from camera_to_base.frame_reader import is_reader_hanging
 from camera_to_base.frame_sources import (
     Camera, first_camera, FrameSource, is_camera, is_stream, open_frame_source, VideoFile)
-from camera_to_base.health import Health, Level
-from camera_to_base.heartbeat import Heartbeat
+from camera_to_base.image_topic import ImageTopic
 from camera_to_base.lifetime import run
 from camera_to_base.messages import position_message
 from camera_to_base.object_locator import locate_pixel, LocatedObject
@@ -50,7 +49,10 @@ from std_msgs.msg import Float64MultiArray, Header
 
 # A recording that nobody listens to is played all the same.
 _LONGEST_WAIT_S = 10.0
-_WATCH_PERIOD_S = 0.2
+_TOPIC_SOURCES = ('topic', 'compressed_topic')
+
+
+Feed = Union[TimedFeed, CameraFeed, ImageTopic]
 
 
 class CameraPublisher(Node):
@@ -67,20 +69,15 @@ class CameraPublisher(Node):
             self._settings.surface, self._settings.detector, self._limits(),
             self._settings.background_frames)
         self._picture = PictureKeeper(self._settings.annotated_picture)
-        self._problem: Optional[Problem] = None
         self._background_service = BackgroundService(
             self, self._pipeline, lambda: self._settings.background_frames,
-            lambda: self._source is not None)
+            lambda: self._feed is not None)
         self._warn_of_settings_without_effect()
-        heartbeat = Heartbeat(self)
-        Diagnostics(self, heartbeat, self._health)
-        self._feed: Union[TimedFeed, CameraFeed, None] = None
-        if self._source is None:
+        self._watch = CameraWatch(self, self._pipeline)
+        self._truth_publisher = self._create_truth_publisher()
+        self._feed = self._start_feed()
+        if self._feed is None:
             self._timer = real_time_timer(self, self._settings.period, self._on_random_timer)
-        else:
-            self._truth_publisher = self._create_truth_publisher()
-            self._feed = self._start_feed()
-            heartbeat.every(_WATCH_PERIOD_S, self._watch)
 
     def destroy_node(self) -> None:
         """Give the camera back with the node."""
@@ -105,6 +102,8 @@ class CameraPublisher(Node):
             return self._settings.simulated.board(image_size)
         if is_camera(name):
             return Camera(name, image_size, open_now=False)
+        if name in _TOPIC_SOURCES:
+            return None
         if name not in ('auto', 'random'):
             return open_frame_source(name, image_size)
         camera = first_camera(image_size) if name == 'auto' else None
@@ -117,16 +116,30 @@ class CameraPublisher(Node):
                 'tutorial; name a camera or a file with the parameter source')
         return camera
 
-    def _start_feed(self) -> Union[TimedFeed, CameraFeed]:
-        self.get_logger().info(
-            f'publishing on {self._topics.name} what is found on the frames of '
-            f"'{self._settings.source}'; the first one is the background")
-        if self._source.frame_rate:
+    def _start_feed(self) -> Optional[Feed]:
+        name = self._settings.source
+        if name in _TOPIC_SOURCES:
+            feed = self._subscribe(compressed=name == 'compressed_topic')
+            name = feed.topic_name
+        elif self._source is None:
+            return None
+        elif self._source.frame_rate:
             self._started_at = time.monotonic()
-            return TimedFeed(self, self._source, self._use, self._may_start, self._end)
-        return CameraFeed(
-            self, self._source, self._use, may_lag=is_stream(self._settings.source),
-            wait=self._settings.wait_for_camera)
+            feed = TimedFeed(self, self._source, self._use, self._may_start, self._end)
+        else:
+            feed = CameraFeed(self, self._source, self._use, may_lag=is_stream(name),
+                              wait=self._settings.wait_for_camera)
+        self.get_logger().info(
+            f"publishing on {self._topics.name} what is found on the frames of '{name}'; the "
+            'first one is the background')
+        self._watch.start(name, feed.reader)
+        return feed
+
+    def _subscribe(self, compressed: bool) -> ImageTopic:
+        # In a simulation without noise good frames repeat themselves to the byte.
+        is_simulation = self.get_parameter('use_sim_time').value
+        damage = DamageCheck().reason if not is_simulation else lambda frame: None
+        return ImageTopic(self, self._use, damage, compressed)
 
     def _create_truth_publisher(self) -> Optional[Publisher]:
         if not isinstance(self._source, SimulatedBoard):
@@ -202,7 +215,7 @@ class CameraPublisher(Node):
     def _on_new_settings(self) -> None:
         self._pipeline.configure(self._settings.surface, self._settings.detector, self._limits())
         self._warn_of_settings_without_effect()
-        if self._source is None:
+        if self._feed is None:
             self._timer.timer_period_ns = round(self._settings.period * 1e9)
             self._timer.reset()
 
@@ -211,31 +224,6 @@ class CameraPublisher(Node):
         for name in detector.without_effect:
             self.get_logger().warning(
                 f'detector.{name} has no effect with detector.method {detector.method}')
-
-    def _watch(self) -> None:
-        before, self._problem = self._problem, camera_problem(
-            self._feed.reader, self._pipeline, self._settings.source)
-        problem = self._problem
-        if problem is None and before is not None:
-            self.get_logger().info('ready: objects on the surface are published')
-        elif problem is not None and (before is None or before.kind != problem.kind):
-            self._tell(problem)
-
-    def _tell(self, problem: Problem) -> None:
-        # rclpy refuses another severity from the same line.
-        if problem.level is Level.ERROR:
-            self.get_logger().error(problem.sentence)
-        else:
-            self.get_logger().info(problem.sentence)
-
-    def _health(self) -> Health:
-        reader = None if self._feed is None else self._feed.reader
-        values = {'source': self._settings.source, **camera_values(reader, self._pipeline)}
-        if self._source is None:
-            return Health(Level.WARN, 'positions are random: name a camera with source', values)
-        if self._problem is not None:
-            return Health(self._problem.level, self._problem.sentence, values)
-        return Health(Level.OK, 'objects on the surface are published', values)
 
     def _keep_picture(self, keep: Callable[..., None], *what) -> None:
         try:

@@ -16,7 +16,7 @@
 
 from typing import Callable
 
-from camera_to_base.messages import image_message, jpeg_message
+from camera_to_base.image_messages import image_message, jpeg_message
 from camera_to_base.overlay import draw_note, draw_objects, Label, object_mask
 from camera_to_base.position_gate import Sighting
 import numpy as np

@@ -19,7 +19,8 @@ from typing import Any, Callable, Dict, Optional, Union
 
 from builtin_interfaces.msg import Time
 from camera_to_base.errors import FrameSourceError, InvalidValueError
-from camera_to_base.messages import frame_from_compressed_message, frame_from_image_message
+from camera_to_base.image_messages import (
+    frame_from_compressed_message, frame_from_image_message)
 from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
 import numpy as np
 from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks

@@ -12,19 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The only place where ROS messages become numbers or frames, and numbers become messages."""
+"""
+The only place where ROS messages become numbers and numbers become messages.
 
-from array import array
+Pictures are in `image_messages`: who has none need not load what decodes them.
+"""
+
 import math
 from typing import Iterable, List, Sequence, Tuple
 
 from camera_to_base.coordinate_transform import axis_angle, Pose
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.image_decoding import decode_compressed, decode_image
-import cv2
 from geometry_msgs.msg import Point, PointStamped, Pose as PoseMessage, PoseArray, Quaternion
-import numpy as np
-from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Float64MultiArray, Header
 
 # A position has two numbers, or a few more; a message of thousands was meant for another topic.
@@ -102,51 +101,6 @@ def poses_from_message(message: PoseArray) -> List[Pose]:
     if len(message.poses) > MOST_POSES:
         raise InvalidValueError(f'expected at most {MOST_POSES} poses, got {len(message.poses)}')
     return [Pose(*_cm(pose.position), _yaw(pose.orientation)) for pose in message.poses]
-
-
-def image_message(header: Header, picture: np.ndarray) -> Image:
-    """
-    Make an image message.
-
-    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
-    """
-    height, width = picture.shape[:2]
-    colour = picture.ndim == 3
-    # Anything but an array of bytes is copied byte by byte.
-    return Image(header=header, height=height, width=width,
-                 encoding='bgr8' if colour else 'mono8',
-                 step=width * (3 if colour else 1), data=array('B', picture.tobytes()))
-
-
-def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
-    """
-    Make a message with a JPEG.
-
-    :param picture: Shape (h, w, 3), uint8, BGR.
-    """
-    jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
-    return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
-
-
-def frame_from_image_message(message: Image) -> np.ndarray:
-    """
-    Make a frame of a picture, see :func:`.decode_image`; it may share the message's memory.
-
-    :returns: Shape (h, w, 3), uint8, BGR.
-    :raises InvalidValueError: If it cannot be used.
-    """
-    return decode_image(message.encoding, message.width, message.height, message.step,
-                        bool(message.is_bigendian), message.data)
-
-
-def frame_from_compressed_message(message: CompressedImage) -> np.ndarray:
-    """
-    Make a frame of a compressed picture, see :func:`.decode_compressed`.
-
-    :returns: Shape (h, w, 3), uint8, BGR.
-    :raises InvalidValueError: If it cannot be used.
-    """
-    return decode_compressed(message.data, message.format)
 
 
 def _point(x: float, y: float, z: float) -> Point:

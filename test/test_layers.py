@@ -44,9 +44,10 @@ ROOMS = [
      'camera_pipeline', 'parameter_file', 'report_picture', 'report_text', 'still_picture',
      'tables', 'top_view'},
     {'calibration', 'camera_health', 'camera_parameters', 'transform_parameters'},
-    {'heartbeat', 'lifetime', 'messages', 'parameters'},
+    {'heartbeat', 'image_messages', 'lifetime', 'messages', 'parameters'},
     {'background_service', 'debug_images', 'diagnostics', 'frame_feeds', 'image_topic',
      'position_topics'},
+    {'camera_watch'},
     NODES_AND_COMMANDS,
     EXECUTABLES,
 ]
@@ -162,4 +163,5 @@ def test_imports_never_go_in_a_circle():
 def test_only_the_modules_of_ros_import_ros():
     assert not set(PURE) & {module for module in MODULES
                             if foreign_imports_of(module) & ROS}
-    assert foreign_imports_of('messages') & ROS == {'geometry_msgs', 'sensor_msgs', 'std_msgs'}
+    assert foreign_imports_of('messages') & ROS == {'geometry_msgs', 'std_msgs'}
+    assert foreign_imports_of('image_messages') & ROS == {'sensor_msgs', 'std_msgs'}

@@ -18,10 +18,8 @@ from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.messages import (
-    image_message, jpeg_message, point_from_message, point_message, poses_from_message,
-    poses_message, position_from_message, position_message)
-import cv2
-import numpy as np
+    point_from_message, point_message, poses_from_message, poses_message, position_from_message,
+    position_message)
 import pytest
 from std_msgs.msg import Float64MultiArray, Header
 
@@ -103,20 +101,3 @@ def test_pose_that_is_turned_about_another_axis_is_refused(turned):
 def test_array_of_far_too_many_poses_is_refused():
     with pytest.raises(InvalidValueError, match='1001'):
         poses_from_message(poses_message(HEADER, [Pose(1.0, 2.0, 0.0, 0.0)] * 1001))
-
-
-@pytest.mark.parametrize('shape, encoding', [((5, 7, 3), 'bgr8'), ((5, 7), 'mono8')])
-def test_picture_becomes_an_image_message(shape, encoding):
-    picture = np.random.default_rng(1).integers(0, 256, shape, np.uint8)
-    message = image_message(HEADER, picture)
-    assert (message.height, message.width, message.encoding) == (5, 7, encoding)
-    assert message.step == len(message.data) / 5
-    assert (np.frombuffer(message.data, np.uint8).reshape(shape) == picture).all()
-
-
-def test_picture_becomes_a_jpeg_message():
-    picture = cv2.circle(np.full((48, 64, 3), 200, np.uint8), (30, 20), 10, (20, 30, 40), -1)
-    message = jpeg_message(HEADER, picture)
-    assert message.format == 'jpeg' and message.header == HEADER
-    decoded = cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
-    assert np.abs(decoded.astype(int) - picture).mean() < 3

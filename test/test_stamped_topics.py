@@ -18,10 +18,14 @@ import time
 from builtin_interfaces.msg import Time
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.coordinate_transform import Pose
+from camera_to_base.image_messages import image_message, jpeg_message
 from camera_to_base.messages import poses_from_message, poses_message
 from camera_to_base.robot_base_publisher import RobotBasePublisher
+import cv2
 from geometry_msgs.msg import Point, PointStamped, PoseArray
+import numpy as np
 import pytest
+from rclpy.qos import qos_profile_sensor_data
 from ros_helpers import CAMERA_TOPIC
 from std_msgs.msg import Header
 
@@ -117,3 +121,54 @@ def test_stamped_message_that_is_no_position_is_dropped_and_the_node_lives(ros):
     object_talker.publish(PoseArray())
     assert ros.spin_until(lambda: objects)
     assert points == [] and len(objects) == 1
+
+
+def drive(ros, topic, make_message, *arguments):
+    """Send pictures of a coin as a camera driver does; give what the camera node says of them."""
+    points, objects = ros.listen_to(PointStamped, CAMERA_POINT), ros.listen_to(
+        PoseArray, CAMERA_OBJECTS)
+    node = ros.add(CameraPublisher, *arguments)
+    message = make_message(Header(), table())
+    driver = ros.node.create_publisher(type(message), topic, qos_profile_sensor_data)
+    assert ros.spin_until(driver.get_subscription_count)
+    for number in range(1, 200):
+        # A picture without any noise would be taken for a repeated one.
+        picture = cv2.add(table(disc=number > 1), np.random.default_rng(number).integers(
+            0, 3, (480, 640, 3), np.uint8))
+        driver.publish(make_message(Header(stamp=Time(sec=number)), picture))
+        ros.spin_for(0.03)
+        if points:
+            break
+    return node, points, objects
+
+
+def table(disc=False):
+    frame = np.full((480, 640, 3), 200, np.uint8)
+    return cv2.circle(frame, (320, 240), 21, (50, 50, 50), -1) if disc else frame
+
+
+@pytest.mark.parametrize('source, topic, make_message', [
+    ('topic', '/image', image_message),
+    ('compressed_topic', '/image/compressed', jpeg_message)])
+def test_pictures_of_a_camera_driver_become_points_with_the_drivers_stamp(
+        ros, source, topic, make_message):
+    _, points, objects = drive(ros, topic, make_message, '-p', f'source:={source}')
+    assert points, 'no point was published'
+    assert points[0].header.stamp.sec in range(2, 200) and points[0].header.stamp.nanosec == 0
+    assert points[0].point.x == pytest.approx(0.18, abs=0.001)
+    assert points[0].point.y == pytest.approx(0.135, abs=0.001)
+    assert objects[-1].header.stamp.sec <= points[0].header.stamp.sec + 1
+
+
+def test_topic_of_the_pictures_can_be_remapped(ros):
+    _, points, _ = drive(ros, '/usb_cam/image_raw', image_message, '-p', 'source:=topic',
+                         '-r', 'image:=/usb_cam/image_raw')
+    assert points
+
+
+def test_camera_driver_that_is_not_there_is_said_in_the_diagnostics(ros):
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    ros.add(CameraPublisher, '-p', 'source:=topic')
+    assert ros.spin_until(lambda: any(
+        'is the camera driver running?' in status.message for status in statuses))
+    assert statuses[-1].values['source'] == '/image'

@@ -1,0 +1,80 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tells in the log and the diagnostics how a camera node is."""
+
+from typing import Optional
+
+from camera_to_base.camera_health import camera_problem, camera_values, Problem
+from camera_to_base.camera_pipeline import CameraPipeline
+from camera_to_base.diagnostics import Diagnostics
+from camera_to_base.health import Health, Level
+from camera_to_base.heartbeat import Heartbeat
+from camera_to_base.reader_status import ReaderStatus
+from rclpy.node import Node
+
+_PERIOD_S = 0.2
+
+
+class CameraWatch:
+    """
+    Says what has changed in the log, and how all is on /diagnostics.
+
+    :param node: The camera node.
+    :param pipeline: Its pipeline.
+    """
+
+    def __init__(self, node: Node, pipeline: CameraPipeline) -> None:
+        self._logger = node.get_logger()
+        self._pipeline = pipeline
+        self._problem: Optional[Problem] = None
+        self._reader: Optional[ReaderStatus] = None
+        self._source: Optional[str] = None
+        self._heartbeat = Heartbeat(node)
+        Diagnostics(node, self._heartbeat, self._health)
+
+    def start(self, source: str, reader: Optional[ReaderStatus]) -> None:
+        """
+        Watch where frames come from.
+
+        :param source: Its name.
+        :param reader: None for a source that is no camera.
+        """
+        self._source, self._reader = source, reader
+        self._heartbeat.every(_PERIOD_S, self._watch)
+
+    def _watch(self) -> None:
+        before, self._problem = self._problem, camera_problem(
+            self._reader, self._pipeline, self._source)
+        problem = self._problem
+        if problem is None and before is not None:
+            self._logger.info('ready: objects on the surface are published')
+        elif problem is not None and (before is None or before.kind != problem.kind):
+            self._tell(problem)
+
+    def _tell(self, problem: Problem) -> None:
+        # rclpy refuses another severity from the same line.
+        if problem.level is Level.ERROR:
+            self._logger.error(problem.sentence)
+        else:
+            self._logger.info(problem.sentence)
+
+    def _health(self) -> Health:
+        values = {'source': self._source or 'random',
+                  **camera_values(self._reader, self._pipeline)}
+        if self._source is None:
+            return Health(Level.WARN, 'positions are random: name a camera with source', values)
+        if self._problem is not None:
+            return Health(self._problem.level, self._problem.sentence, values)
+        return Health(Level.OK, 'objects on the surface are published', values)

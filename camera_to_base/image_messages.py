@@ -1,0 +1,68 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The only place where ROS messages become frames and pictures become messages."""
+
+from array import array
+
+from camera_to_base.image_decoding import decode_compressed, decode_image
+import cv2
+import numpy as np
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
+
+
+def image_message(header: Header, picture: np.ndarray) -> Image:
+    """
+    Make an image message.
+
+    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
+    """
+    height, width = picture.shape[:2]
+    colour = picture.ndim == 3
+    # Anything but an array of bytes is copied byte by byte.
+    return Image(header=header, height=height, width=width,
+                 encoding='bgr8' if colour else 'mono8',
+                 step=width * (3 if colour else 1), data=array('B', picture.tobytes()))
+
+
+def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
+    """
+    Make a message with a JPEG.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    """
+    jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
+    return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
+
+
+def frame_from_image_message(message: Image) -> np.ndarray:
+    """
+    Make a frame of a picture, see :func:`.decode_image`; it may share the message's memory.
+
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises InvalidValueError: If it cannot be used.
+    """
+    return decode_image(message.encoding, message.width, message.height, message.step,
+                        bool(message.is_bigendian), message.data)
+
+
+def frame_from_compressed_message(message: CompressedImage) -> np.ndarray:
+    """
+    Make a frame of a compressed picture, see :func:`.decode_compressed`.
+
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises InvalidValueError: If it cannot be used.
+    """
+    return decode_compressed(message.data, message.format)
