@@ -15,7 +15,8 @@
 
 """Reads and writes parameter files, as `ros2 run ... --ros-args --params-file` takes them."""
 
-from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Tuple
+import re
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Tuple
 
 from camera_to_base.errors import InvalidValueError
 import yaml
@@ -68,6 +69,24 @@ def read_parameter_file(path: str) -> ParameterFile:
     return ParameterFile(_flat(tree), _comments(text))
 
 
+def read_node_parameters(path: str, node: str) -> Dict[str, Any]:
+    """
+    Read what one node takes from a file, as ROS does: of all sections for it, the last one wins.
+
+    :param node: The node's full name, '/cell_1/camera_publisher'.
+    :returns: The values by full name, 'surface.model' and so on.
+    :raises InvalidValueError: If there is no such file, or it is no parameter file.
+    """
+    sections = list(_sections(load_yaml(path, 'parameter file')[1]))
+    if not sections:
+        raise InvalidValueError(f"'{path}' is no parameter file: it has no 'ros__parameters:'")
+    values: Dict[str, Any] = {}
+    for name, tree in sections:
+        if _stands_for(name, node):
+            values.update(_flat(tree))
+    return values
+
+
 def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     """
     Load a file.
@@ -85,6 +104,21 @@ def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     except yaml.YAMLError as error:
         reason = ' '.join(str(error).split())
         raise InvalidValueError(f"'{path}' is no YAML: {reason}") from error
+
+
+def _sections(tree: Any, name: str = '') -> Iterator[Tuple[str, Any]]:
+    # A namespace may be a level of its own, or part of a node's name.
+    for key, branch in (tree.items() if isinstance(tree, dict) else ()):
+        if key == 'ros__parameters' and isinstance(branch, (dict, type(None))):
+            yield name, branch
+        else:
+            yield from _sections(branch, f'{name}/{str(key).strip("/")}')
+
+
+def _stands_for(section: str, node: str) -> bool:
+    # rclpy's rule: '*' stands for one part of a full name, '**' for any number of them.
+    pattern = re.escape(section).replace(r'/\*\*', r'(/\w+)*').replace(r'/\*', r'(/\w+)')
+    return re.fullmatch(pattern, node) is not None
 
 
 def _flat(tree: Any, prefix: str = '') -> Dict[str, Any]:
