@@ -25,7 +25,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
         (f'share/{package_name}', ['package.xml']),
-        (f'share/{package_name}/config', glob('config/*.yaml')),
+        (f'share/{package_name}/config', [*glob('config/*.yaml'), *glob('config/*.rviz')]),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
     install_requires=['setuptools', 'PyYAML'],

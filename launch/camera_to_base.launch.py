@@ -12,11 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Starts both nodes with one parameter file; each is started anew if it dies."""
+"""Starts both nodes with one parameter file, and what else is asked for; who dies is restarted."""
 
 import os
 
-from ament_index_python.packages import get_package_share_directory
+from ament_index_python.packages import (
+    get_package_prefix, get_package_share_directory, PackageNotFoundError)
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.launch_arguments import (
+    check_frames, driver_parameters, frames, image_input, is_wanted, not_installed,
+    transform_arguments)
+from camera_to_base.launch_cameras import Camera, choose_cameras, DRIVERS
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler
 from launch.event_handlers import OnProcessExit
@@ -25,42 +31,107 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
+CONFIG = os.path.join(get_package_share_directory('camera_to_base'), 'config')
+DEFAULT = Camera(os.path.join(CONFIG, 'overhead_camera.yaml'))
+
 
 def generate_launch_description() -> LaunchDescription:
-    """Describe the two nodes and their arguments."""
-    config = os.path.join(get_package_share_directory('camera_to_base'), 'config')
-    camera = _node('camera_publisher', [
-        LaunchConfiguration('params_file'),
-        {'source': ParameterValue(LaunchConfiguration('source'), value_type=str)}])
-    transform = _node('robot_base_publisher', [LaunchConfiguration('params_file')])
+    """Describe the arguments; what is started follows from their values."""
     return LaunchDescription([
         DeclareLaunchArgument(
-            'params_file', default_value=os.path.join(config, 'overhead_camera.yaml'),
+            'params_file', default_value=DEFAULT.params_file,
             description='Parameter file of both nodes.'),
         DeclareLaunchArgument(
-            'source', default_value='auto',
+            'source', default_value=DEFAULT.source,
             description='auto, random, simulated, a device index or path, a video or a URL.'),
         DeclareLaunchArgument(
-            'namespace', default_value='', description='Namespace of nodes and topics.'),
-        OpaqueFunction(function=_refuse_missing_file),
-        camera,
-        transform,
-        RegisterEventHandler(OnProcessExit(target_action=camera, on_exit=_end_with_recording)),
+            'namespace', default_value=DEFAULT.namespace,
+            description='Namespace of nodes and topics.'),
+        DeclareLaunchArgument(
+            'image_topic', default_value=DEFAULT.image_topic,
+            description='Take frames from this topic: sensor_msgs/CompressedImage where it ends '
+                        'in /compressed, and sensor_msgs/Image elsewhere.'),
+        DeclareLaunchArgument(
+            'camera_driver', default_value=DEFAULT.camera_driver,
+            description='Start this driver for the device that source names, and take frames '
+                        'from its topic: usb_cam, v4l2_camera or none.'),
+        DeclareLaunchArgument(
+            'cameras', default_value='',
+            description='A list of cameras in YAML, instead of all arguments above: see '
+                        'config/two_cameras.yaml.'),
+        DeclareLaunchArgument(
+            'publish_tf', default_value='false',
+            description='Publish the transform of the parameter file on /tf_static.'),
+        DeclareLaunchArgument(
+            'rviz', default_value='false', description='Start RViz, one window for each camera.'),
+        OpaqueFunction(function=_start),
     ])
 
 
-def _refuse_missing_file(context):
-    # launch_ros would only warn, and the nodes would run with the tutorial's calibration.
-    path = LaunchConfiguration('params_file').perform(context)
-    if not os.path.isfile(path):
-        raise RuntimeError(f"params_file: there is no file '{path}'")
+def _start(context):
+    camera = Camera(*(_value(context, name) for name in Camera._fields))
+    cameras = choose_cameras(_value(context, 'cameras'), camera, DEFAULT)
+    actions = [action for camera in cameras for action in _camera_actions(camera)]
+    if is_wanted('publish_tf', _value(context, 'publish_tf')):
+        _require('tf2_ros', 'publish_tf:=true')
+        check_frames(cameras)
+        actions += [_transform_publisher(camera) for camera in cameras]
+    if is_wanted('rviz', _value(context, 'rviz')):
+        _require('rviz2', 'rviz:=true')
+        actions += [_rviz(camera) for camera in cameras]
+    return actions
 
 
-def _node(executable, parameters):
+def _camera_actions(camera):
+    source, remappings = image_input(camera)
+    node = _node(
+        camera, 'camera_to_base', 'camera_publisher', remappings=remappings,
+        parameters=[camera.params_file, {
+            'source': ParameterValue(source, value_type=str),
+            'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}])
+    actions = [
+        node,
+        _node(camera, 'camera_to_base', 'robot_base_publisher', parameters=[camera.params_file]),
+        RegisterEventHandler(OnProcessExit(target_action=node, on_exit=_end_with_recording)),
+    ]
+    if camera.has_driver:
+        _require(camera.camera_driver, f'camera_driver:={camera.camera_driver}')
+        actions.append(_node(
+            camera, camera.camera_driver, DRIVERS[camera.camera_driver], camera.camera_driver,
+            parameters=[driver_parameters(camera)]))
+    return actions
+
+
+def _transform_publisher(camera):
+    return _node(camera, 'tf2_ros', 'static_transform_publisher',
+                 arguments=transform_arguments(camera))
+
+
+def _node(camera, package, executable, name=None, **options):
     return Node(
-        package='camera_to_base', executable=executable, name=executable,
-        namespace=LaunchConfiguration('namespace'), parameters=parameters, output='screen',
-        respawn=True, respawn_delay=1.0)
+        package=package, executable=executable, name=name or executable,
+        namespace=camera.namespace, output='screen', respawn=True, respawn_delay=1.0, **options)
+
+
+def _rviz(camera):
+    # Its topics are relative names, so that they follow the namespace. It has no name of its own,
+    # because that would be given to each of its nodes; and who closes the window has seen enough.
+    return Node(
+        package='rviz2', executable='rviz2', namespace=camera.namespace, output='screen',
+        arguments=['-d', os.path.join(CONFIG, 'camera_to_base.rviz'),
+                   '-f', frames(camera).base])
+
+
+def _require(package, argument):
+    try:
+        get_package_prefix(package)
+    except PackageNotFoundError:
+        raise InvalidValueError(
+            not_installed(package, argument, os.environ.get('ROS_DISTRO', 'jazzy'))) from None
+
+
+def _value(context, name):
+    return LaunchConfiguration(name).perform(context)
 
 
 def _end_with_recording(event, context):

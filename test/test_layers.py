@@ -43,7 +43,8 @@ ROOMS = [
     {'board', 'board_frame', 'board_squares', 'calibrate_options', 'camera_info_file',
      'camera_pipeline', 'parameter_file', 'report_picture', 'report_text', 'still_picture',
      'tables', 'top_view'},
-    {'calibration', 'camera_health', 'camera_parameters', 'transform_parameters'},
+    {'calibration', 'camera_health', 'camera_parameters', 'launch_arguments', 'launch_cameras',
+     'transform_parameters'},
     {'heartbeat', 'image_messages', 'lifetime', 'messages', 'parameters'},
     {'background_service', 'debug_images', 'diagnostics', 'frame_feeds', 'image_topic',
      'position_topics'},
@@ -52,7 +53,8 @@ ROOMS = [
     EXECUTABLES,
 ]
 # Free of ROS, but it reads YAML, or is the command line.
-COMMAND_LINE = ['calibrate', 'calibrate_options', 'camera_info_file', 'parameter_file']
+COMMAND_LINE = ['calibrate', 'calibrate_options', 'camera_info_file', 'launch_arguments',
+                'launch_cameras', 'parameter_file']
 PURE = sorted((set.union(*ROOMS[:7]) - {*COMMAND_LINE}) & set(MODULES))
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
        'std_srvs', 'builtin_interfaces'}

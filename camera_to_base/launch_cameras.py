@@ -1,0 +1,149 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Which cameras the launch file starts: the one of its arguments, or those of a list in YAML."""
+
+import os
+import re
+from typing import Any, List, NamedTuple
+
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameter_file import load_yaml
+
+# Packages of drivers, and their executables.
+DRIVERS = {'usb_cam': 'usb_cam_node_exe', 'v4l2_camera': 'v4l2_camera_node'}
+
+_NAME = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
+
+
+class Camera(NamedTuple):
+    """
+    One camera: its nodes share a namespace and a parameter file.
+
+    :param params_file: Path of the parameter file.
+    :param source: What the camera node's parameter says; with a driver, the driver's device.
+    :param namespace: Where nodes and topics are; empty for the root.
+    :param image_topic: The topic that frames come from, or empty.
+    :param camera_driver: The driver that is started, or 'none'.
+    """
+
+    params_file: str
+    source: str = 'auto'
+    namespace: str = ''
+    image_topic: str = ''
+    camera_driver: str = 'none'
+
+    @property
+    def has_driver(self) -> bool:
+        """Tell whether a driver is to be started."""
+        return self.camera_driver != 'none'
+
+    @property
+    def device(self) -> str:
+        """Path of the device that a driver opens; the first one where none is named."""
+        if self.source == 'auto':
+            return '/dev/video0'
+        return f'/dev/video{self.source}' if self.source.isdigit() else self.source
+
+
+def choose_cameras(list_file: str, camera: Camera, default: Camera) -> List[Camera]:
+    """
+    Choose the cameras of a launch.
+
+    :param list_file: Path of a list of cameras, or empty.
+    :param camera: What the other launch arguments say.
+    :param default: What they say where none is given.
+    :raises InvalidValueError: If a camera cannot be started as it is described.
+    """
+    if not list_file:
+        return [_checked(camera)]
+    for name, value in camera._asdict().items():
+        if value != getattr(default, name):
+            raise InvalidValueError(
+                f"{name} belongs into '{list_file}', for each camera: leave out {name}:={value}")
+    return read_cameras(list_file)
+
+
+def read_cameras(path: str) -> List[Camera]:
+    """
+    Read a list of cameras.
+
+    :raises InvalidValueError: If the file cannot be read, or a camera of it cannot be started.
+    """
+    entries = load_yaml(path, 'list of cameras')[1]
+    if not isinstance(entries, list) or not entries:
+        raise InvalidValueError(
+            f"'{path}' is no list of cameras: it must hold '- namespace: ...' for each of them")
+    cameras = []
+    for number, entry in enumerate(entries, start=1):
+        try:
+            cameras.append(_checked(_from_entry(entry, os.path.dirname(path))))
+        except InvalidValueError as error:
+            raise InvalidValueError(f"camera {number} in '{path}': {error}") from error
+    _refuse_repeated([camera.namespace for camera in cameras], path)
+    return cameras
+
+
+def _from_entry(entry: Any, directory: str) -> Camera:
+    if not isinstance(entry, dict):
+        raise InvalidValueError(f"expected 'namespace: ...' and so on, got {entry!r}")
+    for name, value in entry.items():
+        if name not in Camera._fields:
+            raise InvalidValueError(
+                f"there is no '{name}', only {', '.join(Camera._fields)}")
+        if type(value) not in (str, int) or value == '':
+            raise InvalidValueError(f'{name} must be a text, got {value!r}')
+    for name in ('namespace', 'params_file'):
+        if name not in entry:
+            raise InvalidValueError(f'{name} is missing')
+    if not {'source', 'image_topic'} & set(entry):
+        raise InvalidValueError('it needs a source or an image_topic of its own')
+    camera = Camera(**{name: str(value) for name, value in entry.items()})
+    return camera._replace(params_file=os.path.join(directory, camera.params_file))
+
+
+def _checked(camera: Camera) -> Camera:
+    if not os.path.isfile(camera.params_file):
+        raise InvalidValueError(f"params_file: there is no file '{camera.params_file}'")
+    camera = camera._replace(namespace=camera.namespace.strip('/'))
+    for name in ('namespace', 'image_topic'):
+        value = getattr(camera, name)
+        if value and not _NAME.fullmatch(value):
+            raise InvalidValueError(
+                f"{name} must be made of letters, digits, '_' and '/', and no part of it may "
+                f'start with a digit, got {value!r}')
+    if camera.has_driver:
+        _check_driver(camera)
+    elif camera.image_topic and camera.source != 'auto':
+        raise InvalidValueError(
+            f"frames come from the image_topic '{camera.image_topic}' or from the source "
+            f"'{camera.source}': leave out one of them")
+    return camera
+
+
+def _check_driver(camera: Camera) -> None:
+    if camera.camera_driver not in DRIVERS:
+        raise InvalidValueError(
+            f"camera_driver must be {', '.join(DRIVERS)} or none, got '{camera.camera_driver}'")
+    if not camera.device.startswith('/dev/'):
+        raise InvalidValueError(
+            f"{camera.camera_driver} opens a device, and the source '{camera.source}' is none: "
+            'use a number or a path such as /dev/video0')
+
+
+def _refuse_repeated(namespaces: List[str], path: str) -> None:
+    for namespace in namespaces:
+        if namespaces.count(namespace) > 1:
+            raise InvalidValueError(
+                f"two cameras in '{path}' have the namespace '{namespace}': give each its own")
