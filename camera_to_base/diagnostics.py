@@ -18,6 +18,7 @@ from typing import Callable
 
 from camera_to_base.health import Health
 from camera_to_base.heartbeat import Heartbeat
+from camera_to_base.position_topics import NO_EVENTS
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
@@ -38,7 +39,8 @@ class Diagnostics:
     ) -> None:
         self._node = node
         self._collect = collect
-        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._publisher = node.create_publisher(
+            DiagnosticArray, '/diagnostics', 10, event_callbacks=NO_EVENTS)
         heartbeat.every(_PERIOD_S, self._publish)
 
     def _publish(self) -> None:
