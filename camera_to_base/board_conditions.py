@@ -34,6 +34,10 @@ class BoardConditions:
     :param table_level: The table's brightness, in grey levels.
     :param contrast: Objects are that much darker than the table (lighter, where negative).
     :param diameters_cm: One for each object.
+    :param elongation: Objects are ovals that much longer than wide, the diameter being their
+        length; 1 for coins.
+    :param yaw_deg: The direction of the first oval's length, from x towards y, in degrees; each
+        further one is turned by 50 degrees more.
     :param highlight: Whether objects have a spot that looks like the table.
     :param texture: Standard deviation of the table's pattern, in grey levels.
     :param over_edge: Whether the objects' paths lead beyond the picture's edge.
@@ -49,6 +53,8 @@ class BoardConditions:
     table_level: float = 202.0
     contrast: float = 142.0
     diameters_cm: Sequence[float] = (2.4,)
+    elongation: float = 1.0
+    yaw_deg: float = 0.0
     highlight: bool = False
     texture: float = 0.0
     over_edge: bool = False
@@ -64,6 +70,8 @@ class BoardConditions:
         whole_number('hands', self.hands, 0, 100)
         finite_number('table_level', self.table_level, 1.0, 255.0)
         finite_number('contrast', self.contrast, -255.0, 255.0)
+        finite_number('elongation', self.elongation, 1.0, 10.0)
+        finite_number('yaw_deg', self.yaw_deg, -180.0, 180.0)
         finite_number('texture', self.texture, 0.0, 100.0)
         for diameter in finite_numbers('diameters_cm', self.diameters_cm, -1):
             finite_number('diameters_cm', diameter, 0.1, 100.0)

@@ -24,11 +24,34 @@ import numpy as np
 _CAMERA_DISTANCE_CM = 60.0
 
 
+class Oval(NamedTuple):
+    """
+    An ellipse on the surface.
+
+    :param point: Its centre, x and y, in cm.
+    :param half_length: In cm.
+    :param half_width: In cm.
+    :param yaw: The direction of its length, from x towards y, in rad.
+    """
+
+    point: Tuple[float, float]
+    half_length: float
+    half_width: float
+    yaw: float
+
+
 class Ellipse(NamedTuple):
-    """A circle's picture: its centre, and half of its width and height, all u and v in px."""
+    """
+    An oval's picture.
+
+    :param centre: u and v, in px.
+    :param half: Half of the width and height of the upright box around it, in px.
+    :param radius: That of a disc as large as it, in px.
+    """
 
     centre: np.ndarray
     half: np.ndarray
+    radius: float
 
 
 class BoardView:
@@ -67,23 +90,23 @@ class BoardView:
         scaled = np.stack([u, v, np.ones_like(u)], axis=2) @ self.surface_from_pixel.T
         return scaled[:, :, :2] / scaled[:, :, 2:]
 
-    def ellipse(self, point: Tuple[float, float], radius: float) -> Ellipse:
+    def ellipse(self, oval: Oval) -> Ellipse:
         """
-        Project a circle on the surface.
+        Project an oval.
 
         Source: Hartley and Zisserman, Multiple View Geometry, 2.2.3. With the dual conic
-        C* = P C* P', the centre of a circle's picture is the pole of the line at infinity, the
+        C* = P C* P', the centre of an oval's picture is the pole of the line at infinity, the
         last column; the tangents u = const and v = const follow from the diagonal.
-
-        :param point: The circle's centre, x and y, in cm.
-        :param radius: In cm.
         """
-        translation = np.array([[1, 0, point[0]], [0, 1, point[1]], [0, 0, 1]])
-        to_pixel = self.pixel_from_surface @ translation
-        dual = to_pixel @ np.diag([radius ** 2, radius ** 2, -1.0]) @ to_pixel.T
+        cos, sin = math.cos(oval.yaw), math.sin(oval.yaw)
+        placed = np.array([[cos, -sin, oval.point[0]], [sin, cos, oval.point[1]], [0, 0, 1]])
+        to_pixel = self.pixel_from_surface @ placed
+        dual = to_pixel @ np.diag(
+            [oval.half_length ** 2, oval.half_width ** 2, -1.0]) @ to_pixel.T
         dual /= dual[2, 2]
         centre = dual[:2, 2]
-        return Ellipse(centre, np.sqrt(centre ** 2 - np.diag(dual)[:2]))
+        spread = np.outer(centre, centre) - dual[:2, :2]
+        return Ellipse(centre, np.sqrt(np.diag(spread)), float(np.linalg.det(spread)) ** 0.25)
 
     def window(self, ellipse: Ellipse) -> Tuple[slice, slice]:
         """Give the rows and columns of the picture that an ellipse reaches."""
@@ -92,19 +115,19 @@ class BoardView:
         return (slice(max(top, 0), max(min(bottom, self.height), 0)),
                 slice(max(left, 0), max(min(right, self.width), 0)))
 
-    def coverage(
-        self, point: Tuple[float, float], radius: float, rows: slice, columns: slice
-    ) -> np.ndarray:
+    def coverage(self, oval: Oval, rows: slice, columns: slice) -> np.ndarray:
         """
-        Tell how much of each pixel of a window a circle on the surface covers.
+        Tell how much of each pixel of a window an oval covers.
 
         A pixel is covered in proportion to how far the edge has passed over it. The distance to
         the edge in px is, to first order, the implicit function over its gradient.
 
         :returns: Shape (rows, columns), 0..1.
         """
-        x, y = np.moveaxis(self.points(rows, columns) - point, 2, 0)
-        beyond_edge = np.hypot(x, y) - radius
+        x, y = np.moveaxis(self.points(rows, columns) - oval.point, 2, 0)
+        cos, sin = math.cos(oval.yaw), math.sin(oval.yaw)
+        across = (cos * y - sin * x) * (oval.half_length / oval.half_width)
+        beyond_edge = np.hypot(cos * x + sin * y, across) - oval.half_length
         slope = np.hypot(*np.gradient(beyond_edge)) if min(x.shape) > 1 else self.cm_per_px
         return np.clip(0.5 - beyond_edge / np.maximum(slope, 1e-9), 0.0, 1.0)
 

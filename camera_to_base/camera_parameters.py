@@ -218,6 +218,13 @@ CAMERA_SPECS = [
                   'negative), in grey levels.', (-255, 255), fixed=True),
     ParameterSpec('simulated.diameters_cm', [2.4],
                   'simulated: the diameter of each object, in cm.', fixed=True),
+    ParameterSpec('simulated.elongation', 1.0,
+                  'simulated: objects are ovals that much longer than wide, the diameter being '
+                  'their length; 1 for coins.', (1, 10), fixed=True),
+    ParameterSpec('simulated.yaw_deg', 0.0,
+                  "simulated: the direction of the first oval's length, from x towards y, in "
+                  'degrees; each further one is turned by 50 degrees more.', (-180, 180),
+                  fixed=True),
     ParameterSpec('simulated.highlight', False,
                   'simulated: whether objects have a spot that looks like the table.', fixed=True),
     ParameterSpec('simulated.texture', 0.0,
