@@ -12,13 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a detector returns, and what an outline tells about its object."""
+"""What a detector returns, and what it tells about its object."""
 
 from dataclasses import dataclass, field
-import math
-from typing import Callable, List, NamedTuple, Tuple
+from typing import Callable, List, Mapping, NamedTuple, Optional
 
 from camera_to_base.errors import FrameSizeError, InvalidValueError
+from camera_to_base.shape import polygon_centroid, principal_axes
 import cv2
 import numpy as np
 
@@ -50,6 +50,7 @@ class Detection:
     :param outline: Shape (n, 2), int32, columns u and v in px: the corners of the polygon through
         the centres of the object's outermost pixels.
     :param cut_off: Whether the object touches the picture's edge, so that a part may be missing.
+    :param moments: Of what the object covers, as cv2.moments gives them; None for the outline's.
     """
 
     box: Box
@@ -57,6 +58,19 @@ class Detection:
     area: float
     outline: np.ndarray = field(compare=False, repr=False)
     cut_off: bool
+    moments: Optional[Mapping[str, float]] = field(default=None, compare=False, repr=False)
+
+    @property
+    def spread(self) -> np.ndarray:
+        """
+        Tell how far the object reaches from its centroid.
+
+        :returns: Shape (2, 2), the second central moments of u and v over the area, in px².
+        """
+        moments = self.moments or cv2.moments(self.outline)
+        mixed = moments['mu11']
+        return np.array([[moments['mu20'], mixed],
+                         [mixed, moments['mu02']]]) / (moments['m00'] or 1.0)
 
     @property
     def orientation(self) -> float:
@@ -66,17 +80,17 @@ class Detection:
         :returns: Angle from the u axis towards the v axis, in rad, in (-pi/2, pi/2]. It means
             nothing where `elongation` is close to 1: a round object has no direction.
         """
-        return _principal_axes(self.outline)[0]
+        return principal_axes(self.spread).angle
 
     @property
     def elongation(self) -> float:
         """
         Tell how much longer than wide the object is.
 
-        :returns: Long axis / short axis of the ellipse with the outline's second moments: 1 for a
-            disc or a square, infinite for a line.
+        :returns: Long axis / short axis of the ellipse with the same second moments: 1 for a disc
+            or a square, infinite for a line.
         """
-        return _principal_axes(self.outline)[1]
+        return principal_axes(self.spread).elongation
 
 
 def locate_on_surface(
@@ -95,32 +109,6 @@ def locate_on_surface(
     corners = detection.outline.astype(float)
     points = locate(np.vstack([corners, polygon_centroid(corners), detection.centre]))
     return points[-1] + polygon_centroid(points[:-2]) - points[-2]
-
-
-def polygon_centroid(corners: np.ndarray) -> np.ndarray:
-    """
-    Compute the centroid of a polygon, in the unit of its corners.
-
-    :param corners: Shape (n, 2).
-    :returns: Shape (2,). The mean of the corners where the polygon has no area.
-    """
-    x, y = (corners - corners[0]).T.astype(float)
-    cross = x * np.roll(y, -1) - np.roll(x, -1) * y
-    if cross.sum() == 0:
-        return corners.mean(axis=0)
-    sums = ((x + np.roll(x, -1)) @ cross, (y + np.roll(y, -1)) @ cross)
-    return corners[0] + np.array(sums) / (3 * cross.sum())
-
-
-def polygon_area(corners: np.ndarray) -> float:
-    """
-    Compute the area of a polygon, in its corners' unit squared.
-
-    :param corners: Shape (n, 2).
-    :returns: The area, never negative.
-    """
-    x, y = (corners - corners[0]).T.astype(float)
-    return abs(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2
 
 
 def check_frame(frame: np.ndarray, name: str = 'frame') -> None:
@@ -170,15 +158,6 @@ def touches_edge(box: Box, picture: np.ndarray) -> bool:
     height, width = picture.shape[:2]
     return (box.x <= 0 or box.y <= 0
             or box.x + box.width >= width or box.y + box.height >= height)
-
-
-def _principal_axes(outline: np.ndarray) -> Tuple[float, float]:
-    moments = cv2.moments(outline)
-    mu20, mu11, mu02 = moments['mu20'], moments['mu11'], moments['mu02']
-    angle = math.atan2(2 * mu11, mu20 - mu02) / 2
-    spread = math.hypot(2 * mu11, mu20 - mu02)
-    short = mu20 + mu02 - spread
-    return angle, math.sqrt((mu20 + mu02 + spread) / short) if short > 0 else math.inf
 
 
 def _size_text(picture: np.ndarray) -> str:

@@ -24,6 +24,7 @@ from camera_to_base.errors import HorizonError, InvalidValueError
 from camera_to_base.hull import Hull
 from camera_to_base.precise_difference import PreciseDifferenceDetector
 from camera_to_base.surface import Surface
+from camera_to_base.yaw import object_yaw, scale_at
 import numpy as np
 
 # What each method takes of the settings, beside the limits for the objects' size and place.
@@ -34,6 +35,8 @@ _METHOD_SETTINGS = {
 METHODS = tuple(_METHOD_SETTINGS)
 # A frame of nothing but noise must not stop who locates objects on it.
 _MOST_OBJECTS = 100
+# The tutorial's closing gnaws at what is not this much wider than its kernel.
+_LEAST_WIDTH = 2.0
 
 
 class Point(NamedTuple):
@@ -47,8 +50,8 @@ class LocatedObject(NamedTuple):
     """
     An object: where it is on the picture, and where on the surface.
 
-    :param yaw: Direction of its long axis about the camera frame's z, from x towards y, in rad,
-        in (-pi/2, pi/2]; None where it has none.
+    :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
+        in (-pi/2, pi/2]; None where it has none (a coin, a square) or none that can be told.
     """
 
     detection: Detection
@@ -143,6 +146,8 @@ class ObjectLocator:
         self._detector = settings.detector(background)
         self._surface = surface.for_image_size((background.shape[1], background.shape[0]))
         self._settings = settings
+        self._least_width = (
+            0.0 if settings.method == 'precise' else _LEAST_WIDTH * settings.closing_size)
 
     def locate(self, frame: np.ndarray) -> List[LocatedObject]:
         """
@@ -159,8 +164,8 @@ class ObjectLocator:
         objects, beyond = [], None
         for detection in self._detector.detect(frame)[:_MOST_OBJECTS]:
             try:
-                located = LocatedObject(detection, self._point(detection))
-                if self._counts(detection):
+                located = self._located(detection)
+                if located is not None:
                     objects.append(located)
             except HorizonError as error:
                 beyond = beyond or error
@@ -168,13 +173,21 @@ class ObjectLocator:
             raise beyond
         return objects
 
-    def _counts(self, detection: Detection) -> bool:
+    def _located(self, detection: Detection) -> Optional[LocatedObject]:
+        point = self._point(detection)
+        cm_per_px = scale_at(self._surface, detection.centre)
+        if not self._counts(detection, cm_per_px):
+            return None
+        yaw = object_yaw(self._surface, detection, cm_per_px, self._least_width)
+        return LocatedObject(detection, point, yaw)
+
+    def _counts(self, detection: Detection, cm_per_px: np.ndarray) -> bool:
         settings = self._settings
         if detection.cut_off and settings.method == 'precise' and not settings.publish_cut_off:
             return False
         if settings.area is not None and not settings.area.contains(detection.centre):
             return False
-        area_cm2 = detection.area * _cm2_per_px2(self._surface, detection.centre)
+        area_cm2 = detection.area * abs(np.linalg.det(cm_per_px))
         return settings.min_area_cm2 <= area_cm2 <= settings.max_area_cm2
 
     def _point(self, detection: Detection) -> Point:
@@ -192,11 +205,3 @@ def locate_pixel(surface: Surface, pixel: Sequence[float]) -> Point:
     """
     x, y = surface.locate([pixel])[0]
     return Point(float(x), float(y))
-
-
-def _cm2_per_px2(surface: Surface, pixel: Sequence[float]) -> float:
-    u, v = pixel
-    left, right, above, below = surface.locate(
-        [(u - 0.5, v), (u + 0.5, v), (u, v - 0.5), (u, v + 0.5)])
-    (along_x, along_y), (down_x, down_y) = right - left, below - above
-    return abs(along_x * down_y - along_y * down_x)

@@ -152,7 +152,7 @@ class PreciseDifferenceDetector:
         exact = exact and not cut_off
         moments = self._moments(outline, box) if exact else cv2.moments(outline)
         centre = Pixel(moments['m10'] / moments['m00'], moments['m01'] / moments['m00'])
-        return Detection(box, centre, moments['m00'], outline[:, 0], cut_off)
+        return Detection(box, centre, moments['m00'], outline[:, 0], cut_off, moments)
 
     def _moments(self, outline: np.ndarray, box: Box) -> Dict[str, float]:
         # The box is inside the picture, by a pixel at least.

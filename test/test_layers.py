@@ -35,7 +35,7 @@ ROOMS = [
     {'absolute_difference', 'background', 'board_conditions', 'board_disturbances',
      'board_drawing', 'board_view', 'coordinate_transform', 'detection', 'distortion',
      'frame_sources', 'ghosts', 'hull', 'image_decoding', 'precise_difference',
-     'raised_surface', 'simulated_board', 'simulated_chessboard', 'surface'},
+     'raised_surface', 'shape', 'simulated_board', 'simulated_chessboard', 'surface', 'yaw'},
     {'background_taker', 'damage_check', 'files', 'freshness', 'jump_filter', 'matched_points',
      'object_locator', 'overlay', 'reader_status', 'surface_parameters', 'view_check'},
     {'camera_pose', 'figures', 'frame_reader', 'homography_fit', 'least_squares',

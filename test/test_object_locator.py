@@ -19,6 +19,7 @@ from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueErro
 from camera_to_base.object_locator import DetectorSettings, locate_pixel, ObjectLocator, Point
 from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
+import cv2
 import numpy as np
 import pytest
 
@@ -121,6 +122,93 @@ def test_precise_point_is_right_to_a_tenth_of_a_mm(tilt_deg):
     for _ in range(15):
         located, = locate(board.read())
         assert math.dist(located.point, board.true_point) < 0.01
+
+
+def turn_deg(yaw, true_yaw):
+    return math.degrees(abs((yaw - true_yaw + math.pi / 2) % math.pi - math.pi / 2))
+
+
+def simulated(tilt_deg, method='precise', **conditions):
+    board = SimulatedBoard(tilt_deg=tilt_deg, frame_rate=0.4, **conditions)
+    locate = ObjectLocator(board.read(), HomographySurface(board.surface_from_pixel),
+                           DetectorSettings(method=method)).locate
+    return board, locate
+
+
+@pytest.mark.parametrize('elongation', [1.5, 2.7])
+@pytest.mark.parametrize('tilt_deg', [0, 30, 50])
+@pytest.mark.parametrize('yaw_deg', [0.0, 15.0, 78.0])
+def test_several_objects_are_right_to_a_mm_and_a_degree(elongation, tilt_deg, yaw_deg):
+    board, locate = simulated(tilt_deg, diameters_cm=(3.4, 3.0, 2.6), elongation=elongation,
+                              yaw_deg=yaw_deg, noise=5.0)
+    for _ in range(8):
+        objects = locate(board.read())
+        whole = [true for true in board.true_objects if true.cut_off < -2]
+        assert len(whole) >= 2
+        for true in whole:
+            found = min(objects, key=lambda found: math.dist(found.point, true.point))
+            assert math.dist(found.point, true.point) < 0.1
+            assert turn_deg(found.yaw, true.yaw) < 1.0
+
+
+@pytest.mark.parametrize('tilt_deg', [0, 30, 50])
+@pytest.mark.parametrize('diameter_px', [20, 30, 40, 60, 100])
+@pytest.mark.parametrize('method', ['tutorial', 'precise'])
+def test_coin_has_no_yaw(tilt_deg, diameter_px, method):
+    board, locate = simulated(
+        tilt_deg, method, diameters_cm=(diameter_px * 36.0 / 640,), noise=10.0)
+    yaws = [located.yaw for _ in range(8) for located in locate(board.read())]
+    # The tutorial's closing swallows small dark objects.
+    assert yaws or (method == 'tutorial' and diameter_px <= 30)
+    assert set(yaws) <= {None}
+
+
+@pytest.mark.parametrize('tilt_deg', [0, 30])
+def test_tutorials_yaw_of_a_large_object_is_right_to_a_few_degrees(tilt_deg):
+    board, locate = simulated(
+        tilt_deg, 'tutorial', diameters_cm=(6.0,), elongation=1.5, yaw_deg=40.0)
+    for _ in range(8):
+        located, = locate(board.read())
+        assert turn_deg(located.yaw, board.true_objects[0].yaw) < 2.0
+
+
+@pytest.mark.parametrize('size, yaw', [
+    ((120, 40), 0.0), ((40, 120), math.pi / 2), ((80, 80), None), ((80, 90), None)])
+@pytest.mark.parametrize('method', ['tutorial', 'precise'])
+def test_yaw_is_the_direction_of_the_length(size, yaw, method):
+    settings = DetectorSettings(method=method, closing_size=1)
+    located, = locator(ParallelSurface(), settings).locate(frame_with((300, 100, *size)))
+    assert located.yaw == (None if yaw is None else pytest.approx(yaw, abs=0.01))
+
+
+def test_yaw_turns_from_the_surfaces_x_towards_its_y():
+    # The same bar for a surface whose y points up: its yaw turns the other way.
+    frame = cv2.fillConvexPoly(
+        plain_frame(), np.array([[280, 180], [400, 220], [390, 250], [270, 210]]), (20, 20, 20))
+    down, = locator(ParallelSurface(64.0)).locate(frame)
+    up, = locator(HomographySurface(np.diag([0.1, -0.1, 1.0]))).locate(frame)
+    assert math.degrees(down.yaw) == pytest.approx(18.4, abs=0.5)
+    assert up.yaw == pytest.approx(-down.yaw)
+
+
+def test_object_of_which_a_part_is_missing_has_no_yaw():
+    settings = DetectorSettings(method='precise', publish_cut_off=True)
+    located, = locator(ParallelSurface(), settings).locate(frame_with((0, 100, 120, 40)))
+    assert located.yaw is None
+
+
+def test_tutorials_object_that_reaches_beyond_the_horizon_has_no_yaw():
+    # The centre of its box is on the surface.
+    located, = locator(ROAD).locate(frame_with((300, 40, 40, 240)))
+    assert located.yaw is None
+
+
+def test_object_narrower_than_two_closing_kernels_has_no_yaw_for_the_tutorial():
+    frame = frame_with((300, 100, 120, 32))
+    for closing_size, yaw in ((1, pytest.approx(0.0, abs=0.01)), (20, None)):
+        settings = DetectorSettings(method='tutorial', closing_size=closing_size)
+        located, = locator(ParallelSurface(), settings).locate(frame)
+        assert located.yaw == yaw
 
 
 @pytest.mark.parametrize('field, value', [

@@ -43,6 +43,24 @@ def centroid(weights):
     return np.array([(u * weights).sum(), (v * weights).sum()]) / weights.sum()
 
 
+def true_yaws_deg(**conditions):
+    board = SimulatedBoard(**conditions)
+    board.read()
+    board.read()
+    return [None if true.yaw is None else math.degrees(true.yaw) for true in board.true_objects]
+
+
+def seen_spread(board, coverage):
+    """Give the area (cm²), the centroid and the second moments of what a picture shows."""
+    v, u = np.nonzero(coverage > 0.02)
+    scaled = np.column_stack([u, v, np.ones(len(u))]) @ board.surface_from_pixel.T
+    # How much surface a pixel sees goes with the cube of its nearness.
+    weights = coverage[v, u] * abs(np.linalg.det(board.surface_from_pixel)) / scaled[:, 2]**3
+    points = scaled[:, :2] / scaled[:, 2:]
+    return (weights.sum(), np.average(points, axis=0, weights=weights),
+            np.cov(points.T, aweights=weights, bias=True))
+
+
 def test_first_frame_shows_the_empty_board():
     board = SimulatedBoard(noise=0)
     first = board.read()
@@ -68,6 +86,50 @@ def test_tilted_camera_shows_the_coin_where_the_truth_says():
         coverage = darkness(board.read(), empty)
         point = project(board.surface_from_pixel, centroid(coverage))
         assert point == pytest.approx(board.true_point, abs=0.03)
+
+
+@pytest.mark.parametrize('tilt_deg', [0, 30, 50])
+@pytest.mark.parametrize('yaw_deg', [0.0, 35.0, 90.0, -60.0])
+def test_oval_is_shown_where_and_as_the_truth_says(tilt_deg, yaw_deg):
+    board = SimulatedBoard(noise=0, tilt_deg=tilt_deg, yaw_deg=yaw_deg, frame_rate=0.7,
+                           diameters_cm=(4.0,), elongation=2.5)
+    empty = board.read()
+    for _ in range(10):
+        coverage = darkness(board.read(), empty)
+        area, centroid_, spread = seen_spread(board, coverage)
+        true, = board.true_objects
+        direction = np.array([math.cos(true.yaw), math.sin(true.yaw)])
+        across = np.array([-direction[1], direction[0]])
+        assert area == pytest.approx(math.pi / 4 * 4.0 * 1.6, rel=0.02)
+        assert centroid_ == pytest.approx(true.point, abs=0.01)
+        assert centroid(coverage) == pytest.approx(true.pixel, abs=0.1)
+        assert 4 * math.sqrt(direction @ spread @ direction) == pytest.approx(4.0, rel=0.02)
+        # Between two axes of 4 and 1.6 cm this is less than 0.2 degrees.
+        assert abs(direction @ spread @ across) < 0.003
+        assert true.cut_off < 0
+
+
+def test_each_further_oval_is_turned_by_fifty_degrees():
+    assert true_yaws_deg(elongation=2.0, yaw_deg=-20.0, diameters_cm=(3.0,) * 4) == [
+        pytest.approx(yaw) for yaw in (-20.0, 30.0, 80.0, -50.0)]
+
+
+@pytest.mark.parametrize('yaw_deg, true_yaw_deg', [(90, 90), (-90, 90), (180, 0), (-120, 60)])
+def test_true_yaw_lies_between_a_quarter_turn_to_both_sides(yaw_deg, true_yaw_deg):
+    assert true_yaws_deg(elongation=2.0, yaw_deg=yaw_deg) == [pytest.approx(true_yaw_deg)]
+
+
+def test_coin_has_no_true_yaw_and_does_not_turn():
+    assert true_yaws_deg(diameters_cm=(2.4, 2.0)) == [None, None]
+    for frame, turned in zip(frames(3), frames(3, yaw_deg=30.0)):
+        np.testing.assert_array_equal(frame, turned)
+
+
+def test_true_point_is_that_of_the_largest_oval_whichever_way_they_lie():
+    board = SimulatedBoard(elongation=3.0, diameters_cm=(3.0, 2.6), yaw_deg=0.0)
+    board.read()
+    board.read()
+    assert board.true_point == board.object_point(1, 0)
 
 
 @pytest.mark.parametrize('width_cm', [36.0, 72.0])
@@ -204,6 +266,7 @@ def test_board_can_be_released_as_any_source():
     ('width_cm', 0.0), ('width_cm', float('nan')),
     ('frame_rate', 0.0), ('frame_rate', -10.0),
     ('seed', -1),
+    ('elongation', 0.9), ('elongation', 11.0), ('yaw_deg', 181.0),
     ('image_size', (0, 480)), ('image_size', (640,)),
 ])
 def test_error_names_the_bad_value(name, value):

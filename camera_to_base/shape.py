@@ -1,0 +1,81 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a plane shape tells: its centroid, its area, its axes."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+
+class PrincipalAxes(NamedTuple):
+    """
+    The ellipse with the same second moments as a shape.
+
+    :param angle: The direction of its length, from the first axis towards the second, in rad, in
+        (-pi/2, pi/2].
+    :param length: Its long diameter.
+    :param width: Its short diameter.
+    """
+
+    angle: float
+    length: float
+    width: float
+
+    @property
+    def elongation(self) -> float:
+        """Length / width: 1 for a disc or a square, infinite for a line."""
+        return self.length / self.width if self.width > 0 else math.inf
+
+
+def principal_axes(spread: np.ndarray) -> PrincipalAxes:
+    """
+    Compute the axes of a shape.
+
+    :param spread: Shape (2, 2), its second central moments over its area.
+    """
+    (xx, xy), (_, yy) = spread.tolist()
+    # + 0.0 makes -0.0 a 0.0, of which atan2 would make -pi for an upright shape.
+    angle = math.atan2(2 * xy + 0.0, xx - yy) / 2
+    both, difference = xx + yy, math.hypot(2 * xy, xx - yy)
+    # A quarter of an ellipse's half diameter squared is its moment, the larger eigenvalue.
+    return PrincipalAxes(angle, math.sqrt(8 * (both + difference)),
+                         math.sqrt(8 * max(both - difference, 0.0)))
+
+
+def polygon_centroid(corners: np.ndarray) -> np.ndarray:
+    """
+    Compute the centroid of a polygon, in the unit of its corners.
+
+    :param corners: Shape (n, 2).
+    :returns: Shape (2,). The mean of the corners where the polygon has no area.
+    """
+    x, y = (corners - corners[0]).T.astype(float)
+    cross = x * np.roll(y, -1) - np.roll(x, -1) * y
+    if cross.sum() == 0:
+        return corners.mean(axis=0)
+    sums = ((x + np.roll(x, -1)) @ cross, (y + np.roll(y, -1)) @ cross)
+    return corners[0] + np.array(sums) / (3 * cross.sum())
+
+
+def polygon_area(corners: np.ndarray) -> float:
+    """
+    Compute the area of a polygon, in its corners' unit squared.
+
+    :param corners: Shape (n, 2).
+    :returns: The area, never negative.
+    """
+    x, y = (corners - corners[0]).T.astype(float)
+    return abs(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2
