@@ -31,8 +31,8 @@ from camera_to_base.report_picture import report_picture
 from camera_to_base.report_text import figure_lines, Report
 from camera_to_base.rigid_fit import fit_rigid
 from camera_to_base.surface import ImageSize, Surface
-from camera_to_base.surface_parameters import (
-    make_hull, make_surface, SURFACE_DEFAULTS, surface_values)
+from camera_to_base.surface_parameters import make_hull, make_surface, surface_values
+from camera_to_base.surface_specs import SURFACE_DEFAULTS
 from camera_to_base.tables import refuse_other_size
 from camera_to_base.top_view import sees_y_clockwise
 import numpy as np

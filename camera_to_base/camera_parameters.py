@@ -14,36 +14,20 @@
 
 """The parameters of `camera_publisher`, and the settings that they make."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Dict, Optional, Tuple
 
-from camera_to_base.board_conditions import BoardConditions
+from camera_to_base.detector_settings import DetectorSettings, METHODS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.hull import Hull
-from camera_to_base.object_locator import DetectorSettings, METHODS
 from camera_to_base.overlay import base_label, camera_label, check_picture_path, Label
 from camera_to_base.parameter_spec import ParameterSpec, Values
-from camera_to_base.simulated_board import SimulatedBoard
-from camera_to_base.surface import check_image_size, ImageSize, Surface
-from camera_to_base.surface_parameters import (
-    make_hull, make_surface, SURFACE_DEFAULTS, SURFACE_MODELS)
+from camera_to_base.simulation_parameters import (
+    simulation_settings, SIMULATION_SPECS, SimulationSettings)
+from camera_to_base.surface import check_image_size, Surface
+from camera_to_base.surface_parameters import make_hull, make_surface
+from camera_to_base.surface_specs import SURFACE_SPECS
 from camera_to_base.transform_parameters import PLACEMENT_SPECS, transform_settings
-
-
-@dataclass(frozen=True)
-class SimulationSettings:
-    """How the simulated board is seen, and what kind of day it has."""
-
-    tilt_deg: float
-    seed: int
-    frame_rate: float
-    conditions: BoardConditions
-
-    def board(self, image_size: ImageSize) -> SimulatedBoard:
-        """Make the board, for pictures of a size."""
-        return SimulatedBoard(
-            image_size=image_size, tilt_deg=self.tilt_deg, seed=self.seed,
-            frame_rate=self.frame_rate, **asdict(self.conditions))
 
 
 @dataclass(frozen=True)
@@ -75,10 +59,6 @@ class CameraSettings:
     simulated: SimulationSettings
     view: ViewSettings
     debug_label: Label
-
-
-def _surface_spec(name: str, *description: Any, **more: Any) -> ParameterSpec:
-    return ParameterSpec(name, SURFACE_DEFAULTS[name], *description, **more)
 
 
 CAMERA_SPECS = [
@@ -149,95 +129,8 @@ CAMERA_SPECS = [
     ParameterSpec('detector.publish_cut_off', False,
                   "precise: whether an object that touches the picture's edge is published; the "
                   'tutorial publishes it.'),
-    _surface_spec('surface.model',
-                  'How the camera looks at the surface.',
-                  constraints=f'one of {", ".join(SURFACE_MODELS)}'),
-    _surface_spec('surface.image_size',
-                  'Width and height of the pictures that the calibration holds for, in px; a '
-                  'camera device is asked for it when it is opened.'),
-    _surface_spec('surface.hull',
-                  'The area of the picture that the calibration was measured in, for an object '
-                  'outside it the node warns: u and v of one corner after the other, in px; '
-                  'empty for everywhere.', constraints='numbers, u and v in turn'),
-    _surface_spec('surface.reject_outside_hull',
-                  'Leave out objects outside surface.hull instead of warning of them.'),
-    _surface_spec('surface.parallel.width_cm',
-                  "parallel: what the picture's width sees of the surface, in cm.",
-                  (0.001, 100000)),
-    _surface_spec('surface.polynomial.y_of_v',
-                  'polynomial: coefficients of v², v and 1 (v in px), for y in cm.'),
-    _surface_spec('surface.polynomial.px_per_cm_of_y',
-                  'polynomial: coefficients of y², y and 1 (y in cm), for the scale in px/cm.'),
-    _surface_spec('surface.polynomial.centre_u',
-                  'polynomial: u of the line x = 0, in px.', (-100000, 100000)),
-    _surface_spec('surface.homography.surface_from_pixel',
-                  'homography: the 3 x 3 matrix from undistorted px to cm, row by row.'),
-    _surface_spec('surface.homography.distortion_coefficient',
-                  "homography: the lens's radial distortion; an undistorted pixel lies at "
-                  'centre + offset / (1 + coefficient r²), r being the distance to the centre in '
-                  "halves of the picture's diagonal; 0 for none.", (-2, 2)),
-    _surface_spec('surface.homography.distortion_centre',
-                  'homography: the centre of the distortion, u and v, in px.'),
-    _surface_spec('surface.camera_height_cm',
-                  'How far above the surface the camera is, in cm; 0 for not known.', (0, 100000)),
-    _surface_spec('surface.camera_foot_cm',
-                  'The point of the surface below the camera, x and y, in cm, in the camera '
-                  "frame; empty for not known: parallel then takes what the picture's centre "
-                  'looks at.',
-                  constraints='x and y, or nothing'),
-    _surface_spec('object_height_cm',
-                  'How far above the surface the face is whose outline is seen, in cm: the '
-                  "object's height, or about 0.6 of it where its sides stand out from the "
-                  'surface, too; 0 for flat objects; others need surface.camera_height_cm.',
-                  (0, 10000)),
-    ParameterSpec('simulated.tilt_deg', 0.0,
-                  "simulated: the camera's tilt, 0 looks straight down, in degrees.", (0, 60),
-                  fixed=True),
-    ParameterSpec('simulated.seed', 0, 'simulated: makes the noise.', (0, 2**31 - 1), fixed=True),
-    ParameterSpec('simulated.frame_rate', 10.0, 'simulated: frames per second.', (0.1, 1000),
-                  fixed=True),
-    ParameterSpec('simulated.noise', 2.0,
-                  'simulated: standard deviation of the noise, in grey levels.', (0, 100),
-                  fixed=True),
-    ParameterSpec('simulated.light_drift', 0.0,
-                  'simulated: what the table gains (or loses) in a minute, in grey levels.',
-                  (-255, 255), fixed=True),
-    ParameterSpec('simulated.exposure_step', 1.0,
-                  "simulated: the factor by which the camera's exposure jumps every 15 s.",
-                  (0.01, 100), fixed=True),
-    ParameterSpec('simulated.shadow', 0.0,
-                  'simulated: what a soft shadow takes away, in grey levels.', (0, 255),
-                  fixed=True),
-    ParameterSpec('simulated.hands', 0,
-                  'simulated: how often a hand reaches into the picture in a minute.', (0, 100),
-                  fixed=True),
-    ParameterSpec('simulated.table_level', 202.0,
-                  "simulated: the table's brightness, in grey levels.", (1, 255), fixed=True),
-    ParameterSpec('simulated.contrast', 142.0,
-                  'simulated: objects are that much darker than the table (lighter, where '
-                  'negative), in grey levels.', (-255, 255), fixed=True),
-    ParameterSpec('simulated.diameters_cm', [2.4],
-                  'simulated: the diameter of each object, in cm.', fixed=True),
-    ParameterSpec('simulated.elongation', 1.0,
-                  'simulated: objects are ovals that much longer than wide, the diameter being '
-                  'their length; 1 for coins.', (1, 10), fixed=True),
-    ParameterSpec('simulated.yaw_deg', 0.0,
-                  "simulated: the direction of the first oval's length, from x towards y, in "
-                  'degrees; each further one is turned by 50 degrees more.', (-180, 180),
-                  fixed=True),
-    ParameterSpec('simulated.highlight', False,
-                  'simulated: whether objects have a spot that looks like the table.', fixed=True),
-    ParameterSpec('simulated.texture', 0.0,
-                  "simulated: standard deviation of the table's pattern, in grey levels.",
-                  (0, 100), fixed=True),
-    ParameterSpec('simulated.over_edge', False,
-                  "simulated: whether the objects' paths lead beyond the picture's edge.",
-                  fixed=True),
-    ParameterSpec('simulated.in_first_frame', False,
-                  'simulated: whether the objects lie there on the first frame, the background.',
-                  fixed=True),
-    ParameterSpec('simulated.rests', False,
-                  'simulated: whether the objects stop on their way.', fixed=True),
+    *SURFACE_SPECS,
+    *SIMULATION_SPECS,
 ]
 
 
@@ -268,7 +161,7 @@ def camera_settings(values: Values) -> CameraSettings:
             area=hull if values['surface.reject_outside_hull'] else None),
         surface=make_surface(values),
         hull=hull,
-        simulated=_simulated(**_group(values, 'simulated.')),
+        simulated=simulation_settings(**_group(values, 'simulated.')),
         view=ViewSettings(**_group(values, 'view.')),
         debug_label=_debug_label(values))
 
@@ -281,12 +174,6 @@ def _debug_label(values: Values) -> Label:
         return base_label(transform_settings(values))
     raise InvalidValueError(
         f"debug_image.coordinates must be 'camera' or 'base', got '{coordinates}'")
-
-
-def _simulated(
-    tilt_deg: float, seed: int, frame_rate: float, **conditions
-) -> SimulationSettings:
-    return SimulationSettings(tilt_deg, seed, frame_rate, BoardConditions(**conditions))
 
 
 def _group(values: Values, prefix: str) -> Dict[str, Any]:

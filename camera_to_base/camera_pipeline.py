@@ -20,8 +20,9 @@ from typing import NamedTuple, Optional
 
 from camera_to_base.background_taker import BackgroundTaker
 from camera_to_base.detection import check_frame
+from camera_to_base.detector_settings import DetectorSettings
 from camera_to_base.errors import FrameSizeError
-from camera_to_base.object_locator import DetectorSettings, ObjectLocator
+from camera_to_base.object_locator import ObjectLocator
 from camera_to_base.position_gate import PositionGate, Sighting
 from camera_to_base.surface import Surface
 from camera_to_base.view_check import view_problem, ViewCheck

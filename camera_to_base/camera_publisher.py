@@ -34,7 +34,6 @@ from camera_to_base.frame_sources import (
     Camera, first_camera, FrameSource, is_camera, is_stream, open_frame_source, VideoFile)
 from camera_to_base.image_topic import ImageTopic
 from camera_to_base.lifetime import run
-from camera_to_base.messages import position_message
 from camera_to_base.object_locator import locate_pixel, LocatedObject
 from camera_to_base.parameters import NodeParameters
 from camera_to_base.picture_keeper import PictureKeeper
@@ -42,10 +41,10 @@ from camera_to_base.position_gate import Sighting
 from camera_to_base.position_topics import PositionTopics
 from camera_to_base.random_pixels import random_pixel
 from camera_to_base.simulated_board import SimulatedBoard
+from camera_to_base.true_positions import TruePositions
 import numpy as np
 from rclpy.node import Node
-from rclpy.publisher import Publisher
-from std_msgs.msg import Float64MultiArray, Header
+from std_msgs.msg import Header
 
 # A recording that nobody listens to is played all the same.
 _LONGEST_WAIT_S = 10.0
@@ -74,7 +73,8 @@ class CameraPublisher(Node):
             lambda: self._feed is not None)
         self._warn_of_settings_without_effect()
         self._watch = CameraWatch(self, self._pipeline)
-        self._truth_publisher = self._create_truth_publisher()
+        self._truth = (TruePositions(self, self._source)
+                       if isinstance(self._source, SimulatedBoard) else None)
         self._feed = self._start_feed()
         if self._feed is None:
             self._timer = real_time_timer(self, self._settings.period, self._on_random_timer)
@@ -141,11 +141,6 @@ class CameraPublisher(Node):
         damage = DamageCheck().reason if not is_simulation else lambda frame: None
         return ImageTopic(self, self._use, damage, compressed)
 
-    def _create_truth_publisher(self) -> Optional[Publisher]:
-        if not isinstance(self._source, SimulatedBoard):
-            return None
-        return self.create_publisher(Float64MultiArray, 'true_pos_in_cam_frame', 10)
-
     def _may_start(self) -> bool:
         # Discovery takes up to 4 s, and who is not discovered misses the recording's beginning.
         return (not isinstance(self._source, VideoFile)
@@ -165,7 +160,8 @@ class CameraPublisher(Node):
     def _use(self, frame: np.ndarray, taken_at: Optional[float], stamp: Time) -> None:
         header = self._header(stamp)
         sighting = self._see(frame, taken_at)
-        self._publish_truth()
+        if self._truth is not None:
+            self._truth.publish(header)
         if sighting.held_back is None:
             self._warn_outside_hull(sighting.objects)
             self._publish(header, [Pose(*found.point, 0.0, found.yaw or 0.0)
@@ -197,10 +193,6 @@ class CameraPublisher(Node):
             self._topics.publish_position(largest.x, largest.y)
             self._topics.publish_point(header, largest.x, largest.y)
         self._topics.publish_objects(header, poses)
-
-    def _publish_truth(self) -> None:
-        if self._truth_publisher is not None and self._source.true_point is not None:
-            self._truth_publisher.publish(position_message(*self._source.true_point))
 
     def _warn_outside_hull(self, objects: List[LocatedObject]) -> None:
         # Outside the area that the calibration was measured in, its figures do not hold.

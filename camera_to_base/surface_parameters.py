@@ -24,25 +24,8 @@ from camera_to_base.hull import Hull
 from camera_to_base.raised_surface import RaisedSurface
 from camera_to_base.surface import (
     check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
+from camera_to_base.surface_specs import SURFACE_MODELS
 import numpy as np
-
-SURFACE_DEFAULTS: Mapping[str, Any] = {
-    'surface.model': 'parallel',
-    'surface.image_size': [640, 480],
-    'surface.hull': [],
-    'surface.reject_outside_hull': False,
-    'surface.parallel.width_cm': 36.0,
-    'surface.polynomial.y_of_v': [0.00006, -0.0833, 25.848],
-    'surface.polynomial.px_per_cm_of_y': [0.0625, -1.6393, 29.071],
-    'surface.polynomial.centre_u': 292.0,
-    'surface.homography.surface_from_pixel': [0.05625, 0.0, 0.0, 0.0, 0.05625, 0.0, 0.0, 0.0, 1.0],
-    'surface.homography.distortion_coefficient': 0.0,
-    'surface.homography.distortion_centre': [319.5, 239.5],
-    'surface.camera_height_cm': 0.0,
-    'surface.camera_foot_cm': [],
-    'object_height_cm': 0.0,
-}
-SURFACE_MODELS = ('parallel', 'polynomial', 'homography')
 
 
 def make_surface(values: Mapping[str, Any]) -> Surface:

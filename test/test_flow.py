@@ -14,12 +14,14 @@
 
 import math
 
-from camera_to_base.board_view import BoardView
+from camera_to_base.board_view import BoardView, Oval
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
-from camera_to_base.object_locator import DetectorSettings, ObjectLocator
+from camera_to_base.detector_settings import DetectorSettings
+from camera_to_base.object_locator import ObjectLocator
 from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import HomographySurface, ParallelSurface
-from camera_to_base.surface_parameters import make_surface, SURFACE_DEFAULTS
+from camera_to_base.surface_parameters import make_surface
+from camera_to_base.surface_specs import SURFACE_DEFAULTS
 import numpy as np
 import pytest
 
@@ -67,7 +69,7 @@ def picture_of_a_coin(view, point, radius):
     everything = slice(0, view.height), slice(0, view.width)
     grey = np.full((view.height, view.width), 200.0)
     if point is not None:
-        grey -= 140 * view.coverage(point, radius, *everything)
+        grey -= 140 * view.coverage(Oval(point, radius, radius, 0.0), *everything)
     return np.repeat(grey.round().astype(np.uint8)[:, :, None], 3, axis=2)
 
 

@@ -15,8 +15,9 @@
 import math
 
 from camera_to_base.detection import Pixel
+from camera_to_base.detector_settings import DetectorSettings
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
-from camera_to_base.object_locator import DetectorSettings, locate_pixel, ObjectLocator, Point
+from camera_to_base.object_locator import locate_pixel, ObjectLocator, Point
 from camera_to_base.simulated_board import SimulatedBoard
 from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
 import cv2

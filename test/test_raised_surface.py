@@ -16,11 +16,13 @@
 
 import re
 
+from camera_to_base.detector_settings import DetectorSettings
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
-from camera_to_base.object_locator import DetectorSettings, ObjectLocator
+from camera_to_base.object_locator import ObjectLocator
 from camera_to_base.raised_surface import RaisedSurface
 from camera_to_base.surface import HomographySurface, ParallelSurface
-from camera_to_base.surface_parameters import make_surface, SURFACE_DEFAULTS
+from camera_to_base.surface_parameters import make_surface
+from camera_to_base.surface_specs import SURFACE_DEFAULTS
 import numpy as np
 import pytest
 

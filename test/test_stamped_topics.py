@@ -13,8 +13,10 @@
 # limitations under the License.
 
 import math
+import os
 import time
 
+from ament_index_python.packages import get_package_share_directory
 from builtin_interfaces.msg import Time
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.coordinate_transform import Pose
@@ -31,6 +33,8 @@ from std_msgs.msg import Header
 
 CAMERA_OBJECTS, BASE_OBJECTS = '/objects_in_cam_frame', '/objects_in_robot_base_frame'
 CAMERA_POINT, BASE_POINT = '/pos_in_cam_frame/point', '/pos_in_robot_base_frame/point'
+TILTED = os.path.join(
+    get_package_share_directory('camera_to_base'), 'config', 'simulated_tilted_camera.yaml')
 STAMP = Time(sec=12, nanosec=345678901)
 
 
@@ -133,7 +137,7 @@ def drive(ros, topic, make_message, *arguments):
     assert ros.spin_until(driver.get_subscription_count)
     for number in range(1, 200):
         # A picture without any noise would be taken for a repeated one.
-        picture = cv2.add(table(disc=number > 1), np.random.default_rng(number).integers(
+        picture = cv2.add(table(disc=number > 10), np.random.default_rng(number).integers(
             0, 3, (480, 640, 3), np.uint8))
         driver.publish(make_message(Header(stamp=Time(sec=number)), picture))
         ros.spin_for(0.03)
@@ -154,7 +158,7 @@ def test_pictures_of_a_camera_driver_become_points_with_the_drivers_stamp(
         ros, source, topic, make_message):
     _, points, objects = drive(ros, topic, make_message, '-p', f'source:={source}')
     assert points, 'no point was published'
-    assert points[0].header.stamp.sec in range(2, 200) and points[0].header.stamp.nanosec == 0
+    assert points[0].header.stamp.sec in range(11, 200) and points[0].header.stamp.nanosec == 0
     assert points[0].point.x == pytest.approx(0.18, abs=0.001)
     assert points[0].point.y == pytest.approx(0.135, abs=0.001)
     assert objects[-1].header.stamp.sec <= points[0].header.stamp.sec + 1
@@ -172,3 +176,46 @@ def test_camera_driver_that_is_not_there_is_said_in_the_diagnostics(ros):
     assert ros.spin_until(lambda: any(
         'is the camera driver running?' in status.message for status in statuses))
     assert statuses[-1].values['source'] == '/image'
+
+
+@pytest.mark.parametrize('arguments', [
+    (), ('-p', 'simulated.tilt_deg:=30.0', '--params-file', TILTED)])
+def test_objects_are_within_1_mm_and_1_degree_of_the_simulated_boards_truth(ros, arguments):
+    seen, true = (ros.listen_to(PoseArray, topic)
+                  for topic in (CAMERA_OBJECTS, '/true_objects_in_cam_frame'))
+    ros.add(CameraPublisher, '-p', 'source:=simulated', *arguments,
+            '-p', 'simulated.diameters_cm:=[3.4, 3.0, 2.6]', '-p', 'simulated.elongation:=1.5',
+            '-p', 'simulated.yaw_deg:=15.0')
+    assert ros.spin_until(lambda: len(pairs(seen, true)) >= 20)
+    for published, truth in pairs(seen, true):
+        assert len(published) == len(truth) == 3
+        for pose in published:
+            nearest = min(truth, key=lambda other: math.dist(pose[:2], other[:2]))
+            assert math.dist(pose[:2], nearest[:2]) < 0.1
+            assert abs(math.remainder(pose.yaw - nearest.yaw, math.pi)) < math.radians(1)
+
+
+def pairs(seen, true):
+    """Give what was published of a frame beside the truth, where there are objects on it."""
+    truths = {seconds(message.header.stamp): poses_from_message(message) for message in true}
+    return [(poses_from_message(message), truths[seconds(message.header.stamp)])
+            for message in seen if truths.get(seconds(message.header.stamp))]
+
+
+def test_all_objects_come_with_the_largest_first(ros):
+    seen = ros.listen_to(PoseArray, CAMERA_OBJECTS)
+    points = ros.listen_to(PointStamped, CAMERA_POINT)
+    ros.add(CameraPublisher, '-p', 'source:=simulated',
+            '-p', 'simulated.diameters_cm:=[2.0, 3.4, 2.6]')
+    assert ros.spin_until(lambda: any(message.poses for message in seen) and points)
+    first = next(message for message in seen if message.header.stamp == points[0].header.stamp)
+    assert first.poses[0].position == points[0].point
+    third = 0.36 / 3  # each object keeps to a third of the board, the largest to the middle one
+    assert [int(pose.position.x / third) for pose in first.poses] == [1, 2, 0]
+    assert all(pose.orientation.w == 1.0 for pose in first.poses)
+
+
+def test_surface_without_an_object_is_an_empty_array(ros):
+    _, points, objects = drive(ros, '/image', image_message, '-p', 'source:=topic')
+    assert points
+    assert list(objects[0].poses) == []  # of the background, or of the frame after it
