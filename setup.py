@@ -26,6 +26,8 @@ setup(
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
         (f'share/{package_name}', ['package.xml']),
         (f'share/{package_name}/config', [*glob('config/*.yaml'), *glob('config/*.rviz')]),
+        (f'share/{package_name}/config/sros2', glob('config/sros2/*.xml')),
+        (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
     install_requires=['setuptools', 'PyYAML'],

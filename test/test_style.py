@@ -23,7 +23,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PLACES = [str(ROOT / place) for place in (
-    'benchmarks', 'camera_to_base', 'launch', 'scripts', 'setup.py', 'test')]
+    'benchmarks', 'camera_to_base', 'examples', 'launch', 'scripts', 'setup.py', 'test')]
 SOURCES = sorted(
     path for place in PLACES for path in (Path(place).rglob('*.py') if Path(place).is_dir()
                                           else [Path(place)]))

@@ -1,0 +1,95 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+An arm of two links in the plane that points at what the camera sees: copy it and make it yours.
+
+    python3 two_link_arm.py --ros-args -p upper_arm_m:=0.16 -p forearm_m:=0.14
+
+Both angles are counter-clockwise: the shoulder's from the base frame's x, the elbow's from the
+upper arm. Of the two solutions it takes the one with an elbow angle of 0 or more.
+"""
+
+import math
+from typing import Optional, Tuple
+
+from geometry_msgs.msg import PointStamped
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+LENGTH = ParameterDescriptor(
+    description='From joint to joint, m.',
+    floating_point_range=[FloatingPointRange(from_value=0.01, to_value=10.0)])
+
+
+def joint_angles(
+    x: float, y: float, upper_arm: float, forearm: float
+) -> Optional[Tuple[float, float]]:
+    """
+    Tell the angles of shoulder and elbow that bring the arm's tip to a point, in rad.
+
+    :param x: In the base frame, whose origin is the shoulder; in m, as all lengths.
+    :param y: In the base frame.
+    :returns: None for a point that the arm cannot reach, or that is no point (NaN).
+    """
+    # Law of cosines in the triangle of shoulder, elbow and tip.
+    cosine = (x * x + y * y - upper_arm ** 2 - forearm ** 2) / (2 * upper_arm * forearm)
+    if not -1.0 <= cosine <= 1.0:
+        return None
+    elbow = math.acos(cosine)
+    shoulder = math.atan2(y, x) - math.atan2(
+        forearm * math.sin(elbow), upper_arm + forearm * math.cos(elbow))
+    return math.remainder(shoulder, math.tau), elbow
+
+
+class TwoLinkArm(Node):
+    """Publishes joint angles for each point that the camera sees within the arm's reach."""
+
+    def __init__(self, **node_options) -> None:
+        super().__init__('two_link_arm', **node_options)
+        self._upper_arm = self.declare_parameter('upper_arm_m', 0.16, LENGTH)
+        self._forearm = self.declare_parameter('forearm_m', 0.14, LENGTH)
+        self._publisher = self.create_publisher(JointState, 'joint_states', 10)
+        self.create_subscription(
+            PointStamped, 'pos_in_robot_base_frame/point', self._on_point, 10)
+
+    def _on_point(self, message: PointStamped) -> None:
+        x, y = message.point.x, message.point.y
+        angles = joint_angles(x, y, self._upper_arm.value, self._forearm.value)
+        if angles is None:
+            self.get_logger().warning(
+                f'({x:.3f}, {y:.3f}) m is out of reach: the arm stays where it is',
+                throttle_duration_sec=5.0)
+            return
+        state = JointState(name=['shoulder', 'elbow'], position=angles)
+        state.header.stamp = message.header.stamp
+        self._publisher.publish(state)
+
+
+def main() -> None:
+    """Run the node until it is told to end."""
+    rclpy.init()
+    try:
+        rclpy.spin(TwoLinkArm())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()
