@@ -16,25 +16,48 @@
 The installed executables: each is quiet if it is told to end while it still loads its node.
 
 Loading ROS, OpenCV and numpy takes part of a second, and a launch file that starts a dying node
-again and again is often stopped right then.
+again and again is often stopped right then. What can be said without them is said before.
 """
 
 import os
 import signal
+import sys
+from typing import Optional
+
+from camera_to_base.node_help import asks_for_help, help_text, plain_arguments
 
 
 def camera_publisher() -> int:
     """Run the node `camera_publisher`."""
-    _end_quietly()
+    code = _answer('camera_publisher')
+    if code is not None:
+        return code
     from camera_to_base.camera_publisher import main
     return main()
 
 
 def robot_base_publisher() -> int:
     """Run the node `robot_base_publisher`."""
-    _end_quietly()
+    code = _answer('robot_base_publisher')
+    if code is not None:
+        return code
     from camera_to_base.robot_base_publisher import main
     return main()
+
+
+def _answer(node: str) -> Optional[int]:
+    _end_quietly()
+    name, arguments = os.path.basename(sys.argv[0]), sys.argv[1:]
+    if asks_for_help(arguments):
+        print(help_text(node, name), end='')
+        return 0
+    # rclpy ignores them, and a `-p source:=0` without --ros-args would publish random pixels.
+    plain = plain_arguments(arguments)
+    if plain:
+        print(f"{name}: expected ROS arguments only, after --ros-args, got '{plain[0]}': "
+              f'see {name} --help', file=sys.stderr)
+        return 1
+    return None
 
 
 def _end_quietly() -> None:

@@ -30,7 +30,7 @@ NODES_AND_COMMANDS = {'camera_publisher', 'robot_base_publisher', 'calibrate', '
 # What is installed: nothing imports it, and it imports the nodes.
 EXECUTABLES = {'executables'}
 ROOMS = [
-    {'errors', 'health', 'parameter_spec', 'surface_specs'},
+    {'errors', 'health', 'node_help', 'parameter_spec', 'surface_specs'},
     {'checks'},
     {'absolute_difference', 'background', 'board_conditions', 'board_disturbances',
      'board_drawing', 'board_view', 'coordinate_transform', 'detection', 'distortion',
