@@ -69,7 +69,7 @@ parameters that are used most:
 
 examples:
   ros2 run camera_to_base {name} --ros-args --params-file cell.yaml
-  ros2 run camera_to_base {name} --ros-args -p displacement_cm:=[-17.8,24.4,0.0]
+  ros2 run camera_to_base {name} --ros-args -p reach_cm:=35.0
 """,
 }
 _USAGE = 'usage: ros2 run camera_to_base {name} [--ros-args ROS_ARGUMENTS]\n'
