@@ -1,0 +1,87 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the pages tell to type exists: executables, options, parameters, arguments, files."""
+
+from pathlib import Path
+import re
+import shlex
+
+from camera_to_base.calibrate_options import parse
+from camera_to_base.camera_parameters import CAMERA_SPECS
+from camera_to_base.transform_parameters import TRANSFORM_SPECS
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = [*ROOT.glob('*.md'), *(ROOT / 'docs').glob('*.md')]
+LAUNCH_FILE = (ROOT / 'launch' / 'camera_to_base.launch.py').read_text()
+NODES = {'camera_publisher', 'robot_base_publisher', 'robotic_arm_publishing_subscriber'}
+
+each_page = pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+
+
+def commands_of(page):
+    """Give the commands of a page: what is indented by four or more and starts as one."""
+    return re.findall(r'^ {4,}((?:ros2|python3|sudo|export|fastdds) .*)$', page.read_text(),
+                      re.MULTILINE)
+
+
+def test_pages_have_commands():
+    assert sum(len(commands_of(page)) for page in PAGES) > 40
+
+
+@each_page
+def test_links_lead_to_a_file(page):
+    for target in re.findall(r'\]\((?!https?:)([^)#]+)', page.read_text()):
+        assert (page.parent / target).exists(), target
+
+
+@each_page
+def test_files_of_the_package_are_there(page):
+    for path in re.findall(r'--share camera_to_base\)/(\S+)', page.read_text()):
+        assert (ROOT / path).exists(), path
+
+
+@each_page
+def test_executables_are_installed(page):
+    installed = set(re.findall(r"'(\w+) = ", (ROOT / 'setup.py').read_text())) | NODES
+    for command in commands_of(page):
+        for name in re.findall(r'ros2 run camera_to_base (\w+)', command):
+            assert name in installed, command
+
+
+@each_page
+def test_options_of_calibrate_are_understood(page):
+    for command in commands_of(page):
+        if 'camera_to_base calibrate' in command:
+            parse(shlex.split(command)[4:])
+
+
+@each_page
+def test_parameters_are_declared(page):
+    declared = {spec.name for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
+    example = set(re.findall(
+        r"declare_parameter\('(\w+)'", (ROOT / 'examples' / 'two_link_arm.py').read_text()))
+    for command in commands_of(page):
+        for name in re.findall(r'-p ([\w.]+):=', command):
+            assert name in declared | example, command
+
+
+@each_page
+def test_launch_arguments_are_declared(page):
+    declared = re.findall(r"DeclareLaunchArgument\(\s*'(\w+)'", LAUNCH_FILE)
+    for command in commands_of(page):
+        if command.startswith('ros2 launch camera_to_base '):
+            for name in re.findall(r' (\w+):=', command):
+                assert name in declared, command
