@@ -18,22 +18,17 @@ An arm of two links in the plane that points at what the camera sees: copy it an
     python3 two_link_arm.py --ros-args -p upper_arm_m:=0.16 -p forearm_m:=0.14
 
 Both angles are counter-clockwise: the shoulder's from the base frame's x, the elbow's from the
-upper arm. Of the two solutions it takes the one with an elbow angle of 0 or more.
+upper arm. Of the two solutions it takes the one with a positive elbow angle.
 """
 
 import math
 from typing import Optional, Tuple
 
 from geometry_msgs.msg import PointStamped
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
-
-LENGTH = ParameterDescriptor(
-    description='From joint to joint, m.',
-    floating_point_range=[FloatingPointRange(from_value=0.01, to_value=10.0)])
 
 
 def joint_angles(
@@ -44,25 +39,26 @@ def joint_angles(
 
     :param x: In the base frame, whose origin is the shoulder; in m, as all lengths.
     :param y: In the base frame.
-    :returns: None for a point that the arm cannot reach, or that is no point (NaN).
+    :returns: None for a point out of reach, as every point is for an arm of no length, and for
+        what is no point (NaN).
     """
     # Law of cosines in the triangle of shoulder, elbow and tip.
-    cosine = (x * x + y * y - upper_arm ** 2 - forearm ** 2) / (2 * upper_arm * forearm)
-    if not -1.0 <= cosine <= 1.0:
+    along, most = x * x + y * y - upper_arm ** 2 - forearm ** 2, 2 * upper_arm * forearm
+    if not abs(along) < most:
         return None
-    elbow = math.acos(cosine)
-    shoulder = math.atan2(y, x) - math.atan2(
-        forearm * math.sin(elbow), upper_arm + forearm * math.cos(elbow))
+    elbow = math.acos(along / most)
+    tip_x, tip_y = upper_arm + forearm * math.cos(elbow), forearm * math.sin(elbow)
+    shoulder = math.atan2(y, x) - math.atan2(tip_y, tip_x)
     return math.remainder(shoulder, math.tau), elbow
 
 
 class TwoLinkArm(Node):
     """Publishes joint angles for each point that the camera sees within the arm's reach."""
 
-    def __init__(self, **node_options) -> None:
-        super().__init__('two_link_arm', **node_options)
-        self._upper_arm = self.declare_parameter('upper_arm_m', 0.16, LENGTH)
-        self._forearm = self.declare_parameter('forearm_m', 0.14, LENGTH)
+    def __init__(self) -> None:
+        super().__init__('two_link_arm')
+        self._upper_arm = self.declare_parameter('upper_arm_m', 0.16)
+        self._forearm = self.declare_parameter('forearm_m', 0.14)
         self._publisher = self.create_publisher(JointState, 'joint_states', 10)
         self.create_subscription(
             PointStamped, 'pos_in_robot_base_frame/point', self._on_point, 10)
