@@ -27,6 +27,7 @@ publishes:
   debug_image, mask         sensor_msgs/Image: what was found, drawn while somebody listens
   debug_image/compressed    sensor_msgs/CompressedImage: the same as JPEG
   true_pos_in_cam_frame     with source:=simulated only: where the coin really is, in cm
+  true_objects_in_cam_frame likewise: where every object really is, in m
   /diagnostics              how the node is, once a second
 
 subscribes to:
