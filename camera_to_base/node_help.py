@@ -21,28 +21,28 @@ NODE_HELP = {
 Finds objects on a camera's frames, and publishes where they lie on the work surface.
 
 publishes:
-  pos_in_cam_frame          std_msgs/Float64MultiArray: [x, y] of the largest object, in cm
-  pos_in_cam_frame/point    geometry_msgs/PointStamped: the same object, in m
-  objects_in_cam_frame      geometry_msgs/PoseArray: every object, largest first, in m
-  debug_image, mask         sensor_msgs/Image: what was found, drawn while somebody listens
-  debug_image/compressed    sensor_msgs/CompressedImage: the same as JPEG
-  true_pos_in_cam_frame     with source:=simulated only: where the coin really is, in cm
-  true_objects_in_cam_frame likewise: where every object really is, in m
-  /diagnostics              how the node is, once a second
+  pos_in_cam_frame           std_msgs/Float64MultiArray: [x, y] of the largest object, in cm
+  pos_in_cam_frame/point     geometry_msgs/PointStamped: the same object, in m
+  objects_in_cam_frame       geometry_msgs/PoseArray: every object, largest first, in m
+  debug_image, mask          sensor_msgs/Image: what was found, drawn while somebody listens
+  debug_image/compressed     sensor_msgs/CompressedImage: the same as JPEG
+  true_pos_in_cam_frame      with source:=simulated only: where the coin really is, in cm
+  true_objects_in_cam_frame  likewise: where every object really is, in m
+  /diagnostics               how the node is, once a second
 
 subscribes to:
-  image                     with source:=topic: sensor_msgs/Image of any camera driver
-  image/compressed          with source:=compressed_topic: sensor_msgs/CompressedImage
+  image                      with source:=topic: sensor_msgs/Image of any camera driver
+  image/compressed           with source:=compressed_topic: sensor_msgs/CompressedImage
 
 service:
-  ~/capture_background      std_srvs/Trigger: takes the background anew; clear the surface first
+  ~/capture_background       std_srvs/Trigger: takes the background anew; clear the surface first
 
 parameters that are used most:
-  source                    auto (default), a device (0, /dev/video0), a video file, a stream's
-                            URL, topic, compressed_topic, simulated, random
-  detector.method           precise or tutorial
-  surface.model             parallel, polynomial or homography; calibrate writes the right one
-  surface.parallel.width_cm what the picture's width sees
+  source                     auto (default), a device (0, /dev/video0), a video file, a stream's
+                             URL, topic, compressed_topic, simulated, random
+  detector.method            precise or tutorial
+  surface.model              parallel, polynomial or homography; calibrate writes the right one
+  surface.parallel.width_cm  what the picture's width sees
 
 examples:
   ros2 run camera_to_base {name} --ros-args -p source:=simulated
