@@ -74,7 +74,7 @@ CAMERA_SPECS = [
         'A video file is not started before this many listen to pos_in_cam_frame, but 10 s '
         'later at the latest.', (0, 100), fixed=True),
     ParameterSpec(
-        'wait_for_camera', False,
+        'wait_for_camera', True,
         'Whether a device or a stream that is not there at the start is waited for; otherwise '
         'the node ends with an error.', fixed=True),
     ParameterSpec(

@@ -45,7 +45,7 @@ def main(arguments):
         nodes.append(start('robot_base_publisher', {}))
         nodes.append(start('camera_publisher', {
             'source': source, 'annotated_picture': os.path.abspath(PICTURE),
-            'wait_for_subscribers': 2}))
+            'wait_for_subscribers': 2, 'wait_for_camera': False}))
         return listen(nodes)
     except BrokenPipeError:
         # Who read our lines has seen enough. What is still to be written goes nowhere.

@@ -303,7 +303,7 @@ def test_random_pixels_have_no_background_to_capture(ros):
 
 def test_capture_without_a_frame_is_answered_with_what_to_do(ros, play, monkeypatch):
     monkeypatch.setattr(background_service, '_TIMEOUT_S', 0.5)
-    play([FrameSourceError('unplugged')], '-p', 'wait_for_camera:=true')
+    play([FrameSourceError('unplugged')])
     response = ros.call('/camera_publisher/capture_background')
     assert not response.success and 'next ones become the background' in response.message
 

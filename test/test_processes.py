@@ -246,6 +246,16 @@ def test_bad_start_is_one_clear_line_and_exit_code_1(start, arguments, said):
     assert 'Traceback' not in node.output
 
 
+def test_device_that_is_not_there_is_waited_for_until_a_signal(ros, start):
+    lines = ros.listen_to_log('camera_publisher')
+    node = start('camera_publisher', '-p', 'source:=99')
+    assert ros.spin_until(lambda: any("cannot open camera '99'" in line.text for line in lines))
+    ros.spin_for(2.0)
+    assert node.is_running
+    assert node.end() == 0
+    assert node.output.count('waiting for the camera') == 1
+
+
 def test_file_that_is_no_video_is_refused(start, tmp_path):
     no_video = tmp_path / 'notes.avi'
     no_video.write_text('these are notes, not pictures')
@@ -285,3 +295,10 @@ def test_demo_prints_each_position_saves_a_picture_and_leaves_nothing_behind(tmp
     assert f'annotated picture: {tmp_path}/demo.png' in output
     assert cv2.imread(str(tmp_path / 'demo.png')).shape == (480, 640, 3)
     assert subprocess.run(['pgrep', '-f', str(tmp_path)]).returncode == 1
+
+
+def test_demo_ends_with_an_error_where_its_camera_is_not_there(tmp_path):
+    demo = subprocess.run(
+        [sys.executable, DEMO, '99'], cwd=tmp_path, text=True, capture_output=True, timeout=30.0)
+    assert demo.returncode == 1
+    assert "cannot open camera '99'" in demo.stdout + demo.stderr

@@ -91,8 +91,7 @@ def test_camera_that_is_not_there_yet_is_waited_for_and_said_once(ros, start, sc
     positions, lines = ros.listen(CAMERA_TOPIC), ros.listen_to_log('camera_publisher')
     with ChildCamera(script, 'clock') as camera:
         camera.kill()
-        node = start('camera_publisher', *stream_arguments(
-            camera.url, '-p', 'wait_for_camera:=true'))
+        node = start('camera_publisher', *stream_arguments(camera.url))
         assert ros.spin_until(lambda: lines, 10.0)
         ros.spin_for(2.5)
         assert node.is_running
@@ -121,8 +120,7 @@ def test_signal_ends_a_node_whose_camera_hangs_within_2_5_s(
     with server_class(scenes.coin()) as camera:
         if moment == 'opening':
             camera.freeze()
-        node = start('camera_publisher', *stream_arguments(
-            camera.url, '-p', 'wait_for_camera:=true'))
+        node = start('camera_publisher', *stream_arguments(camera.url))
         assert ros.spin_until(lambda: statuses and (
             moment == 'opening' or int(statuses[-1].values['frames read']) > 3), 10.0)
         camera.freeze()
