@@ -17,10 +17,10 @@
 
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
-from typing import Any, Dict, Mapping, Optional, Sequence
+from typing import Any, Dict, Mapping, Optional, Sequence, Union
 
 from camera_to_base.camera_pose import camera_pose, CameraIntrinsics
-from camera_to_base.errors import InvalidValueError
+from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.figures import (
     coverage, error_figures, ErrorFigures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.homography_fit import fit_homography, POINTS_FOR_DISTORTION
@@ -39,6 +39,8 @@ import numpy as np
 
 # Corners are found to 0.1 to 0.2 px, and so well do a lens's own intrinsics show them.
 LARGEST_POSE_RMS_PX = 1.0
+# The fit is repeated without each of the points: a thousand take a minute, ten thousand hours.
+_MOST_POINTS = 1000
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,7 @@ def calibrate_surface(
     :param lattice: The grid to draw; see :func:`report_picture`.
     :raises CameraToBaseError: If the points do not determine it.
     """
+    _refuse_too_many(matched)
     if model == 'homography':
         fit = fit_homography(matched, image_size)
         found = {'distortion_coefficient': fit.surface.distortion.coefficient,
@@ -129,6 +132,7 @@ def calibrate_base(pairs: PointPairs, *, source: str) -> Calibration:
     :param source: What the report says that the pairs are from.
     :raises CameraToBaseError: If the pairs do not determine it, or none fits them.
     """
+    _refuse_too_many(pairs)
     fit = fit_rigid(pairs)
     left_out = fit.left_out_residuals
     figures = error_figures(
@@ -171,6 +175,13 @@ def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]
         raise InvalidValueError(
             'the intrinsics are for pictures of {} x {} px, but this one has {} x {} px: use '
             'those of its size'.format(*intrinsics_size, *image_size))
+
+
+def _refuse_too_many(points: Union[MatchedPoints, PointPairs]) -> None:
+    if len(points) > _MOST_POINTS:
+        raise CalibrationError(
+            f'{len(points)} points are too many to leave out each of them once: give '
+            f'{_MOST_POINTS} at most, spread over the working area')
 
 
 def _axes(surface: Surface, matched: MatchedPoints) -> Dict[str, Any]:

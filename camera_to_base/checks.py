@@ -32,7 +32,7 @@ def finite_numbers(name: str, values: Any, *shape: int) -> np.ndarray:
     wanted = f'({", ".join("n" if length == -1 else str(length) for length in shape)})'
     try:
         numbers = np.array(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidValueError(f'{name} must be numbers of shape {wanted}, got {values!r}')
     if len(numbers.shape) != len(shape) or any(
             length not in (-1, found) for length, found in zip(shape, numbers.shape)):

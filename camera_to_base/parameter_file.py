@@ -15,11 +15,23 @@
 
 """Reads and writes parameter files, as `ros2 run ... --ros-args --params-file` takes them."""
 
+from itertools import accumulate
 import re
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 from camera_to_base.errors import InvalidValueError
 import yaml
+
+
+class _Loader(yaml.SafeLoader):
+    """Refuses aliases, as rcl does: a file could contain itself, or grow without an end."""
+
+    def compose_node(self, parent: Optional[yaml.Node], index: Any) -> Optional[yaml.Node]:
+        """Make the next node."""
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError(f'an alias (*{self.peek_event().anchor}) stands in it: ROS reads '
+                                 'none, write its value out')
+        return super().compose_node(parent, index)
 
 
 class ParameterFile(NamedTuple):
@@ -40,7 +52,9 @@ def parameter_text(values: Mapping[str, Any], comments: Iterable[str]) -> str:
 
     :param values: By full name, 'surface.model' and so on.
     :param comments: Lines for its top.
+    :raises InvalidValueError: If a name is a parameter's and a group's.
     """
+    _refuse_values_that_are_groups(values)
     tree: Dict[str, Any] = {}
     for name, value in values.items():
         *groups, leaf = name.split('.')
@@ -59,13 +73,13 @@ def read_parameter_file(path: str) -> ParameterFile:
 
     :raises InvalidValueError: If there is no such file, or it holds none.
     """
-    text, content = load_yaml(path, 'parameter file')
-    try:
-        tree = content['/**']['ros__parameters']
-    except (KeyError, TypeError) as error:
+    text, tree = load_yaml(path, 'parameter file')
+    for name in ('/**', 'ros__parameters'):
+        tree = tree.get(name) if isinstance(tree, dict) else None
+    if not isinstance(tree, dict):
         raise InvalidValueError(
-            f"'{path}' is no parameter file for all nodes: it has no '/**: ros__parameters:'"
-        ) from error
+            f"'{path}' is no parameter file for all nodes: it has no '/**: ros__parameters:' with "
+            'names below')
     return ParameterFile(_flat(tree), _comments(text))
 
 
@@ -98,10 +112,12 @@ def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     try:
         with open(path, encoding='utf-8') as file:
             text = file.read()
-        return text, yaml.safe_load(text)
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise InvalidValueError(f"cannot read the {kind} '{path}': {error}") from error
-    except yaml.YAMLError as error:
+    try:
+        return text, yaml.load(text, _Loader)
+    # What is no number, time or truth for its tag comes out of PyYAML as Python's own errors.
+    except (yaml.YAMLError, ValueError, LookupError, AttributeError, RecursionError) as error:
         reason = ' '.join(str(error).split())
         raise InvalidValueError(f"'{path}' is no YAML: {reason}") from error
 
@@ -119,6 +135,14 @@ def _stands_for(section: str, node: str) -> bool:
     # rclpy's rule: '*' stands for one part of a full name, '**' for any number of them.
     pattern = re.escape(section).replace(r'/\*\*', r'(/\w+)*').replace(r'/\*', r'(/\w+)')
     return re.fullmatch(pattern, node) is not None
+
+
+def _refuse_values_that_are_groups(values: Mapping[str, Any]) -> None:
+    for name in values:
+        for group in accumulate(name.split('.')[:-1], '{}.{}'.format):
+            if group in values:
+                raise InvalidValueError(
+                    f"'{group}' has a value and cannot be the group of '{name}': rename one")
 
 
 def _flat(tree: Any, prefix: str = '') -> Dict[str, Any]:

@@ -101,11 +101,11 @@ def _records(path):
     """Return the records that are not empty, each with its number."""
     try:
         text = path.read_text(encoding='utf-8-sig')
-    except (OSError, UnicodeDecodeError) as error:
+        # Spreadsheets in countries with a decimal comma separate columns by semicolons.
+        delimiter = ';' if ';' in text.partition('\n')[0] else ','
+        records = list(csv.reader(text.splitlines(), delimiter=delimiter))
+    except (OSError, ValueError, csv.Error) as error:
         raise InvalidValueError(f'cannot read the table {path}: {error}') from error
-    # Spreadsheets in countries with a decimal comma separate columns by semicolons.
-    delimiter = ';' if ';' in text.partition('\n')[0] else ','
-    records = csv.reader(text.splitlines(), delimiter=delimiter)
     return [(row, record) for row, record in enumerate(records, start=1)
             if any(field.strip() for field in record)]
 

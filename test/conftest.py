@@ -48,6 +48,17 @@ def start():
             process.end(signal.SIGTERM, 5.0)
 
 
+@pytest.fixture(scope='session')
+def tell(request):
+    """Give a function that prints a line although pytest captures what is printed."""
+    def print_uncaptured(text):
+        manager = request.config.pluginmanager.getplugin('capturemanager')
+        with manager.global_and_fixture_disabled():
+            print(f'\n{text}')
+
+    return print_uncaptured
+
+
 def pytest_configure(config):
     """Know the marker where pytest-rerunfailures, which colcon brings along, is not installed."""
     config.addinivalue_line('markers', 'flaky: run again if it fails')

@@ -27,13 +27,14 @@ from ros_helpers import BASE_TOPIC, CAMERA_TOPIC
 from std_msgs.msg import Float64MultiArray
 
 MESSAGES = int(os.environ.get('ENDURANCE', '10000'))
+RATE = 1000.0
 DEEP = [f'qos_overrides.{CAMERA_TOPIC}.subscription.depth:=10000',
         f'qos_overrides.{BASE_TOPIC}.publisher.depth:=10000']
 
 
 @pytest.fixture
 def transform(ros, start):
-    """Start the transform node; give it, a function that sends at a rate, and what came back."""
+    """Start the transform node; give it, a function that sends, and what came back."""
     node = start('robot_base_publisher', *[word for text in DEEP for word in ('-p', text)])
     received = []
     subscription = ros.node.create_subscription(
@@ -44,11 +45,11 @@ def transform(ros, start):
                           and subscription.get_publisher_count() == 1)
     ros.spin_for(0.5)
 
-    def send(count, rate):
+    def send(numbers):
         begin = time.monotonic()
-        for number in range(count):
+        for count, number in enumerate(numbers, start=1):
             publisher.publish(Float64MultiArray(data=[number * 1e-4, 0.0]))
-            while time.monotonic() < begin + (number + 1) / rate:
+            while time.monotonic() < begin + count / RATE:
                 ros.executor.spin_once(timeout_sec=0)
 
     return node, send, received
@@ -59,17 +60,18 @@ def memory_of(node):
         return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
 
 
-def test_nothing_is_lost_at_1_khz_and_memory_does_not_grow(ros, transform):
+def test_nothing_is_lost_at_1_khz_and_memory_does_not_grow(ros, transform, tell):
     node, send, received = transform
     warm_up = min(100_000, MESSAGES // 4)
-    send(warm_up, 1000.0)
+    send(range(warm_up))
     before = memory_of(node)
-    send(MESSAGES - warm_up, 1000.0)
-    assert ros.spin_until(lambda: len(received) == MESSAGES, 5.0)
-    assert memory_of(node) - before < 1_000_000
-    expected = [number * 1e-4 - 17.8 for part in (warm_up, MESSAGES - warm_up)
-                for number in range(part)]
-    assert received == pytest.approx(expected)
+    send(range(warm_up, MESSAGES))
+    ros.spin_until(lambda: len(received) == MESSAGES, 5.0)
+    growth = memory_of(node) - before
+    tell(f'{MESSAGES} messages at {RATE:g} Hz: {MESSAGES - len(received)} lost, the transform '
+         f'node grew by {growth} bytes after the first {warm_up}')
+    assert received == pytest.approx([number * 1e-4 - 17.8 for number in range(MESSAGES)])
+    assert growth < 1_000_000
 
 
 def test_second_transform_node_of_the_same_name_says_so_and_the_first_does_not(ros, start):

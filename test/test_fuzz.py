@@ -20,21 +20,29 @@ FUZZ_CASES=100000 makes a longer run; the number of cases is printed at the end.
 
 from collections import Counter
 import os
+import time
 
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.calibration import calibrate_base, calibrate_surface, check_surface
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.damage_check import DamageCheck
-from camera_to_base.errors import CameraToBaseError
+from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
 from camera_to_base.image_decoding import decode_compressed, decode_image, ENCODINGS
+from camera_to_base.matched_points import MatchedPoints
 from camera_to_base.messages import position_from_message
+from camera_to_base.parameter_file import parameter_text, read_parameter_file
 from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
+from camera_to_base.surface_parameters import SURFACE_DEFAULTS
+from camera_to_base.tables import (
+    PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_pairs, read_points, SIZE_COLUMNS)
 from camera_to_base.transform_parameters import transform_node_settings, TRANSFORM_SPECS
 import cv2
 import numpy as np
 import pytest
 from std_msgs.msg import Float64MultiArray
+import yaml
 
 hypothesis = pytest.importorskip('hypothesis')
 from hypothesis import given, settings, strategies as st  # noqa: E402, I100
@@ -56,12 +64,10 @@ pictures = arrays.arrays(
 
 
 @pytest.fixture(scope='module', autouse=True)
-def print_counts(request):
+def print_counts(tell):
     yield
-    manager = request.config.pluginmanager.getplugin('capturemanager')
-    with manager.global_and_fixture_disabled():
-        print(f'\nfuzz: {sum(counts.values())} cases: ' + ', '.join(
-            f'{number} {name}' for name, number in sorted(counts.items())))
+    tell(f'fuzz: {sum(counts.values())} cases: ' + ', '.join(
+        f'{number} {name}' for name, number in sorted(counts.items())))
 
 
 def outcome(name, function, *arguments, **options):
@@ -192,3 +198,115 @@ def test_any_compressed_picture_gives_a_frame_or_our_error(ending, place, value,
     frame = outcome('compressed pictures', decode_compressed, content + tail, name)
     assert frame is None or (frame.dtype == np.uint8 and frame.ndim == 3 and frame.shape[2] == 3)
     outcome('compressed pictures', decode_compressed, tail, name)
+
+
+texts = st.text(st.characters(exclude_categories=['Cs']), max_size=60)
+MATCHED = MatchedPoints(np.array([[1.0, 2.0], [3.0, 1.0], [5.0, 6.0]]),
+                        np.array([[10.0, 20.0], [300.0, 10.0], [500.0, 400.0]]))
+# What a YAML reader stumbles over: anchors and cycles, depth, tags, numbers without an end.
+YAML_PARTS = [
+    '/**:', ' ros__parameters:', ' surface:', ' model: homography', ' image_size: [640, 480]',
+    ' surface.hull: ', '\n', '\n  ', '\n    ', ' ', ': ', '- ', '? ', '&a ', '*a', '<<: *a', '[',
+    ']', '{', '}', ',', '"', "'", '|', '>', '#', '---\n', '...', '%YAML 9.9', '!!timestamp ',
+    '!!int ', '!!float ', '!!bool ', '!!binary ', '!!set ', '!!omap ', '!!python/name:os.system ',
+    '2001-13-45', '2001-01-01 99:99:99', '.nan', '-.inf', '1e999', '0x', '0b', '1:99', '1_0', '=',
+    '~', 'no', '1' * 5000, '[' * 500, '- ' * 500, '\0', '\t', '\ufeff', '\u2028', '"\\ud800"']
+yaml_texts = st.lists(st.sampled_from(YAML_PARTS), max_size=30).map(''.join)
+names = st.sampled_from([*SURFACE_DEFAULTS, 'surface', 'model', 'surface.']) | st.text(max_size=3)
+trees = st.dictionaries(
+    names | scalars, st.recursive(values | st.dates() | st.datetimes(), lambda more: st.lists(
+        more, max_size=3) | st.dictionaries(names | numbers, more, max_size=3)), max_size=5)
+parameter_files = trees.map(
+    lambda tree: yaml.safe_dump({'/**': {'ros__parameters': tree}}, allow_unicode=True))
+good_cells = st.sampled_from(range(0, 640, 80)) | st.floats(0, 639)
+bad_cells = numbers.map(str) | st.sampled_from(
+    ['', ' ', '"', '""', '"1', '1"', '"1\n2"', '1,5', '1;5', '0x10', '1_0', '١', 'nan', '\0'])
+
+
+@st.composite
+def tables(draw, required, optional):
+    """Make a table that is good, or has a few things wrong."""
+    header = [*required, *draw(st.sampled_from([(), ('remark',), optional]))]
+    constant = {name: draw(good_cells) for name in optional}
+    rows = [[str(constant.get(name, draw(good_cells))) for name in header]
+            for _ in range(draw(st.integers(0, 12)))]
+    for _ in range(draw(st.sampled_from([0, 0, 0, 1, 2])) if rows else 0):
+        row = draw(st.sampled_from(rows))
+        row[draw(st.integers(0, len(header) - 1))] = draw(bad_cells)
+    dropped = draw(st.sampled_from([len(header)] * 9 + [len(header) - 1]))
+    separator = draw(st.sampled_from([',', ',', ';', '\t']))
+    end = draw(st.sampled_from(['\n', '\r\n', '\r', '\n\n']))
+    lines = [separator.join(row[:dropped]) for row in [header, *rows]]
+    return draw(st.sampled_from(['', '\ufeff'])) + end.join(lines)
+
+
+@pytest.fixture(scope='module')
+def file(tmp_path_factory):
+    """Give a function that writes text or bytes to a file, and returns its path."""
+    path = str(tmp_path_factory.mktemp('fuzz') / 'file')
+
+    def write(content):
+        with open(path, 'wb') as output:
+            output.write(content if isinstance(content, bytes) else content.encode(
+                'utf-8', 'surrogatepass'))
+        return path
+
+    return write
+
+
+@bounded
+@given(st.binary(max_size=200) | texts | yaml_texts | parameter_files | parameter_files)
+def test_any_parameter_file_is_read_and_used_or_gives_our_error(file, content):
+    found = outcome('parameter files', read_parameter_file, file(content))
+    if found is None:
+        return
+    outcome('surfaces from files', check_surface, found.values, MATCHED)
+    text = outcome('parameter files written', parameter_text, found.values, found.comments)
+    if text is not None:
+        again = outcome('parameter files', read_parameter_file, file(text))
+        assert repr(sorted(again.values.items())) == repr(sorted(found.values.items()))
+
+
+@bounded
+@given(st.binary(max_size=200) | texts | tables(POINT_COLUMNS, SIZE_COLUMNS))
+def test_any_table_of_points_is_calibrated_on_or_gives_our_error(file, content):
+    found = outcome('tables', read_points, file(content))
+    if found is None:
+        return
+    matched, image_size = found
+    outcome('surfaces checked', check_surface, SURFACE_DEFAULTS, matched, image_size)
+    for model in ('homography', 'polynomial'):
+        outcome('calibrations', calibrate_surface, matched, image_size or (640, 480),
+                source='a table', model=model)
+
+
+@bounded
+@given(st.binary(max_size=200) | texts | tables(PAIR_COLUMNS, PAIR_HEIGHTS))
+def test_any_table_of_pairs_is_calibrated_on_or_gives_our_error(file, content):
+    pairs = outcome('tables', read_pairs, file(content))
+    if pairs is not None:
+        outcome('calibrations', calibrate_base, pairs, source='a table')
+
+
+def test_table_of_100000_rows_is_checked_at_once_and_refused_for_a_fit(file):
+    number = np.arange(100_000)
+    columns = [number % 639 + number / 1e6, number // 639 + number / 1e6]
+    rows = np.stack([0.05 * columns[0], 0.05 * columns[1], *columns], axis=1)
+    text = '\n'.join(','.join(map(str, row)) for row in rows.tolist())
+    begin = time.monotonic()
+    matched, _ = read_points(file(','.join(POINT_COLUMNS) + '\n' + text))
+    assert check_surface(SURFACE_DEFAULTS, matched)['points'] == 100_000
+    for model in ('homography', 'polynomial'):
+        with pytest.raises(CalibrationError, match='100000 points are too many'):
+            calibrate_surface(matched, (640, 480), source='a table', model=model)
+    pairs = read_pairs(file(','.join(PAIR_COLUMNS) + '\n' + text))
+    with pytest.raises(CalibrationError, match='give 1000 at most'):
+        calibrate_base(pairs, source='a table')
+    assert time.monotonic() - begin < 20.0
+
+
+@pytest.mark.parametrize('read', [read_parameter_file, read_points, read_pairs])
+def test_what_is_no_file_is_refused(read, tmp_path):
+    for path in (str(tmp_path), str(tmp_path / 'missing'), 'a\0b', 'x' * 5000, ''):
+        with pytest.raises(InvalidValueError, match='cannot read the'):
+            read(path)
