@@ -13,21 +13,32 @@
 # limitations under the License.
 
 """
-What holds after weeks: memory, rate, names. ENDURANCE=1000000 sends as many messages.
+What holds after weeks: memory, rate, names, what is published.
 
-Without it the tests send enough to see a leak of 100 bytes a message.
+ENDURANCE=1000000 sends as many messages, and simulates 10 minutes of a bad day. Without it the
+tests send enough to see a leak of 100 bytes a message, and simulate 20 s.
 """
 
+import math
 import os
 import time
 
+from camera_to_base import camera_parameters
+from camera_to_base.camera_publisher import CameraPublisher
+from camera_to_base.simulated_board import SimulatedBoard
 import pytest
 from rclpy.qos import QoSProfile
-from ros_helpers import BASE_TOPIC, CAMERA_TOPIC
+from ros_helpers import BASE_TOPIC, CAMERA_TOPIC, TRUE_TOPIC
 from std_msgs.msg import Float64MultiArray
 
 MESSAGES = int(os.environ.get('ENDURANCE', '10000'))
 RATE = 1000.0
+SCENE_S = 600.0 if 'ENDURANCE' in os.environ else 20.0
+# In SCENE_S the table loses 60 of 202 grey levels; each minute has its steps of the exposure, and
+# six hands.
+BAD_DAY = ['detector.method:=precise', 'detector.max_area_cm2:=20.0', 'simulated.rests:=true',
+           f'simulated.light_drift:={-60.0 * 60.0 / SCENE_S}', 'simulated.exposure_step:=0.75',
+           'simulated.hands:=6', 'simulated.noise:=3.0']
 DEEP = [f'qos_overrides.{CAMERA_TOPIC}.subscription.depth:=10000',
         f'qos_overrides.{BASE_TOPIC}.publisher.depth:=10000']
 
@@ -82,3 +93,46 @@ def test_second_transform_node_of_the_same_name_says_so_and_the_first_does_not(r
     assert first.end() == second.end() == 0
     assert second.output.count('another /robot_base_publisher is running') == 1
     assert 'another' not in first.output
+
+
+class CoinThatComesToRest(SimulatedBoard):
+    """Its coin moves and rests by turns, and after a quarter of the scene lies still for good."""
+
+    whole_count = 0
+
+    @property
+    def true_point(self):
+        """Where the coin is, even where a hand is on it or so close that it may not be found."""
+        return self.true_objects[0].point if self.true_objects else None
+
+    def object_point(self, number, index=0):
+        return super().object_point(min(number, round(self.frame_rate * SCENE_S / 4)), index)
+
+    def read(self):
+        frame = super().read()
+        self.whole_count += super().true_point is not None
+        return frame
+
+
+def test_through_a_bad_day_the_coin_is_published_and_nothing_else(ros, monkeypatch, tell):
+    monkeypatch.setattr(camera_parameters, 'SimulatedBoard', CoinThatComesToRest)
+    found, true = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(TRUE_TOPIC)
+    node = ros.add(CameraPublisher, '-p', 'source:=simulated',
+                   *[word for text in BAD_DAY for word in ('-p', text)])
+    ros.spin_for(SCENE_S)
+    # For each frame the node sends the truth, then the position, if any. Which of the two topics
+    # is discovered first is not known.
+    sent = sorted([(at, 1, position) for at, position in found if at > true[0][0]]
+                  + [(at, 0, position) for at, position in true])
+    pairs = [(before, after) for before, after in zip(sent, sent[1:]) if after[1]]
+    assert all(before[1] == 0 for before, _ in pairs)
+    errors_mm = [10 * math.dist(before[2], after[2]) for before, after in pairs]
+    last_tenth = [kind for _, kind, _ in sent[-len(sent) // 10:]]
+    tell(f'{SCENE_S:g} s of a bad day: {len(true)} frames, the coin whole on '
+         f'{node._source.whole_count}, {len(pairs)} positions, largest error '
+         f'{max(errors_mm):.3f} mm; {sum(last_tenth)} positions on the last '
+         f'{last_tenth.count(0)} frames')
+    assert len(true) > 3 * SCENE_S
+    assert max(errors_mm) < 0.2
+    assert len(pairs) > 0.95 * node._source.whole_count - 10
+    assert sum(last_tenth) > 0.5 * last_tenth.count(0)
