@@ -14,6 +14,7 @@
 
 """What a user should know about a camera: a level, a sentence that says what to do, numbers."""
 
+import time
 from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.camera_pipeline import CameraPipeline
@@ -65,6 +66,24 @@ def _reader_problem(reader: ReaderStatus, name: str) -> Problem:
     if reader.state is ReaderState.WAITING:
         return Problem('waiting', Level.ERROR, f'waiting for the camera: {cause}')
     return Problem('lost', Level.ERROR, f'nothing is published: {cause}')
+
+
+class DetectionRate:
+    """How many frames go through detection, and show an object, between one look and the next."""
+
+    def __init__(self) -> None:
+        self._looked_at, self._frames, self._with_object = time.monotonic(), 0, 0
+
+    def values(self, pipeline: CameraPipeline) -> Dict[str, str]:
+        """Give both rates since the last look, as texts for the diagnostics."""
+        now, counts = time.monotonic(), pipeline.counts
+        seconds = max(now - self._looked_at, 1e-3)
+        frames, with_object = counts['frames'], counts['frames with an object']
+        values = {'detection rate (frames/s)': f'{(frames - self._frames) / seconds:.1f}',
+                  'frames with an object (1/s)':
+                      f'{(with_object - self._with_object) / seconds:.1f}'}
+        self._looked_at, self._frames, self._with_object = now, frames, with_object
+        return values
 
 
 def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:

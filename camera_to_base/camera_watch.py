@@ -16,7 +16,8 @@
 
 from typing import Optional
 
-from camera_to_base.camera_health import camera_problem, camera_values, Problem
+from camera_to_base.camera_health import (
+    camera_problem, camera_values, DetectionRate, Problem)
 from camera_to_base.camera_pipeline import CameraPipeline
 from camera_to_base.diagnostics import Diagnostics
 from camera_to_base.health import Health, Level
@@ -39,6 +40,7 @@ class CameraWatch:
         self._logger = node.get_logger()
         self._pipeline = pipeline
         self._problem: Optional[Problem] = None
+        self._detection_rate = DetectionRate()
         self._reader: Optional[ReaderStatus] = None
         self._source: Optional[str] = None
         self._heartbeat = Heartbeat(node)
@@ -72,7 +74,8 @@ class CameraWatch:
 
     def _health(self) -> Health:
         values = {'source': self._source or 'random',
-                  **camera_values(self._reader, self._pipeline)}
+                  **camera_values(self._reader, self._pipeline),
+                  **self._detection_rate.values(self._pipeline)}
         if self._source is None:
             return Health(Level.WARN, 'positions are random: name a camera with source', values)
         if self._problem is not None:

@@ -337,5 +337,6 @@ def test_diagnostics_come_once_a_second_with_what_a_user_should_know(ros, play):
     assert ros.spin_until(lambda: len(statuses) >= 3, 6.0)
     assert statuses[2].received_at - statuses[1].received_at == pytest.approx(1.0, abs=0.3)
     assert statuses[-1].level == 0
-    assert {'source', 'frames read', 'frames dropped: damaged', 'reconnects', 'background',
-            'view shift (px)', 'age of the last frame (s)'} <= set(statuses[-1].values)
+    assert {'source', 'detection rate (frames/s)', 'frames with an object (1/s)', 'frames read',
+            'frames dropped: damaged', 'reconnects', 'background', 'view shift (px)',
+            'age of the last frame (s)'} <= set(statuses[-1].values)

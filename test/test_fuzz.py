@@ -24,6 +24,7 @@ import time
 
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.calibration import calibrate_base, calibrate_surface, check_surface
+from camera_to_base.camera_info_file import read_camera_info
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
@@ -218,6 +219,11 @@ trees = st.dictionaries(
         more, max_size=3) | st.dictionaries(names | numbers, more, max_size=3)), max_size=5)
 parameter_files = trees.map(
     lambda tree: yaml.safe_dump({'/**': {'ros__parameters': tree}}, allow_unicode=True))
+info_parts = values | st.sampled_from(['plumb_bob', 640, 480, [0.0] * 5]) | st.dictionaries(
+    st.sampled_from(['data', 'rows']), values | st.just([600.0, 0, 320, 0, 600, 240, 0, 0, 1]))
+camera_info_files = st.dictionaries(
+    st.sampled_from(['image_width', 'image_height', 'distortion_model', 'camera_matrix',
+                     'distortion_coefficients']), info_parts, min_size=3).map(yaml.safe_dump)
 good_cells = st.sampled_from(range(0, 640, 80)) | st.floats(0, 639)
 bad_cells = numbers.map(str) | st.sampled_from(
     ['', ' ', '"', '""', '"1', '1"', '"1\n2"', '1,5', '1;5', '0x10', '1_0', '١', 'nan', '\0'])
@@ -268,6 +274,12 @@ def test_any_parameter_file_is_read_and_used_or_gives_our_error(file, content):
 
 
 @bounded
+@given(yaml_texts | camera_info_files)
+def test_any_camera_info_file_is_read_or_gives_our_error(file, content):
+    outcome('camera_info files', read_camera_info, file(content))
+
+
+@bounded
 @given(st.binary(max_size=200) | texts | tables(POINT_COLUMNS, SIZE_COLUMNS))
 def test_any_table_of_points_is_calibrated_on_or_gives_our_error(file, content):
     found = outcome('tables', read_points, file(content))
@@ -305,7 +317,8 @@ def test_table_of_100000_rows_is_checked_at_once_and_refused_for_a_fit(file):
     assert time.monotonic() - begin < 20.0
 
 
-@pytest.mark.parametrize('read', [read_parameter_file, read_points, read_pairs])
+@pytest.mark.parametrize('read', [
+    read_parameter_file, read_camera_info, read_points, read_pairs])
 def test_what_is_no_file_is_refused(read, tmp_path):
     for path in (str(tmp_path), str(tmp_path / 'missing'), 'a\0b', 'x' * 5000, ''):
         with pytest.raises(InvalidValueError, match='cannot read the'):
