@@ -98,7 +98,7 @@ def test_second_transform_node_of_the_same_name_says_so_and_the_first_does_not(r
 class CoinThatComesToRest(SimulatedBoard):
     """Its coin moves and rests by turns, and after a quarter of the scene lies still for good."""
 
-    whole_count = 0
+    frame_count = whole_count = 0
 
     @property
     def true_point(self):
@@ -110,6 +110,7 @@ class CoinThatComesToRest(SimulatedBoard):
 
     def read(self):
         frame = super().read()
+        self.frame_count += 1
         self.whole_count += super().true_point is not None
         return frame
 
@@ -119,7 +120,8 @@ def test_through_a_bad_day_the_coin_is_published_and_nothing_else(ros, monkeypat
     found, true = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(TRUE_TOPIC)
     node = ros.add(CameraPublisher, '-p', 'source:=simulated',
                    *[word for text in BAD_DAY for word in ('-p', text)])
-    ros.spin_for(SCENE_S)
+    # Ten frames a second, or as many as the machine can make.
+    assert ros.spin_until(lambda: node._source.frame_count >= 10 * SCENE_S, 5 * SCENE_S)
     # For each frame the node sends the truth, then the position, if any. Which of the two topics
     # is discovered first is not known.
     sent = sorted([(at, 1, position) for at, position in found if at > true[0][0]]
@@ -128,11 +130,11 @@ def test_through_a_bad_day_the_coin_is_published_and_nothing_else(ros, monkeypat
     assert all(before[1] == 0 for before, _ in pairs)
     errors_mm = [10 * math.dist(before[2], after[2]) for before, after in pairs]
     last_tenth = [kind for _, kind, _ in sent[-len(sent) // 10:]]
-    tell(f'{SCENE_S:g} s of a bad day: {len(true)} frames, the coin whole on '
+    tell(f'{SCENE_S:g} s of a bad day: {len(true)} frames seen, the coin whole on '
          f'{node._source.whole_count}, {len(pairs)} positions, largest error '
          f'{max(errors_mm):.3f} mm; {sum(last_tenth)} positions on the last '
          f'{last_tenth.count(0)} frames')
-    assert len(true) > 3 * SCENE_S
+    assert len(true) > 9 * SCENE_S - 50
     assert max(errors_mm) < 0.2
     assert len(pairs) > 0.95 * node._source.whole_count - 10
     assert sum(last_tenth) > 0.5 * last_tenth.count(0)
