@@ -26,6 +26,7 @@ import time
 from camera_to_base import camera_parameters
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.simulated_board import SimulatedBoard
+import numpy as np
 import pytest
 from rclpy.qos import QoSProfile
 from ros_helpers import BASE_TOPIC, CAMERA_TOPIC, TRUE_TOPIC
@@ -39,8 +40,9 @@ SCENE_S = 600.0 if 'ENDURANCE' in os.environ else 20.0
 BAD_DAY = ['detector.method:=precise', 'detector.max_area_cm2:=20.0', 'simulated.rests:=true',
            f'simulated.light_drift:={-60.0 * 60.0 / SCENE_S}', 'simulated.exposure_step:=0.75',
            'simulated.hands:=6', 'simulated.noise:=3.0']
-DEEP = [f'qos_overrides.{CAMERA_TOPIC}.subscription.depth:=10000',
-        f'qos_overrides.{BASE_TOPIC}.publisher.depth:=10000']
+# A process that does not run for 1 s loses nothing; with the depth of 10 it does after 10 ms.
+DEEP = [f'qos_overrides.{CAMERA_TOPIC}.subscription.depth:=1000',
+        f'qos_overrides.{BASE_TOPIC}.publisher.depth:=1000']
 
 
 @pytest.fixture
@@ -60,6 +62,7 @@ def transform(ros, start):
         begin = time.monotonic()
         for count, number in enumerate(numbers, start=1):
             publisher.publish(Float64MultiArray(data=[number * 1e-4, 0.0]))
+            ros.executor.spin_once(timeout_sec=0)
             while time.monotonic() < begin + count / RATE:
                 ros.executor.spin_once(timeout_sec=0)
 
@@ -77,11 +80,13 @@ def test_nothing_is_lost_at_1_khz_and_memory_does_not_grow(ros, transform, tell)
     send(range(warm_up))
     before = memory_of(node)
     send(range(warm_up, MESSAGES))
-    ros.spin_until(lambda: len(received) == MESSAGES, 5.0)
+    ros.spin_until(lambda: len(received) == MESSAGES, 10.0)
     growth = memory_of(node) - before
-    tell(f'{MESSAGES} messages at {RATE:g} Hz: {MESSAGES - len(received)} lost, the transform '
+    places = np.rint((np.array(received) + 17.8) / 1e-4).astype(int)
+    lost_at = sorted(set(range(MESSAGES)) - set(places.tolist()))
+    tell(f'{MESSAGES} messages at {RATE:g} Hz: {len(lost_at)} lost {lost_at[:5]}, the transform '
          f'node grew by {growth} bytes after the first {warm_up}')
-    assert received == pytest.approx([number * 1e-4 - 17.8 for number in range(MESSAGES)])
+    assert places.tolist() == list(range(MESSAGES))
     assert growth < 1_000_000
 
 

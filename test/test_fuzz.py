@@ -20,7 +20,6 @@ FUZZ_CASES=100000 makes a longer run; the number of cases is printed at the end.
 
 from collections import Counter
 import os
-import time
 
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.calibration import calibrate_base, calibrate_surface, check_surface
@@ -300,12 +299,11 @@ def test_any_table_of_pairs_is_calibrated_on_or_gives_our_error(file, content):
         outcome('calibrations', calibrate_base, pairs, source='a table')
 
 
-def test_table_of_100000_rows_is_checked_at_once_and_refused_for_a_fit(file):
+def test_table_of_100000_rows_is_checked_on_and_refused_for_a_fit(file):
     number = np.arange(100_000)
     columns = [number % 639 + number / 1e6, number // 639 + number / 1e6]
     rows = np.stack([0.05 * columns[0], 0.05 * columns[1], *columns], axis=1)
     text = '\n'.join(','.join(map(str, row)) for row in rows.tolist())
-    begin = time.monotonic()
     matched, _ = read_points(file(','.join(POINT_COLUMNS) + '\n' + text))
     assert check_surface(SURFACE_DEFAULTS, matched)['points'] == 100_000
     for model in ('homography', 'polynomial'):
@@ -314,7 +312,6 @@ def test_table_of_100000_rows_is_checked_at_once_and_refused_for_a_fit(file):
     pairs = read_pairs(file(','.join(PAIR_COLUMNS) + '\n' + text))
     with pytest.raises(CalibrationError, match='give 1000 at most'):
         calibrate_base(pairs, source='a table')
-    assert time.monotonic() - begin < 20.0
 
 
 @pytest.mark.parametrize('read', [
