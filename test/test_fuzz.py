@@ -34,7 +34,7 @@ from camera_to_base.matched_points import MatchedPoints
 from camera_to_base.messages import position_from_message
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
 from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
-from camera_to_base.surface_parameters import SURFACE_DEFAULTS
+from camera_to_base.surface_specs import SURFACE_DEFAULTS
 from camera_to_base.tables import (
     PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_pairs, read_points, SIZE_COLUMNS)
 from camera_to_base.transform_parameters import transform_node_settings, TRANSFORM_SPECS
