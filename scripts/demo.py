@@ -45,7 +45,7 @@ def main(arguments):
         nodes.append(start('robot_base_publisher', {}))
         nodes.append(start('camera_publisher', {
             'source': source, 'annotated_picture': os.path.abspath(PICTURE),
-            'wait_for_subscribers': 2, 'wait_for_camera': False}))
+            'wait_for_subscribers': 2, 'wait_for_camera': False, **method_for(source)}))
         return listen(nodes)
     except BrokenPipeError:
         # Who read our lines has seen enough. What is still to be written goes nowhere.
@@ -53,6 +53,11 @@ def main(arguments):
         return 0
     finally:
         stop(nodes)
+
+
+def method_for(source):
+    """Take a recording as the tutorial does, frame for frame: it shows what is there to beat."""
+    return {'detector.method': 'tutorial'} if os.path.isfile(source) else {}
 
 
 def start(executable, parameters):
