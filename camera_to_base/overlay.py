@@ -14,11 +14,12 @@
 
 """Draws on a frame what was found there."""
 
+import math
 import os
 from typing import Callable, Sequence
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
-from camera_to_base.detection import check_frame, Pixel
+from camera_to_base.detection import check_frame, Detection, Pixel
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import write_files
 from camera_to_base.object_locator import LocatedObject, Point
@@ -53,7 +54,7 @@ def draw_objects(
     frame: np.ndarray, objects: Sequence[LocatedObject], label: Label = camera_label
 ) -> np.ndarray:
     """
-    Draw each object's outline, its box, its centre and its position.
+    Draw each object's outline, box, centre and position, and its direction where it has one.
 
     :param frame: Shape (h, w, 3), uint8, BGR; it is left as it is.
     :param label: Makes the text of a position.
@@ -66,6 +67,8 @@ def draw_objects(
         cv2.rectangle(picture, (box.x, box.y), (box.x + box.width - 1, box.y + box.height - 1),
                       _BOX_COLOUR, 2)
         _draw_centre(picture, detection.centre)
+        if found.yaw is not None:
+            _draw_axis(picture, detection)
         _draw_text(picture, label(found.point), (box.x, box.y - 8))
     return picture
 
@@ -141,6 +144,14 @@ def check_picture_path(path: str) -> str:
 
 def _draw_centre(picture: np.ndarray, pixel: Pixel) -> None:
     cv2.circle(picture, (round(pixel.u), round(pixel.v)), 3, _CENTRE_COLOUR, -1)
+
+
+def _draw_axis(picture: np.ndarray, detection: Detection) -> None:
+    (u, v), angle = detection.centre, detection.orientation
+    half = max(detection.box.width, detection.box.height) / 2
+    du, dv = half * math.cos(angle), half * math.sin(angle)
+    cv2.line(picture, (round(u - du), round(v - dv)), (round(u + du), round(v + dv)),
+             _CENTRE_COLOUR, 1, cv2.LINE_AA)
 
 
 def _draw_text(picture: np.ndarray, text: str, corner: Sequence[int]) -> None:

@@ -138,7 +138,7 @@ class Report:
         if truth is not None:
             true_x, true_y, _ = self._conversion.convert_point(*truth[1])
             error_mm = 10 * ((x - true_x) ** 2 + (y - true_y) ** 2) ** 0.5
-            line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.1f} mm'
+            line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.2f} mm'
         print(line, flush=True)
         if not self._picture_seen:
             self._name_picture()

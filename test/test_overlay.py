@@ -13,9 +13,12 @@
 # limitations under the License.
 
 from camera_to_base.absolute_difference import Box, Detection, Pixel
+from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.object_locator import LocatedObject, Point
-from camera_to_base.overlay import check_picture_path, draw_objects, draw_pixel, write_picture
+from camera_to_base.overlay import (
+    base_label, check_picture_path, draw_note, draw_objects, draw_pixel, object_mask,
+    write_picture)
 import cv2
 import numpy as np
 import pytest
@@ -175,3 +178,40 @@ def test_picture_with_another_ending_is_refused(tmp_path, name):
     with pytest.raises(InvalidValueError, match='.png or .jpg'):
         write_picture(str(tmp_path / name), grey_frame())
     assert list(tmp_path.iterdir()) == []
+
+
+def bar(angle, yaw):
+    """Make a bar of 100 x 20 px about (300, 200), turned by an angle."""
+    corners = cv2.boxPoints(((300, 200), (100, 20), np.degrees(angle))).round().astype(np.int32)
+    box = Box(*cv2.boundingRect(corners))
+    return LocatedObject(
+        Detection(box, Pixel(300, 200), 2000.0, corners, False), Point(1.0, 2.0), yaw)
+
+
+def test_outline_is_drawn_around_the_object():
+    found = bar(0.5, None)
+    drawn = changed(draw_objects(grey_frame(), [found]))
+    assert all(drawn[v, u] for u, v in found.detection.outline)
+
+
+def test_direction_is_drawn_for_an_object_that_has_one():
+    u, v = 300 + round(30 * np.cos(0.5)), 200 + round(30 * np.sin(0.5))
+    assert changed(draw_objects(grey_frame(), [bar(0.5, 0.5)]))[v - 1:v + 2, u].any()
+    assert not changed(draw_objects(grey_frame(), [bar(0.5, None)]))[v - 1:v + 2, u].any()
+
+
+def test_base_label_tells_the_position_in_the_base_frame():
+    label = base_label(CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0))
+    assert label(Point(19.5, 13.75)) == 'base x 1.70, y 10.65 cm'
+
+
+def test_mask_is_what_lies_within_the_outlines():
+    mask = object_mask(grey_frame(), [bar(0.5, None)])
+    assert mask.shape == (480, 640) and set(np.unique(mask)) == {0, 255}
+    assert np.count_nonzero(mask) == pytest.approx(2000, rel=0.1)
+
+
+def test_note_stands_in_the_corner(texts):
+    draw_note(grey_frame(), 'background taken 3 s ago')
+    (text, x, y, _, _), = texts
+    assert text == 'background taken 3 s ago' and x < 20 and y < 20
