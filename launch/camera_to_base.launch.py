@@ -110,7 +110,7 @@ def _transform_publisher(camera):
 def _node(camera, package, executable, name=None, **options):
     return Node(
         package=package, executable=executable, name=name or executable,
-        namespace=camera.namespace, output='screen', respawn=True, respawn_delay=1.0, **options)
+        namespace=camera.namespace, output='screen', respawn=True, respawn_delay=0.5, **options)
 
 
 def _rviz(camera):
