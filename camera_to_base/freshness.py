@@ -16,11 +16,17 @@
 
 from collections import deque
 from statistics import median
+from typing import Deque, Optional
 
 # A frame that could be read faster than this was there already.
 _WAITED_S = 0.006
+# Where other programs want the processor, reading what was there takes long, too: a frame that was
+# waited for comes no sooner than this share of the usual interval after the one before.
+_WAITED_INTERVALS = 0.5
 # How long a reader may go without waiting before what it reads counts as old.
 _LONGEST_RUSH_S = 0.2
+# A rush that lasts longer is a camera that has become faster.
+_NEW_RATE_S = 2.0
 _STALL_S = 0.25
 _STALL_INTERVALS = 2.5
 
@@ -37,14 +43,15 @@ class Freshness:
     """
 
     def __init__(self) -> None:
-        self._intervals = deque(maxlen=9)
+        self._intervals: Deque[float] = deque(maxlen=9)
         self.restart()
 
     def restart(self) -> None:
         """Trust nothing yet: the stream was opened anew."""
         self._waits_needed = 2
         self._waited_at = 0.0
-        self._ended_at = None
+        self._rushing_since: Optional[float] = None
+        self._ended_at: Optional[float] = None
 
     def is_fresh(self, begun_at: float, ended_at: float) -> bool:
         """
@@ -55,16 +62,21 @@ class Freshness:
         """
         interval = ended_at - (self._ended_at if self._ended_at is not None else begun_at)
         self._ended_at = ended_at
-        if interval > self._longest_interval():
+        usual = median(self._intervals) if self._intervals else 0.0
+        if interval > max(_STALL_S, _STALL_INTERVALS * usual):
             self._waits_needed = 2
-        elif ended_at - begun_at >= _WAITED_S:
+        elif ended_at - begun_at >= _WAITED_S and interval >= _WAITED_INTERVALS * usual:
             self._waits_needed = max(0, self._waits_needed - 1)
-            self._waited_at = ended_at
+            self._waited_at, self._rushing_since = ended_at, None
         elif self._waits_needed or ended_at - self._waited_at > _LONGEST_RUSH_S:
-            self._waits_needed = 2
+            self._rush(ended_at)
+            return False
         self._intervals.append(interval)
         return self._waits_needed == 0
 
-    def _longest_interval(self) -> float:
-        usual = median(self._intervals) if self._intervals else 0.0
-        return max(_STALL_S, _STALL_INTERVALS * usual)
+    def _rush(self, now: float) -> None:
+        # The intervals of a rush are not the camera's.
+        self._waits_needed = 2
+        self._rushing_since = self._rushing_since or now
+        if now - self._rushing_since > _NEW_RATE_S:
+            self._intervals.clear()

@@ -61,3 +61,19 @@ def test_stream_that_is_opened_anew_is_not_trusted_at_once():
     judge(freshness, [0.05] * 20)
     freshness.restart()
     assert judge(freshness, [0.001] * 5, now=200.0) == [False] * 5
+
+
+def test_old_frames_that_a_busy_machine_is_slow_to_read_are_not_taken_for_new_ones():
+    freshness = Freshness()
+    assert judge(freshness, [0.05] * 20)[-1]
+    # Measured, with eight programs for two processors: what lay in the socket took 10 to 17 ms.
+    later = judge(freshness, [0.010, 0.013, 0.017, 0.012] * 7 + [0.05] * 3, now=102.4)
+    assert not any(later[:28]) and later[-1]
+
+
+@pytest.mark.parametrize('before, after', [(20.0, 60.0), (100.0, 5.0), (10.0, 100.0), (5.0, 0.5)])
+def test_camera_that_changes_its_rate_is_fresh_again_within_3_s(before, after):
+    freshness = Freshness()
+    judge(freshness, [1 / before] * 20)
+    later = judge(freshness, [1 / after] * 400, now=100 + 20 / before)
+    assert all(later[max(10, round(3 * after)):])
