@@ -15,7 +15,10 @@
 """What a parameter is: name, default, meaning and limits, without ROS."""
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+import difflib
+from typing import Any, Collection, Dict, Iterable, Mapping, Optional, Tuple
+
+from camera_to_base.errors import InvalidValueError
 
 Values = Mapping[str, Any]
 
@@ -61,6 +64,61 @@ class ParameterSpec:
         if kind_of(self.default) == 'list of double' and kind_of(value) == 'list of integer':
             return [float(number) for number in value]
         return value
+
+    def typed(self, value: Any) -> Any:
+        """
+        Convert a value to the declared type.
+
+        :raises InvalidValueError: If it is of another.
+        """
+        typed = self.converted(value)
+        if not self.has_type_of(typed):
+            raise InvalidValueError(
+                f'parameter {self.name} must be of type {kind_of(self.default)}, '
+                f'got {typed!r} of type {kind_of(typed)}')
+        return typed
+
+    def checked(self, value: Any) -> Any:
+        """
+        Convert a value to the declared type, and check that it is within the limits.
+
+        :raises InvalidValueError: If it is of another type, or is not.
+        """
+        typed = self.typed(value)
+        if not self._allows(typed):
+            low, high = self.limits
+            steps = f' in steps of {self.step}' if self.step else ''
+            raise InvalidValueError(
+                f'parameter {self.name} must be {low:g} to {high:g}{steps}, got {typed!r}')
+        return typed
+
+    def _allows(self, value: Any) -> bool:
+        if self.limits is None:
+            return True
+        low, high = self.limits
+        return low <= value <= high and not (self.step and (value - low) % self.step)
+
+
+def checked_values(specs: Iterable[ParameterSpec], given: Values) -> Dict[str, Any]:
+    """
+    Give the value of each parameter, as a node has it that was started with some.
+
+    :param given: By full name; names of no spec are left out.
+    :raises InvalidValueError: If one is of another type, or beyond its limits.
+    """
+    return {spec.name: spec.checked(given[spec.name]) if spec.name in given else spec.default
+            for spec in specs}
+
+
+def meant_name(name: str, known: Collection[str]) -> Optional[str]:
+    """Tell which known name somebody meant who has written an unknown one; None for any."""
+    return next(iter(difflib.get_close_matches(name, known, n=1, cutoff=0.8)), None)
+
+
+def unknown_name_text(name: str, meant: Optional[str]) -> str:
+    """Warn of a name that no parameter has."""
+    hint = f": did you mean '{meant}'?" if meant else ''
+    return f"there is no parameter '{name}', it is left out{hint}"
 
 
 def kind_of(value: Any) -> str:

@@ -14,11 +14,11 @@
 
 """Declares and checks a node's parameters; hands out frozen values."""
 
-import difflib
 from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar
 
-from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.parameter_spec import kind_of, ParameterSpec, Values
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.parameter_spec import (
+    meant_name, ParameterSpec, unknown_name_text, Values)
 from rcl_interfaces.msg import (
     FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult)
 from rclpy.node import Node
@@ -61,10 +61,9 @@ class NodeParameters(Generic[T]):
         # A file may hold another node's parameters, too, so an unknown name alone says nothing.
         # rclpy has no public way to ask for what was given.
         for name in set(getattr(node, '_parameter_overrides', {})) - set(self._specs):
-            meant = difflib.get_close_matches(name, self._specs, n=1, cutoff=0.8)
+            meant = meant_name(name, self._specs)
             if meant:
-                node.get_logger().warning(
-                    f"there is no parameter '{name}', it is left out: did you mean '{meant[0]}'?")
+                node.get_logger().warning(unknown_name_text(name, meant))
 
     def _convert(self, parameters: List[Parameter]) -> List[Parameter]:
         return [Parameter(parameter.name, value=self._specs[parameter.name].converted(
@@ -90,12 +89,8 @@ def _declare(node: Node, spec: ParameterSpec) -> Any:
     # rclpy refuses an int where a double is declared. So an override is first read whatever its
     # type is, and the parameter is then declared with the converted value.
     anything = ParameterDescriptor(dynamic_typing=True)
-    value = spec.converted(node.declare_parameter(spec.name, spec.default, anything).value)
+    value = spec.typed(node.declare_parameter(spec.name, spec.default, anything).value)
     node.undeclare_parameter(spec.name)
-    if not spec.has_type_of(value):
-        raise InvalidValueError(
-            f'parameter {spec.name} must be of type {kind_of(spec.default)}, '
-            f'got {value!r} of type {kind_of(value)}')
     return node.declare_parameter(
         spec.name, value, _descriptor(spec), ignore_override=True).value
 
