@@ -27,8 +27,8 @@ from camera_to_base.calibrate_options import parse
 from camera_to_base.calibration import (
     add_camera_pose, calibrate_base, calibrate_surface, Calibration, check_surface)
 from camera_to_base.camera_info_file import read_camera_info
-from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.files import refuse_existing, write_files
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.files import refuse_existing, refuse_same_file, write_files
 from camera_to_base.frame_sources import FrameSource, open_frame_source
 from camera_to_base.matched_points import MatchedPoints
 from camera_to_base.overlay import check_picture_path, encoded_picture
@@ -137,10 +137,7 @@ def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
     outputs = [options.output]
     if 'picture' in options:
         outputs.append(options.picture or f'{os.path.splitext(options.output)[0]}_report.png')
-    files = [path for path in (*sources, *outputs) if path]
-    if len({os.path.realpath(path) for path in files}) < len(files):
-        raise InvalidValueError('expected different files to read and to write, got '
-                                + ', '.join(f"'{path}'" for path in files))
+    refuse_same_file([*sources, *outputs])
     for picture in outputs[1:]:
         check_picture_path(picture)
     if not options.force:

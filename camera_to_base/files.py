@@ -16,7 +16,7 @@
 """Writes files as a whole: whoever looks sees the old ones or the new ones, never a part."""
 
 import os
-from typing import Iterable, Mapping
+from typing import Iterable, Mapping, Optional
 
 from camera_to_base.errors import InvalidValueError
 
@@ -41,6 +41,19 @@ def write_files(contents: Mapping[str, bytes]) -> None:
         for part in unfinished.values():
             if os.path.exists(part):
                 os.remove(part)
+
+
+def refuse_same_file(paths: Iterable[Optional[str]]) -> None:
+    """
+    Refuse to read and to write, or to write twice, the same file.
+
+    :param paths: None where there is no such file.
+    :raises InvalidValueError: If two are the same.
+    """
+    files = [path for path in paths if path]
+    if len({os.path.realpath(path) for path in files}) < len(files):
+        raise InvalidValueError('expected different files to read and to write, got '
+                                + ', '.join(f"'{path}'" for path in files))
 
 
 def refuse_existing(paths: Iterable[str]) -> None:
