@@ -30,17 +30,18 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    install_requires=['setuptools', 'PyYAML'],
+    install_requires=['setuptools', 'PyYAML', 'tqdm'],
     zip_safe=True,
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
     description="Objects that a camera sees on a surface, as points in the robot's base frame.",
     license='Apache-2.0',
-    extras_require={'test': ['pytest']},
+    extras_require={'bags': ['rosbags'], 'test': ['pytest']},
     entry_points={
         'console_scripts': [
             'calibrate = camera_to_base.calibrate:main',
             'camera_publisher = camera_to_base.executables:camera_publisher',
+            'locate = camera_to_base.locate:main',
             'robot_base_publisher = camera_to_base.executables:robot_base_publisher',
             'robotic_arm_publishing_subscriber = '
             'camera_to_base.executables:robot_base_publisher',

@@ -88,8 +88,13 @@ class DetectorSettings:
     @property
     def without_effect(self) -> List[str]:
         """Names of settings that were changed, but belong to another method."""
-        return [name for method, names in _METHOD_SETTINGS.items() if method != self.method
-                for name in names if getattr(self, name) != getattr(type(self), name)]
+        return [name for names in _METHOD_SETTINGS.values() for name in names
+                if not self.has_effect(name) and getattr(self, name) != getattr(type(self), name)]
+
+    def has_effect(self, name: str) -> bool:
+        """Tell whether the method in use takes a setting."""
+        return not any(name in names for method, names in _METHOD_SETTINGS.items()
+                       if method != self.method)
 
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""

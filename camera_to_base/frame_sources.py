@@ -81,6 +81,12 @@ class VideoFile:
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.frame_rate = rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE
 
+    @property
+    def frame_count(self) -> Optional[int]:
+        """How many frames the file says that it has; None where it does not."""
+        count = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        return int(count) if count > 0 else None
+
     def read(self) -> Optional[np.ndarray]:
         """Give the next frame, see :meth:`FrameSource.read`."""
         good, frame = self._capture.read()

@@ -101,6 +101,18 @@ def read_node_parameters(path: str, node: str) -> Dict[str, Any]:
     return values
 
 
+def node_namespaces(path: str, nodes: Iterable[str]) -> List[str]:
+    """
+    List the namespaces in which a file names nodes: '' for none, '/cell_1'.
+
+    :param nodes: The nodes' names, without namespaces.
+    :raises InvalidValueError: If there is no such file, or it is no YAML.
+    """
+    names = [name.rpartition('/') for name, _ in _sections(load_yaml(path, 'parameter file')[1])]
+    return sorted({namespace for namespace, _, node in names
+                   if node in nodes and '*' not in namespace})
+
+
 def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     """
     Load a file.

@@ -30,7 +30,7 @@ NODES_AND_COMMANDS = {'camera_publisher', 'robot_base_publisher', 'calibrate', '
 # What is installed: nothing imports it, and it imports the nodes.
 EXECUTABLES = {'executables'}
 ROOMS = [
-    {'errors', 'health', 'node_help', 'parameter_spec', 'surface_specs'},
+    {'errors', 'health', 'interrupt', 'node_help', 'parameter_spec', 'surface_specs'},
     {'checks'},
     {'absolute_difference', 'background', 'board_conditions', 'board_disturbances',
      'board_drawing', 'board_view', 'coordinate_transform', 'detection', 'distortion',
@@ -40,12 +40,14 @@ ROOMS = [
      'matched_points', 'object_locator', 'overlay', 'reader_status', 'surface_parameters',
      'view_check'},
     {'camera_pose', 'figures', 'frame_reader', 'homography_fit', 'least_squares',
-     'picture_keeper', 'polynomial_fit', 'position_gate', 'random_pixels', 'rigid_fit'},
-    {'board', 'board_frame', 'board_squares', 'calibrate_options', 'camera_info_file',
-     'camera_pipeline', 'parameter_file', 'report_picture', 'report_text',
+     'picture_keeper', 'polynomial_fit', 'position_gate', 'random_pixels', 'recording',
+     'rigid_fit'},
+    {'annotated_video', 'bag_file', 'board', 'board_frame', 'board_squares', 'calibrate_options',
+     'camera_info_file', 'camera_pipeline', 'parameter_file', 'report_picture', 'report_text',
      'simulation_parameters', 'still_picture', 'tables', 'top_view'},
     {'calibration', 'camera_health', 'camera_parameters', 'launch_arguments', 'launch_cameras',
-     'transform_parameters'},
+     'locate_options', 'node_settings', 'position_table', 'sighting_counter', 'sweep',
+     'sweep_picture', 'transform_parameters'},
     {'heartbeat', 'image_messages', 'lifetime', 'messages', 'parameters'},
     {'background_service', 'debug_images', 'diagnostics', 'frame_feeds', 'image_topic',
      'position_topics', 'true_positions'},
@@ -53,9 +55,10 @@ ROOMS = [
     NODES_AND_COMMANDS,
     EXECUTABLES,
 ]
-# Free of ROS, but it reads YAML, or is the command line.
-COMMAND_LINE = ['calibrate', 'calibrate_options', 'camera_info_file', 'launch_arguments',
-                'launch_cameras', 'parameter_file']
+# Free of ROS, but it reads YAML or bags, or is the command line.
+COMMAND_LINE = ['bag_file', 'calibrate', 'calibrate_options', 'camera_info_file',
+                'launch_arguments', 'launch_cameras', 'locate', 'locate_options',
+                'node_settings', 'parameter_file']
 PURE = sorted((set.union(*ROOMS[:7]) - {*COMMAND_LINE}) & set(MODULES))
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
        'std_srvs', 'builtin_interfaces'}

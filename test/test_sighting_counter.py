@@ -1,0 +1,74 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from dataclasses import replace
+
+from camera_to_base.errors import FrameSizeError, InvalidValueError
+from camera_to_base.node_settings import read_node_settings
+from camera_to_base.recording import TimedFrame
+from camera_to_base.sighting_counter import SightingCounter
+import pytest
+from recordings import disc_frame
+
+SETTINGS = read_node_settings(None).camera
+
+
+def damaged():
+    raise InvalidValueError('the picture is damaged')
+
+
+def seen(counter, *decoders):
+    return [counter.see(TimedFrame(number, 0, decode)) for number, decode in enumerate(decoders)]
+
+
+def test_frames_are_counted_by_what_they_show():
+    counter = SightingCounter(SETTINGS)
+    seen(counter, lambda: disc_frame(None), lambda: disc_frame((60, 60)), damaged,
+         lambda: disc_frame([(60, 60), (200, 100)]), lambda: disc_frame(None),
+         lambda: disc_frame(None, (64, 48)), damaged)
+    counter.check_any_used()
+    summary = counter.summary()
+    assert summary[0] == '7 frames: 2 with an object (1 with one, 1 with more)'
+    assert summary[1] == 'frames left out: 2 (the first: the picture is damaged)'
+    assert summary[2].startswith('frames left out: 1 (the first: the frame is 64 x 48 px')
+
+
+def test_reason_is_told_with_the_frame():
+    first, second = seen(SightingCounter(SETTINGS), lambda: disc_frame(None), damaged)
+    assert first.held_back is None and second == ([], 'the picture is damaged')
+
+
+def test_frames_for_the_background_are_held_back():
+    counter = SightingCounter(replace(SETTINGS, background_frames=3))
+    seen(counter, *[lambda: disc_frame(None)] * 3, lambda: disc_frame((60, 60)))
+    assert counter.summary()[1:] == ['frames held back: 2 (the background is being taken)']
+    counter.check_any_used()
+
+
+@pytest.mark.parametrize('decoders, error', [
+    ([damaged] * 3, InvalidValueError),
+    ([lambda: disc_frame(None), *[lambda: disc_frame(None, (64, 48))] * 3], FrameSizeError)])
+def test_not_a_single_frame_that_can_be_used_is_an_error(decoders, error):
+    counter = SightingCounter(SETTINGS)
+    seen(counter, *decoders)
+    with pytest.raises(error, match='no frame could be used: '):
+        counter.check_any_used()
+
+
+def test_what_comes_too_late_holds_back_a_camera_and_not_a_recording():
+    for is_live, reason in ((True, 'detection took too long'), (False, None)):
+        counter = SightingCounter(replace(SETTINGS, confirm_jump_px=0.0), is_live)
+        sightings = [counter.see(TimedFrame(0, 0, lambda: disc_frame(scene), taken_at=-100.0))
+                     for scene in (None, (60, 60))]
+        assert sightings[1].held_back == reason and len(sightings[1].objects) == 1
