@@ -18,6 +18,7 @@ import os
 from typing import Optional
 
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
@@ -38,25 +39,23 @@ class AnnotatedVideo:
 
     def add(self, picture: np.ndarray) -> None:
         """
-        Add a picture; one of another size than the first is left out.
+        Add a picture; one of another size than the first is left out by OpenCV.
 
         :param picture: Shape (h, w, 3), uint8, BGR.
         :raises InvalidValueError: If the video cannot be written.
         """
         if self._writer is None:
-            self._size = picture.shape[1], picture.shape[0]
-            self._writer = self._open()
-        if (picture.shape[1], picture.shape[0]) == self._size:
-            self._writer.write(picture)
+            self._writer = self._open((picture.shape[1], picture.shape[0]))
+        self._writer.write(picture)
 
     def release(self) -> None:
         """Finish the file."""
         if self._writer is not None:
             self._writer.release()
 
-    def _open(self) -> cv2.VideoWriter:
+    def _open(self, size: ImageSize) -> cv2.VideoWriter:
         writer = cv2.VideoWriter(
-            self._path, cv2.VideoWriter_fourcc(*_CODEC), self._frame_rate, self._size)
+            self._path, cv2.VideoWriter_fourcc(*_CODEC), self._frame_rate, size)
         if not writer.isOpened():
             raise InvalidValueError(
                 f"cannot write video '{self._path}': may this folder be written to, and has this "

@@ -52,12 +52,15 @@ def write_bag():
         frame = cv2.cvtColor(frame, cv2.COLOR_BGR2RGB)
         return store.types[kind](header, SIZE[1], SIZE[0], 'rgb8', 0, 3 * SIZE[0], frame.ravel())
 
-    def write(name='bag', storage='SQLITE3', topics=(('/camera', IMAGE),), stamped=True):
+    def write(name='bag', storage='SQLITE3', topics=(('/camera', IMAGE),), stamped=True,
+              silent=()):
         plugin = rosbag2.StoragePlugin[storage]
         with rosbag2.Writer(name, version=9, storage_plugin=plugin) as writer:
             text = writer.add_connection('/chatter', 'std_msgs/msg/String', typestore=store)
             hello = store.types['std_msgs/msg/String']('hello')
             writer.write(text, BEGIN_NS, store.serialize_cdr(hello, 'std_msgs/msg/String'))
+            for topic in silent:
+                writer.add_connection(topic, COMPRESSED, typestore=store)
             for topic, kind in topics:
                 connection = writer.add_connection(topic, kind, typestore=store)
                 for number, position in enumerate(PATH):
@@ -106,6 +109,10 @@ def test_several_topics_are_named_and_one_can_be_chosen(write_bag):
         BagFile(name, '/up')
     for topic in ('/right/image', 'right/image'):
         assert len(read(BagFile(name, topic))) == 6
+
+
+def test_topic_on_which_nothing_came_is_no_choice(write_bag):
+    assert len(read(BagFile(write_bag(silent=['/camera/compressed'])))) == 6
 
 
 def test_bag_without_pictures_is_refused(write_bag):

@@ -13,11 +13,14 @@
 # limitations under the License.
 
 from dataclasses import replace
+import time
 
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 from camera_to_base.node_settings import read_node_settings
 from camera_to_base.recording import TimedFrame
 from camera_to_base.sighting_counter import SightingCounter
+import cv2
+import numpy as np
 import pytest
 from recordings import disc_frame
 
@@ -72,3 +75,16 @@ def test_what_comes_too_late_holds_back_a_camera_and_not_a_recording():
         sightings = [counter.see(TimedFrame(0, 0, lambda: disc_frame(scene), taken_at=-100.0))
                      for scene in (None, (60, 60))]
         assert sightings[1].held_back == reason and len(sightings[1].objects) == 1
+
+
+def test_moved_view_holds_back_a_camera_and_not_a_recording():
+    table = np.random.default_rng(1).integers(100, 200, (60, 80, 3)).astype(np.uint8)
+    table = cv2.resize(table, (640, 480), interpolation=cv2.INTER_CUBIC)
+    settings = replace(SETTINGS, view=replace(SETTINGS.view, check_period=0.01))
+    for is_live, reason in ((True, 'the view has moved'), (False, None)):
+        counter = SightingCounter(settings, is_live)
+        seen(counter, lambda: table)
+        end = time.monotonic() + 0.05
+        while time.monotonic() < end:
+            sighting, = seen(counter, lambda: np.roll(table, 20, axis=1))
+        assert sighting.held_back == reason
