@@ -46,6 +46,8 @@ import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Header
 
+# What is sent while two nodes still discover each other arrives this late.
+_LONGEST_DISCOVERY_S = 5.0
 # A recording that nobody listens to is played all the same.
 _LONGEST_WAIT_S = 10.0
 _TOPIC_SOURCES = ('topic', 'compressed_topic')
@@ -229,7 +231,7 @@ class CameraPublisher(Node):
     def _end(self) -> None:
         self.get_logger().info(
             f"'{self._settings.source}' has ended after {self._pipeline.counts['frames']} frames")
-        self._topics.wait_until_received(1.0)
+        self._topics.wait_until_received(_LONGEST_DISCOVERY_S)
         self.context.try_shutdown()
 
 

@@ -14,6 +14,7 @@
 
 """Publishes positions in one frame: on the tutorial's topic, and stamped, in metres."""
 
+import time
 from typing import Iterable
 
 from camera_to_base.coordinate_transform import Pose
@@ -70,9 +71,16 @@ class PositionTopics:
         self._objects.publish(poses_message(header, poses))
 
     def wait_until_received(self, seconds: float) -> None:
-        """Wait until all listeners have what was published."""
-        for publisher in (self._position, self._point, self._objects):
-            publisher.wait_for_all_acked(Duration(seconds=seconds))
+        """
+        Wait until all listeners have what was published.
+
+        :param seconds: For so long at most; Ctrl-C is heard meanwhile.
+        """
+        waiting = [self._position, self._point, self._objects]
+        until = time.monotonic() + seconds
+        while waiting and time.monotonic() < until:
+            waiting = [publisher for publisher in waiting
+                       if not publisher.wait_for_all_acked(Duration(seconds=0.1))]
 
 
 def _publisher(node: Node, message_type: type, topic: str) -> Publisher:

@@ -125,7 +125,7 @@ def test_positions_are_those_that_the_nodes_publish(run, ros, start, method):
     assert ros.spin_until(lambda: not node.is_running, 20.0)
     expected = [(row['x_base_cm'], row['y_base_cm']) for row in largest
                 if row['x_base_cm'] is not None]
-    assert ros.spin_until(lambda: len(base) == len(expected), 2.0)
+    assert ros.spin_until(lambda: len(base) == len(expected), 5.0)
     assert 0 < len(expected) < len(largest) == 20
     np.testing.assert_allclose(
         camera, [(row['x_cam_cm'], row['y_cam_cm']) for row in largest], atol=1e-4)

@@ -148,7 +148,7 @@ def test_video_is_published_frame_for_frame_as_by_the_tutorial_and_ends_with_0(
     assert ros.spin_until(lambda: not node.is_running, 20.0)
     assert node.wait() == 0
     assert 'has ended after 43 frames' in node.output
-    assert ros.spin_until(lambda: len(base) == len(expected), 2.0)
+    assert ros.spin_until(lambda: len(base) == len(expected), 5.0)
     assert len(expected) == 40
     assert camera == [pytest.approx(position) for position in expected]
     assert base == [pytest.approx([x - 17.8, 24.4 - y]) for x, y in expected]
