@@ -22,9 +22,9 @@ import subprocess
 import sys
 import time
 
-from camera_to_base import object_locator
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base import detector_settings
 from camera_to_base.camera_publisher import CameraPublisher
+from camera_to_base.precise_difference import PreciseDifferenceDetector
 from child_camera import ChildCamera
 import damage
 from mjpeg_server import MjpegServer
@@ -150,12 +150,12 @@ def test_signal_ends_a_node_whose_camera_hangs_within_2_5_s(
 @both_servers
 def test_frame_is_never_old_where_detection_is_slower_than_the_camera(
         ros, monkeypatch, server_class):
-    class SlowDetector(AbsoluteDifferenceDetector):
+    class SlowDetector(PreciseDifferenceDetector):
         def detect(self, frame):
             time.sleep(0.19)
             return super().detect(frame)
 
-    monkeypatch.setattr(object_locator, 'AbsoluteDifferenceDetector', SlowDetector)
+    monkeypatch.setattr(detector_settings, 'PreciseDifferenceDetector', SlowDetector)
     positions = ros.listen_with_time(CAMERA_TOPIC)
     with server_class(scenes.clock(), 20.0) as camera:
         ros.add(CameraPublisher, *stream_arguments(
