@@ -50,15 +50,16 @@ class RobotBasePublisher(Node):
         self._dropped_before = 0
         self._topics = PositionTopics(
             self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame')
-        self._subscribe(Float64MultiArray, _POSITION, self._on_position)
-        self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point)
-        self._subscribe(PoseArray, _OBJECTS, self._on_objects)
-        self.get_logger().info(f'publishing on {self._topics.name} what comes on '
-                               f'{self.resolve_topic_name(_POSITION)}')
         heartbeat = Heartbeat(self)
         Diagnostics(self, heartbeat, self._health)
         self._name_checks = 0
         heartbeat.every(_NAME_CHECK_PERIOD_S, self._check_name)
+        # Last: what comes before the node spins is published late.
+        self._subscribe(PoseArray, _OBJECTS, self._on_objects)
+        self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point)
+        self._subscribe(Float64MultiArray, _POSITION, self._on_position)
+        self.get_logger().info(f'publishing on {self._topics.name} what comes on '
+                               f'{self.resolve_topic_name(_POSITION)}')
 
     @property
     def dropped_count(self) -> int:
