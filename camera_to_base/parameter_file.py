@@ -29,8 +29,9 @@ class _Loader(yaml.SafeLoader):
     def compose_node(self, parent: Optional[yaml.Node], index: Any) -> Optional[yaml.Node]:
         """Make the next node."""
         if self.check_event(yaml.AliasEvent):
-            raise yaml.YAMLError(f'an alias (*{self.peek_event().anchor}) stands in it: ROS reads '
-                                 'none, write its value out')
+            raise InvalidValueError(
+                f'an alias (*{self.peek_event().anchor}) stands in it: ROS reads none, write its '
+                'value out')
         return super().compose_node(parent, index)
 
 

@@ -79,7 +79,7 @@ class SightingCounter:
         refused = [text for texts in self.errors.values() for text in texts]
         background = self.held_back['the background is being taken']
         if self.frames and len(refused) >= max(self.frames - background - 1, 1):
-            raise next(iter(self.errors))(f'no frame could be used: {refused[0]}')
+            raise CameraToBaseError(f'no frame could be used: {refused[0]}')
 
     def summary(self) -> List[str]:
         """Tell in lines what was seen."""

@@ -47,17 +47,16 @@ def make_surface(values: Mapping[str, Any]) -> Surface:
     if object_height_cm == 0:
         return surface
     if camera_height_cm == 0:
-        raise _where_is_the_camera('surface.camera_height_cm')
+        raise InvalidValueError(_where_is_the_camera('surface.camera_height_cm'))
     if len(foot_cm) == 0 and values['surface.model'] != 'parallel':
-        raise _where_is_the_camera('surface.camera_foot_cm')
+        raise InvalidValueError(_where_is_the_camera('surface.camera_foot_cm'))
     return RaisedSurface(surface, object_height_cm, camera_height_cm,
                          foot_cm if len(foot_cm) else None, values['surface.image_size'])
 
 
-def _where_is_the_camera(name: str) -> InvalidValueError:
-    return InvalidValueError(
-        f'object_height_cm needs {name}: measure and set it, or let `calibrate board` with '
-        '--intrinsics find it')
+def _where_is_the_camera(name: str) -> str:
+    return (f'object_height_cm needs {name}: measure and set it, or let `calibrate board` with '
+            '--intrinsics find it')
 
 
 def _flat_surface(values: Mapping[str, Any]) -> Surface:
