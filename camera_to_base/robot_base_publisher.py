@@ -145,7 +145,8 @@ class RobotBasePublisher(Node):
             return Health(Level.WARN, (
                 f'{newly} message(s) dropped in the last second: see who else publishes on '
                 f'{_POSITION}, and check reach_cm'), values)
-        if not self.count_publishers(_POSITION):
+        # rclpy asks for a name as it is, not as it was remapped.
+        if not self.count_publishers(values['source']):
             return Health(Level.WARN, 'nobody publishes positions: start camera_publisher', values)
         return Health(Level.OK, 'positions are transformed', values)
 

@@ -134,6 +134,14 @@ def test_namespace_and_remap_move_the_topics(ros):
     assert ros.spin_until(lambda: node.count_subscribers('/cell/seen') == 1)
 
 
+def test_publisher_of_a_remapped_topic_is_not_missed(ros):
+    statuses = ros.listen_to_diagnostics('/robot_base_publisher')
+    ros.add(RobotBasePublisher, '-r', 'pos_in_cam_frame:=seen')
+    assert ros.spin_until(lambda: statuses and 'nobody publishes' in statuses[-1].message)
+    ros.talk('/seen')
+    assert ros.spin_until(lambda: statuses[-1].level == 0, 6.0)
+
+
 def test_every_parameter_is_described(ros):
     node = ros.add(RobotBasePublisher)
     for name in ('rotation_deg', 'displacement_cm', 'reach_cm'):
