@@ -36,6 +36,8 @@ os.environ.setdefault('OPENCV_FFMPEG_CAPTURE_OPTIONS', 'rtsp_transport;tcp|fpspr
 # its 10 s from the environment.
 _STREAM_TIMEOUTS = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, 1500, cv2.CAP_PROP_READ_TIMEOUT_MSEC, 1200]
 os.environ.setdefault('OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT', '1')
+# OpenCV raises an error of its own for a larger one.
+_LARGEST_INDEX = 2**31 - 1
 # OpenCV 5 has moved it.
 _set_log_level = getattr(cv2, 'setLogLevel', None) or cv2.utils.logging.setLogLevel
 
@@ -198,17 +200,16 @@ def first_camera(image_size: ImageSize = (640, 480)) -> Optional[Camera]:
 
 def _device_number(path: str) -> float:
     number = re.search(r'(\d+)$', path)
-    return int(number.group()) if number else math.inf
+    return float(number.group()) if number else math.inf
 
 
 def _device_index(name: str) -> int:
     # OpenCV 4.6 opens a V4L2 device by its index only; /dev/v4l/by-id/... are links to one.
-    if name.isdecimal():
-        return int(name)
-    number = _device_number(os.path.realpath(name))
-    if number == math.inf:
-        raise FrameSourceError(f"cannot open camera '{name}': expected /dev/video and a number")
-    return number
+    number = float(name) if name.isdecimal() else _device_number(os.path.realpath(name))
+    if number > _LARGEST_INDEX:
+        raise FrameSourceError(
+            f"cannot open camera '{name}': expected a device's number, or /dev/video and a number")
+    return int(number)
 
 
 def _open(

@@ -71,7 +71,12 @@ class ParameterSpec:
 
         :raises InvalidValueError: If it is of another.
         """
-        typed = self.converted(value)
+        try:
+            typed = self.converted(value)
+        except OverflowError:
+            raise InvalidValueError(
+                f'parameter {self.name} must be of type {kind_of(self.default)}, got a whole '
+                'number of more than 300 digits')
         if not self.has_type_of(typed):
             raise InvalidValueError(
                 f'parameter {self.name} must be of type {kind_of(self.default)}, '

@@ -46,6 +46,8 @@ def test_what_is_given_is_converted_as_the_nodes_do(given, value):
     ({'odd': 4}, 'parameter odd must be 1 to 99 in steps of 2, got 4'),
     ({'length': float('nan')}, 'parameter length must be 0.5 to 10, got nan'),
     ({'count': 1.0}, 'parameter count must be of type integer, got 1.0 of type double'),
+    ({'length': 10**400}, 'parameter length must be of type double, got a whole number of more'),
+    ({'corner': [0, 10**400]}, 'parameter corner must be of type list of double, got a whole'),
     ({'on': 1}, 'parameter on must be of type bool, got 1 of type integer'),
     ({'corner': 'left'}, 'parameter corner must be of type list of double')])
 def test_what_a_node_would_refuse_is_refused(given, said):
