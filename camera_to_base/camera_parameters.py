@@ -17,6 +17,7 @@
 from dataclasses import dataclass
 from typing import Any, Dict, Optional, Tuple
 
+from camera_to_base.camera_pipeline import Limits
 from camera_to_base.detector_settings import DetectorSettings, METHODS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.hull import Hull
@@ -31,15 +32,6 @@ from camera_to_base.transform_parameters import PLACEMENT_SPECS, transform_setti
 
 
 @dataclass(frozen=True)
-class ViewSettings:
-    """When a camera counts as moved, see :func:`view_problem`."""
-
-    max_shift_px: float
-    max_changed_share: float
-    check_period: float
-
-
-@dataclass(frozen=True)
 class CameraSettings:
     """All that `camera_publisher` takes from its parameters."""
 
@@ -48,8 +40,7 @@ class CameraSettings:
     wait_for_subscribers: int
     wait_for_camera: bool
     background_frames: int
-    max_frame_age: float
-    confirm_jump_px: float
+    limits: Limits
     annotated_picture: str
     camera_frame_id: str
     image_size: Tuple[int, int]
@@ -57,7 +48,6 @@ class CameraSettings:
     surface: Surface
     hull: Optional[Hull]
     simulated: SimulationSettings
-    view: ViewSettings
     debug_label: Label
 
 
@@ -151,8 +141,9 @@ def camera_settings(values: Values) -> CameraSettings:
         wait_for_subscribers=values['wait_for_subscribers'],
         wait_for_camera=values['wait_for_camera'],
         background_frames=values['background_frames'],
-        max_frame_age=values['max_frame_age'],
-        confirm_jump_px=values['confirm_jump_px'],
+        limits=Limits(
+            values['max_frame_age'], values['confirm_jump_px'], values['view.max_shift_px'],
+            values['view.max_changed_share'], values['view.check_period']),
         annotated_picture=values['annotated_picture'],
         camera_frame_id=values['camera_frame_id'],
         image_size=check_image_size(values['surface.image_size']),
@@ -162,7 +153,6 @@ def camera_settings(values: Values) -> CameraSettings:
         surface=make_surface(values),
         hull=hull,
         simulated=simulation_settings(**_group(values, 'simulated.')),
-        view=ViewSettings(**_group(values, 'view.')),
         debug_label=_debug_label(values))
 
 

@@ -30,13 +30,18 @@ import numpy as np
 
 
 class Limits(NamedTuple):
-    """What a frame or a position must keep to, see the node's parameters."""
+    """What a frame, a position or the view must keep to, see the node's parameters."""
 
     max_frame_age_s: float = 0.3
     confirm_jump_px: float = 8.0
     max_shift_px: float = 3.0
     max_changed_share: float = 0.7
     check_period_s: float = 2.0
+
+    @property
+    def for_recording(self) -> 'Limits':
+        """The same without the view: no arm follows a recording, which is shown as it is."""
+        return self._replace(max_shift_px=0.0)
 
 
 class CameraPipeline:

@@ -14,7 +14,6 @@
 
 """Node: wires a frame source, the camera pipeline and publishers."""
 
-from dataclasses import astuple
 import os
 import time
 from typing import Callable, List, Optional, Union
@@ -92,11 +91,8 @@ class CameraPublisher(Node):
         return self._node_parameters.current
 
     def _limits(self) -> Limits:
-        settings = self._settings
-        limits = Limits(settings.max_frame_age, settings.confirm_jump_px, *astuple(settings.view))
-        # A recording is not what an arm follows: it is shown as it is.
-        recorded = isinstance(self._source, VideoFile)
-        return limits._replace(max_shift_px=0.0) if recorded else limits
+        limits = self._settings.limits
+        return limits.for_recording if isinstance(self._source, VideoFile) else limits
 
     def _open_source(self) -> Optional[FrameSource]:
         name, image_size = self._settings.source, self._settings.image_size

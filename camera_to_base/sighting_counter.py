@@ -15,11 +15,10 @@
 """Runs the camera's pipeline on a recording, and counts what came of it."""
 
 from collections import Counter
-from dataclasses import astuple
 from typing import Dict, List
 
 from camera_to_base.camera_parameters import CameraSettings
-from camera_to_base.camera_pipeline import CameraPipeline, Limits
+from camera_to_base.camera_pipeline import CameraPipeline
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.position_gate import Sighting
 from camera_to_base.recording import TimedFrame
@@ -34,10 +33,10 @@ class SightingCounter:
     """
 
     def __init__(self, settings: CameraSettings, is_live: bool = False) -> None:
-        limits = Limits(settings.max_frame_age, settings.confirm_jump_px, *astuple(settings.view))
         self._pipeline = CameraPipeline(
             settings.surface, settings.detector,
-            limits if is_live else limits._replace(max_shift_px=0.0), settings.background_frames)
+            settings.limits if is_live else settings.limits.for_recording,
+            settings.background_frames)
         self._is_live = is_live
         self.frames = self.with_one = self.with_more = 0
         self.held_back: Counter = Counter()

@@ -25,6 +25,7 @@ import pytest
 from recordings import disc_frame
 
 SETTINGS = read_node_settings(None).camera
+AT_ONCE = replace(SETTINGS, limits=SETTINGS.limits._replace(confirm_jump_px=0.0))
 
 
 def damaged():
@@ -71,7 +72,7 @@ def test_not_a_single_frame_that_can_be_used_is_an_error(decoders, reason):
 
 def test_what_comes_too_late_holds_back_a_camera_and_not_a_recording():
     for is_live, reason in ((True, 'detection took too long'), (False, None)):
-        counter = SightingCounter(replace(SETTINGS, confirm_jump_px=0.0), is_live)
+        counter = SightingCounter(AT_ONCE, is_live)
         sightings = [counter.see(TimedFrame(0, 0, lambda: disc_frame(scene), taken_at=-100.0))
                      for scene in (None, (60, 60))]
         assert sightings[1].held_back == reason and len(sightings[1].objects) == 1
@@ -80,7 +81,7 @@ def test_what_comes_too_late_holds_back_a_camera_and_not_a_recording():
 def test_moved_view_holds_back_a_camera_and_not_a_recording():
     table = np.random.default_rng(1).integers(100, 200, (60, 80, 3)).astype(np.uint8)
     table = cv2.resize(table, (640, 480), interpolation=cv2.INTER_CUBIC)
-    settings = replace(SETTINGS, view=replace(SETTINGS.view, check_period=0.01))
+    settings = replace(SETTINGS, limits=SETTINGS.limits._replace(check_period_s=0.01))
     for is_live, reason in ((True, 'the view has moved'), (False, None)):
         counter = SightingCounter(settings, is_live)
         seen(counter, lambda: table)
