@@ -52,8 +52,7 @@ def camera_problem(
     if pipeline.background is None:
         return Problem('background', Level.WARN, 'taking the background: keep the surface clear')
     if pipeline.size_problem is not None:
-        return Problem('size', Level.ERROR, (
-            f'{pipeline.size_problem}, or call ~/capture_background with the surface clear'))
+        return Problem('size', Level.ERROR, pipeline.size_problem)
     if pipeline.view_problem is not None:
         return Problem('view', Level.ERROR, pipeline.view_problem)
     return None

@@ -107,7 +107,9 @@ class CameraPipeline:
             objects = self._current_locator().locate(frame)
             self.size_problem = None
         except FrameSizeError as error:
-            self.size_problem = str(error)
+            # Another background does not change what the surface was calibrated for.
+            cure = ', or clear the surface and call ~/capture_background' if self._locator else ''
+            self.size_problem = f'{error}{cure}'
             raise
         self._check_view(frame)
         sighting = self._gate.judge(objects, taken_at)

@@ -14,11 +14,13 @@
 
 import time
 
-from camera_to_base.camera_health import DetectionRate
+from camera_to_base.camera_health import camera_problem, DetectionRate
 from camera_to_base.camera_pipeline import CameraPipeline
-from camera_to_base.surface import ParallelSurface
+from camera_to_base.errors import FrameSizeError
+from camera_to_base.surface import HomographySurface, ParallelSurface
 import cv2
 import numpy as np
+import pytest
 
 RATE, WITH_OBJECT = 'detection rate (frames/s)', 'frames with an object (1/s)'
 
@@ -41,3 +43,18 @@ def test_detection_rate_is_that_since_the_last_look(monkeypatch):
     assert rate.values(pipeline) == {RATE: '1.0', WITH_OBJECT: '1.0'}
     now = 104.0
     assert rate.values(pipeline) == {RATE: '0.0', WITH_OBJECT: '0.0'}
+
+
+def size_complaint(surface, *frames):
+    pipeline = CameraPipeline(surface)
+    with pytest.raises(FrameSizeError):
+        for frame in frames:
+            pipeline.process(frame)
+    return camera_problem(None, pipeline, 'camera').sentence
+
+
+def test_new_background_is_proposed_only_where_it_helps_against_another_picture_size():
+    small = cv2.resize(table(), (160, 120))
+    assert 'call ~/capture_background' in size_complaint(ParallelSurface(), table(), small)
+    complaint = size_complaint(HomographySurface(np.eye(3), (640, 480)), small)
+    assert 'calibrate again' in complaint and 'capture_background' not in complaint

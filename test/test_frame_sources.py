@@ -150,7 +150,8 @@ def test_name_of_nothing_is_refused(tmp_path, monkeypatch, name):
 
 
 @pytest.mark.parametrize('name', [
-    '97', '/dev/video97', '/dev/v4l/by-id/none', '/dev/null', '99999999999', '/dev/video2147483648'])
+    '97', '/dev/video97', '/dev/v4l/by-id/none', '/dev/null', '99999999999',
+    '/dev/video2147483648'])
 def test_device_that_does_not_exist_is_refused(name):
     with pytest.raises(FrameSourceError, match=f"cannot open camera '{name}'"):
         open_frame_source(name)
