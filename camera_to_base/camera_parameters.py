@@ -61,8 +61,8 @@ CAMERA_SPECS = [
     ParameterSpec('period', 3.0, 'Time between two random pixels, in s.', (0.001, 3600)),
     ParameterSpec(
         'wait_for_subscribers', 1,
-        'A video file is not started before this many listen to pos_in_cam_frame, but 10 s '
-        'later at the latest.', (0, 100), fixed=True),
+        'A video file is not started before this many listen to pos_in_cam_frame, its point, or '
+        'objects_in_cam_frame, but 10 s later at the latest.', (0, 100), fixed=True),
     ParameterSpec(
         'wait_for_camera', True,
         'Whether a device or a stream that is not there at the start is waited for; otherwise '

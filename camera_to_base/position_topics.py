@@ -54,7 +54,7 @@ class PositionTopics:
 
     @property
     def listener_count(self) -> int:
-        """How many listen to the tutorial's topic, or to all objects."""
+        """How many listen to that of the three topics which has the most listeners."""
         return max(publisher.get_subscription_count()
                    for publisher in (self._position, self._point, self._objects))
 

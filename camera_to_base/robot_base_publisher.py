@@ -118,7 +118,7 @@ class RobotBasePublisher(Node):
         out_of_reach = isinstance(error, OutOfReachError)
         self._dropped['out of reach' if out_of_reach else 'no position'] += 1
         self.get_logger().warning(
-            f'dropped a message on the topic {topic}: {error} '
+            f'dropped a position on the topic {topic}: {error} '
             f'({self.dropped_count} dropped so far)', throttle_duration_sec=5.0)
 
     def _check_name(self) -> None:
@@ -143,7 +143,7 @@ class RobotBasePublisher(Node):
             self.dropped_count - self._dropped_before, self.dropped_count)
         if newly:
             return Health(Level.WARN, (
-                f'{newly} message(s) dropped in the last second: see who else publishes on '
+                f'{newly} position(s) dropped in the last second: see who else publishes on '
                 f'{_POSITION}, and check reach_cm'), values)
         # rclpy asks for a name as it is, not as it was remapped.
         if not self.count_publishers(values['source']):

@@ -166,7 +166,7 @@ def test_bad_messages_do_not_stop_the_transform_node(ros, start):
     ros.spin_for(0.2)
     assert received == [pytest.approx([-7.8, 14.4])]
     assert node.end() == 0
-    assert 'dropped a message' in node.output
+    assert 'dropped a position' in node.output
     assert 'Traceback' not in node.output
 
 
