@@ -126,7 +126,10 @@ class Camera:
         """
         if self._capture is None:
             self._capture = self._open_capture()
-        good, frame = self._capture.read()
+        try:
+            good, frame = self._capture.read()
+        except cv2.error:
+            good = False  # a USB camera may give an empty JPEG, which V4L2 decodes unchecked
         if not good:
             self.release()
             raise FrameSourceError(

@@ -232,6 +232,17 @@ def test_device_that_was_unplugged_is_an_error_and_is_opened_anew(devices):
     assert len(devices) == 2 and devices[1].index == 7
 
 
+def test_picture_that_opencv_fails_on_is_an_error_and_the_device_is_opened_anew(
+        devices, monkeypatch):
+    camera = open_frame_source('7')
+    with monkeypatch.context() as broken:
+        broken.setattr(Device, 'read', lambda self: cv2.imdecode(np.zeros(0, np.uint8), 1))
+        with pytest.raises(FrameSourceError, match="camera '7' gives no frame"):
+            camera.read()
+    camera.read()
+    assert len(devices) == 2
+
+
 @pytest.mark.skipif(bool(glob.glob('/dev/video*')), reason='a camera is attached')
 def test_there_is_no_first_camera_where_none_is_attached():
     assert first_camera() is None
