@@ -61,10 +61,18 @@ def is_wanted(name: str, value: str) -> bool:
 
 
 def image_input(camera: Camera) -> ImageInput:
-    """Tell where the camera node takes frames from: an image topic, or its own source."""
+    """
+    Tell where the camera node takes frames from: an image topic, or its own source.
+
+    A source in the parameter file holds where the launch names none.
+
+    :raises InvalidValueError: If the parameter file cannot be read.
+    """
     topic = camera.image_topic or (_DRIVER_TOPIC if camera.has_driver else '')
     if not topic:
-        return ImageInput(camera.source, [])
+        named = camera.source != _DEFAULTS['source']
+        in_file = _parameters(camera, 'camera_publisher')['source']
+        return ImageInput(camera.source if named else str(in_file), [])
     if topic.endswith('/compressed'):
         return ImageInput('compressed_topic', [('image/compressed', topic)])
     return ImageInput('topic', [('image', topic)])

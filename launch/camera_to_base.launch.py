@@ -43,7 +43,8 @@ def generate_launch_description() -> LaunchDescription:
             description='Parameter file of both nodes.'),
         DeclareLaunchArgument(
             'source', default_value=DEFAULT.source,
-            description='auto, random, simulated, a device index or path, a video or a URL.'),
+            description='auto (then a source in the parameter file holds), random, simulated, a '
+                        'device index or path, a video or a URL.'),
         DeclareLaunchArgument(
             'namespace', default_value=DEFAULT.namespace,
             description='Namespace of nodes and topics.'),

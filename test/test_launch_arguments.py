@@ -115,6 +115,14 @@ def test_camera_node_listens_to_the_topic_that_was_asked_for(fields, source, rem
     assert image_input(camera(**fields)) == (source, remappings)
 
 
+@pytest.mark.parametrize('text, named, source', [
+    ('{source: /dev/video2}', 'auto', '/dev/video2'), ('{source: 2}', 'auto', '2'),
+    ('{source: 2}', 'simulated', 'simulated'), ('{}', 'auto', 'auto')])
+def test_source_in_the_file_is_not_replaced_where_the_launch_names_none(
+        text, named, source, camera):
+    assert image_input(camera(text, source=named)) == (source, [])
+
+
 @pytest.mark.parametrize('driver, size', [
     ('usb_cam', {'image_width': 1280, 'image_height': 720}),
     ('v4l2_camera', {'image_size': [1280, 720]})])
