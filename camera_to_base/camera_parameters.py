@@ -142,8 +142,11 @@ def camera_settings(values: Values) -> CameraSettings:
         wait_for_camera=values['wait_for_camera'],
         background_frames=values['background_frames'],
         limits=Limits(
-            values['max_frame_age'], values['confirm_jump_px'], values['view.max_shift_px'],
-            values['view.max_changed_share'], values['view.check_period']),
+            max_frame_age_s=values['max_frame_age'],
+            confirm_jump_px=values['confirm_jump_px'],
+            max_shift_px=values['view.max_shift_px'],
+            max_changed_share=values['view.max_changed_share'],
+            check_period_s=values['view.check_period']),
         annotated_picture=values['annotated_picture'],
         camera_frame_id=values['camera_frame_id'],
         image_size=check_image_size(values['surface.image_size']),

@@ -127,7 +127,7 @@ def test_stamped_message_that_is_no_position_is_dropped_and_the_node_lives(ros):
     assert points == [] and len(objects) == 1
 
 
-def drive(ros, topic, make_message, *arguments):
+def drive(ros, topic, make_message, *arguments, noise=3):
     """Send pictures of a coin as a camera driver does; give what the camera node says of them."""
     points, objects = ros.listen_to(PointStamped, CAMERA_POINT), ros.listen_to(
         PoseArray, CAMERA_OBJECTS)
@@ -136,9 +136,8 @@ def drive(ros, topic, make_message, *arguments):
     driver = ros.node.create_publisher(type(message), topic, qos_profile_sensor_data)
     assert ros.spin_until(driver.get_subscription_count)
     for number in range(1, 200):
-        # A picture without any noise would be taken for a repeated one.
         picture = cv2.add(table(disc=number > 10), np.random.default_rng(number).integers(
-            0, 3, (480, 640, 3), np.uint8))
+            0, noise, (480, 640, 3), np.uint8))
         driver.publish(make_message(Header(stamp=Time(sec=number)), picture))
         ros.spin_for(0.03)
         if points:
@@ -168,6 +167,14 @@ def test_topic_of_the_pictures_can_be_remapped(ros):
     _, points, _ = drive(ros, '/usb_cam/image_raw', image_message, '-p', 'source:=topic',
                          '-r', 'image:=/usb_cam/image_raw')
     assert points
+
+
+@pytest.mark.parametrize('is_simulation', [True, False])
+def test_pictures_without_any_noise_are_taken_for_repeated_but_in_a_simulation(
+        ros, is_simulation):
+    _, points, _ = drive(ros, '/image', image_message, '-p', 'source:=topic',
+                         '-p', f'use_sim_time:={is_simulation}', noise=1)
+    assert bool(points) == is_simulation
 
 
 def test_camera_driver_that_is_not_there_is_said_in_the_diagnostics(ros):
