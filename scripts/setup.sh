@@ -16,7 +16,7 @@ use_sourced_ros() {
     command -v colcon > /dev/null ||
         fail "colcon is missing: sudo apt install python3-colcon-common-extensions"
     "$python" -c 'import cv2, numpy, pytest, rclpy, tqdm, yaml' 2> /dev/null ||
-        fail "rclpy, numpy, OpenCV or pytest is missing: rosdep install --from-paths . --ignore-src -y"
+        fail "rclpy, numpy, OpenCV, tqdm, yaml or pytest is missing: rosdep install --from-paths . --ignore-src -y"
     "$python" -c 'import ament_flake8' 2> /dev/null || "$python" -c 'import flake8' 2> /dev/null ||
         fail "ament_flake8 is missing: rosdep install --from-paths . --ignore-src -y"
 }
