@@ -217,7 +217,7 @@ def test_pictures_of_another_size_are_refused_until_the_background_is_taken_anew
         camera.set_damage(damage.other_size)
         ros.spin_for(0.5)
         count = len(positions)
-        assert ros.spin_until(lambda: '320 x 240' in statuses[-1].message, 3.0)
+        assert ros.spin_until(lambda: statuses and '320 x 240' in statuses[-1].message, 3.0)
         assert len(positions) == count
         camera.set_damage(None)
         assert ros.spin_until(lambda: len(positions) > count + 3, 3.0)
