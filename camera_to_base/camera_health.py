@@ -18,6 +18,7 @@ import time
 from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.camera_pipeline import CameraPipeline
+from camera_to_base.errors import TopicTypeError
 from camera_to_base.health import Level
 from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
 
@@ -62,6 +63,8 @@ def _reader_problem(reader: ReaderStatus, name: str) -> Problem:
     cause = reader.error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
     if reader.error is None and reader.seconds_without_frame < LOST_AFTER_S:
         return Problem('opening', Level.WARN, f"waiting for the first frame of '{name}'")
+    if isinstance(cause, TopicTypeError):
+        return Problem('topic type', Level.ERROR, f'nothing is published: {cause}')
     if reader.state is ReaderState.WAITING:
         return Problem('waiting', Level.ERROR, f'waiting for the camera: {cause}')
     return Problem('lost', Level.ERROR, f'nothing is published: {cause}')

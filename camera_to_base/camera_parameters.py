@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Optional, Tuple
 
 from camera_to_base.camera_pipeline import Limits
+from camera_to_base.checks import frame_id
 from camera_to_base.detector_settings import DetectorSettings, METHODS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.hull import Hull
@@ -148,7 +149,7 @@ def camera_settings(values: Values) -> CameraSettings:
             max_changed_share=values['view.max_changed_share'],
             check_period_s=values['view.check_period']),
         annotated_picture=values['annotated_picture'],
-        camera_frame_id=values['camera_frame_id'],
+        camera_frame_id=frame_id('camera_frame_id', values['camera_frame_id']),
         image_size=check_image_size(values['surface.image_size']),
         detector=DetectorSettings(
             **_group(values, 'detector.'),

@@ -43,6 +43,18 @@ def finite_numbers(name: str, values: Any, *shape: int) -> np.ndarray:
     return numbers
 
 
+def frame_id(name: str, value: str) -> str:
+    """
+    Check the name of a coordinate frame.
+
+    :raises InvalidValueError: If tf2 would refuse it.
+    """
+    if not value or value.startswith('/'):
+        raise InvalidValueError(
+            f"{name} must be a frame's name as tf2 takes it, without a leading /, got '{value}'")
+    return value
+
+
 def finite_number(name: str, value: Any, lowest: float, highest: float) -> float:
     """
     Check a number.

@@ -31,6 +31,10 @@ class FrameSourceError(CameraToBaseError):
     """A camera, a stream or a file cannot be opened, or gives no frame."""
 
 
+class TopicTypeError(FrameSourceError):
+    """A topic carries another type of messages than the one that was subscribed to."""
+
+
 class OutOfReachError(CameraToBaseError):
     """A position lies farther from the robot's base than its arm can reach."""
 

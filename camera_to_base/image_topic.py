@@ -18,7 +18,7 @@ import time
 from typing import Any, Callable, Dict, Optional, Union
 
 from builtin_interfaces.msg import Time
-from camera_to_base.errors import FrameSourceError, InvalidValueError
+from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicTypeError
 from camera_to_base.image_messages import (
     frame_from_compressed_message, frame_from_image_message)
 from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
@@ -129,7 +129,7 @@ class ImageTopic(ReaderStatus):
         types = {info.topic_type
                  for info in self._node.get_publishers_info_by_topic(self.topic_name)}
         if types - {wanted}:
-            return FrameSourceError(
+            return TopicTypeError(
                 f'{silence}: it carries {", ".join(sorted(types))}, not {wanted}; choose the '
                 'source that fits, topic or compressed_topic')
         if types and self._mismatch is not None:

@@ -126,7 +126,8 @@ def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
         with open(path, encoding='utf-8') as file:
             text = file.read()
     except (OSError, ValueError) as error:
-        raise InvalidValueError(f"cannot read the {kind} '{path}': {error}") from error
+        reason = getattr(error, 'strerror', None) or error
+        raise InvalidValueError(f"cannot read the {kind} '{path}': {reason}") from error
     try:
         return text, yaml.load(text, _Loader)
     # What is no number, time or truth for its tag comes out of PyYAML as Python's own errors.

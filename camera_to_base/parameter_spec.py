@@ -16,7 +16,7 @@
 
 from dataclasses import dataclass
 import difflib
-from typing import Any, Collection, Dict, Iterable, Mapping, Optional, Tuple
+from typing import Any, Collection, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from camera_to_base.errors import InvalidValueError
 
@@ -63,6 +63,8 @@ class ParameterSpec:
             return float(value)
         if kind_of(self.default) == 'list of double' and kind_of(value) == 'list of integer':
             return [float(number) for number in value]
+        if kind_of(self.default) in ('list of double', 'list of nothing') and type(value) is str:
+            return _numbers(value) or value
         return value
 
     def typed(self, value: Any) -> Any:
@@ -124,6 +126,15 @@ def unknown_name_text(name: str, meant: Optional[str]) -> str:
     """Warn of a name that no parameter has."""
     hint = f": did you mean '{meant}'?" if meant else ''
     return f"there is no parameter '{name}', it is left out{hint}"
+
+
+def _numbers(text: str) -> Optional[List[float]]:
+    # `ros2 param` sends a list as text if YAML takes one of its numbers for text, as it does 6e-05
+    # (which `ros2 param dump` writes), or if it is of ints and doubles.
+    try:
+        return [float(number) for number in text.strip('[] ').split(',')]
+    except ValueError:
+        return None
 
 
 def kind_of(value: Any) -> str:

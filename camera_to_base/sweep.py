@@ -76,7 +76,8 @@ def sweep_range(text: str) -> SweepRange:
     count = math.floor((last - first) / step + 1e-9) + 1 if step > 0 else 0
     if not 2 <= count <= MOST_VALUES:
         raise InvalidValueError(
-            f"a sweep must have 2 to {MOST_VALUES} values, got '{text}': choose another STEP")
+            f"a sweep must have 2 to {MOST_VALUES} values, got '{text}': choose another "
+            'FIRST, LAST or STEP')
     return SweepRange(name, [round(first + index * step, 9) for index in range(count)])
 
 

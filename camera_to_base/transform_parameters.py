@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import math
 from typing import Tuple
 
+from camera_to_base.checks import frame_id
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion, Pose
 from camera_to_base.errors import OutOfReachError
 from camera_to_base.parameter_spec import ParameterSpec, Values
@@ -79,7 +80,8 @@ def transform_node_settings(values: Values) -> TransformSettings:
     :raises CameraToBaseError: If they cannot be used.
     """
     return TransformSettings(
-        transform_settings(values), values['reach_cm'], values['base_frame_id'])
+        transform_settings(values), values['reach_cm'],
+        frame_id('base_frame_id', values['base_frame_id']))
 
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:

@@ -214,6 +214,8 @@ def test_topic_that_carries_something_else_is_named(ros):
         assert ros.spin_until(
             lambda: received.has_failed and 'CompressedImage, not' in str(received.topic.error))
         assert 'compressed_topic' in str(received.topic.error)
+        problem = camera_problem(received.topic, CameraPipeline(ParallelSurface(36.0, 640)), '')
+        assert problem.kind != 'waiting'  # so that it is logged after "is the driver running?"
     finally:
         other.close()
 

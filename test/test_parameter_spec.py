@@ -33,7 +33,8 @@ def test_what_is_not_given_has_its_default_and_other_names_are_left_out():
 
 @pytest.mark.parametrize('given, value', [
     ({'length': 2}, 2.0), ({'source': 0}, '0'), ({'corner': [3, 4]}, [3.0, 4.0]),
-    ({'hull': None}, []), ({'hull': [1.5, 2.5]}, [1.5, 2.5]), ({'odd': 99}, 99), ({'odd': 1}, 1)])
+    ({'hull': None}, []), ({'hull': [1.5, 2.5]}, [1.5, 2.5]), ({'odd': 99}, 99), ({'odd': 1}, 1),
+    ({'corner': '[6e-05, -3]'}, [6e-05, -3.0]), ({'hull': '[1, 2.5]'}, [1.0, 2.5])])
 def test_what_is_given_is_converted_as_the_nodes_do(given, value):
     (name, _), = given.items()
     found = checked_values(SPECS, given)[name]
