@@ -22,6 +22,7 @@ from camera_to_base.camera_pipeline import CameraPipeline
 from camera_to_base.diagnostics import Diagnostics
 from camera_to_base.health import Health, Level
 from camera_to_base.heartbeat import Heartbeat
+from camera_to_base.name_check import NameCheck
 from camera_to_base.reader_status import ReaderStatus
 from rclpy.node import Node
 
@@ -45,6 +46,7 @@ class CameraWatch:
         self._source: Optional[str] = None
         self._heartbeat = Heartbeat(node)
         Diagnostics(node, self._heartbeat, self._health)
+        NameCheck(node, self._heartbeat)
 
     def start(self, source: str, reader: Optional[ReaderStatus]) -> None:
         """

@@ -25,6 +25,7 @@ from camera_to_base.health import Health, Level
 from camera_to_base.heartbeat import Heartbeat
 from camera_to_base.lifetime import run
 from camera_to_base.messages import point_from_message, poses_from_message, position_from_message
+from camera_to_base.name_check import NameCheck
 from camera_to_base.parameters import NodeParameters
 from camera_to_base.position_topics import PositionTopics
 from camera_to_base.transform_parameters import (
@@ -35,8 +36,6 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray, Header
 
 _POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
-# A node that finds its name taken within this time is the second one; later, it is the first.
-_NAME_CHECKS, _NAME_CHECK_PERIOD_S = 5, 1.0
 
 
 class RobotBasePublisher(Node):
@@ -52,8 +51,7 @@ class RobotBasePublisher(Node):
             self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame')
         heartbeat = Heartbeat(self)
         Diagnostics(self, heartbeat, self._health)
-        self._name_checks = 0
-        heartbeat.every(_NAME_CHECK_PERIOD_S, self._check_name)
+        NameCheck(self, heartbeat)
         # Last: what comes before the node spins is published late.
         self._subscribe(PoseArray, _OBJECTS, self._on_objects)
         self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point)
@@ -120,18 +118,6 @@ class RobotBasePublisher(Node):
         self.get_logger().warning(
             f'dropped a position on the topic {topic}: {error} '
             f'({self.dropped_count} dropped so far)', throttle_duration_sec=5.0)
-
-    def _check_name(self) -> None:
-        self._name_checks += 1
-        if self._name_checks <= _NAME_CHECKS and self._is_name_taken():
-            self._name_checks = _NAME_CHECKS
-            self.get_logger().warning(
-                f'another {self.get_fully_qualified_name()} is running: every position is '
-                'published twice; end one, or give one a namespace (-r __ns:=/cell_2)')
-
-    def _is_name_taken(self) -> bool:
-        own = self.get_name(), self.get_namespace()
-        return self.get_node_names_and_namespaces().count(own) > 1
 
     def _health(self) -> Health:
         values = {'source': self.resolve_topic_name(_POSITION),

@@ -90,13 +90,17 @@ def test_nothing_is_lost_at_1_khz_and_memory_does_not_grow(ros, transform, tell)
     assert growth < 1_000_000
 
 
-def test_second_transform_node_of_the_same_name_says_so_and_the_first_does_not(ros, start):
-    first = start('robot_base_publisher')
+@pytest.mark.parametrize('name, arguments', [
+    ('robot_base_publisher', []), ('camera_publisher', ['-p', 'source:=simulated'])])
+def test_second_node_of_the_same_name_says_so_and_the_first_does_not(ros, start, name, arguments):
+    said = ros.listen_to_log(name)
+    first = start(name, *arguments)
+    assert ros.spin_until(lambda: said)
     ros.spin_for(6.5)  # the first one asks for 5 s
-    second = start('robot_base_publisher')
+    second = start(name, *arguments)
     ros.spin_for(7.0)  # discovery takes up to 4 s
     assert first.end() == second.end() == 0
-    assert second.output.count('another /robot_base_publisher is running') == 1
+    assert second.output.count(f'another /{name} is running') == 1
     assert 'another' not in first.output
 
 

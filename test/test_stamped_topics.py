@@ -20,6 +20,7 @@ from ament_index_python.packages import get_package_share_directory
 from builtin_interfaces.msg import Time
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.coordinate_transform import Pose
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_messages import image_message, jpeg_message
 from camera_to_base.messages import poses_from_message, poses_message
 from camera_to_base.robot_base_publisher import RobotBasePublisher
@@ -95,6 +96,12 @@ def test_names_of_the_frames_are_parameters(ros):
     assert ros.spin_until(lambda: objects and seen)
     assert objects[0].header.frame_id == 'cell_2/base_link'
     assert seen[0].header.frame_id == 'table'
+
+
+@pytest.mark.parametrize('name', ['/base_link', "''"])
+def test_name_of_a_frame_that_tf2_would_refuse_is_refused(ros, name):
+    with pytest.raises(InvalidValueError, match='base_frame_id must be'):
+        ros.add(RobotBasePublisher, '-p', f'base_frame_id:={name}')
 
 
 def test_empty_surface_is_an_empty_array_on_both_topics(ros):
