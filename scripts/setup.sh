@@ -15,10 +15,8 @@ use_sourced_ros() {
     python=${PYTHON:-python3}
     command -v colcon > /dev/null ||
         fail "colcon is missing: sudo apt install python3-colcon-common-extensions"
-    "$python" -c 'import cv2, numpy, pytest, rclpy, tqdm, yaml' 2> /dev/null ||
-        fail "rclpy, numpy, OpenCV, tqdm, yaml or pytest is missing: rosdep install --from-paths . --ignore-src -y"
-    "$python" -c 'import ament_flake8' 2> /dev/null || "$python" -c 'import flake8' 2> /dev/null ||
-        fail "ament_flake8 is missing: rosdep install --from-paths . --ignore-src -y"
+    "$python" -c 'import cv2, numpy, rclpy, tqdm, yaml' 2> /dev/null ||
+        fail "rclpy, numpy, OpenCV, tqdm or yaml is missing: rosdep install --from-paths . --ignore-src -y"
 }
 
 check_python() {

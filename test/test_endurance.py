@@ -23,7 +23,7 @@ import math
 import os
 import time
 
-from camera_to_base import camera_parameters
+from camera_to_base import simulation_parameters
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.simulated_board import SimulatedBoard
 import numpy as np
@@ -125,7 +125,7 @@ class CoinThatComesToRest(SimulatedBoard):
 
 
 def test_through_a_bad_day_the_coin_is_published_and_nothing_else(ros, monkeypatch, tell):
-    monkeypatch.setattr(camera_parameters, 'SimulatedBoard', CoinThatComesToRest)
+    monkeypatch.setattr(simulation_parameters, 'SimulatedBoard', CoinThatComesToRest)
     found, true = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(TRUE_TOPIC)
     node = ros.add(CameraPublisher, '-p', 'source:=simulated',
                    *[word for text in BAD_DAY for word in ('-p', text)])
