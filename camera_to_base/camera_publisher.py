@@ -49,6 +49,7 @@ from std_msgs.msg import Header
 _LONGEST_DISCOVERY_S = 5.0
 # A recording that nobody listens to is played all the same.
 _LONGEST_WAIT_S = 10.0
+_POSITION = 'pos_in_cam_frame'
 _TOPIC_SOURCES = ('topic', 'compressed_topic')
 
 
@@ -62,9 +63,10 @@ class CameraPublisher(Node):
         super().__init__('camera_publisher', **node_options)
         self._node_parameters = NodeParameters(
             self, CAMERA_SPECS, camera_settings, self._on_new_settings)
-        self._topics = PositionTopics(self, 'pos_in_cam_frame', 'objects_in_cam_frame')
-        self._debug_images = DebugImages(self)
         self._source = self._open_source()
+        self._topics = PositionTopics(
+            self, _POSITION, 'objects_in_cam_frame', live=self._is_live())
+        self._debug_images = DebugImages(self)
         self._pipeline = CameraPipeline(
             self._settings.surface, self._settings.detector, self._limits(),
             self._settings.background_frames)
@@ -94,6 +96,9 @@ class CameraPublisher(Node):
         limits = self._settings.limits
         return limits.for_recording if isinstance(self._source, VideoFile) else limits
 
+    def _is_live(self) -> bool:
+        return isinstance(self._source, Camera) or self._settings.source in _TOPIC_SOURCES
+
     def _open_source(self) -> Optional[FrameSource]:
         name, image_size = self._settings.source, self._settings.image_size
         if name == 'simulated':
@@ -109,9 +114,10 @@ class CameraPublisher(Node):
             self.get_logger().info(f'found camera {camera.name}')
         else:
             reason = 'no camera is attached: ' if name == 'auto' else ''
+            topic = self.resolve_topic_name(_POSITION)
             self.get_logger().warning(
-                f'{reason}the positions on {self._topics.name} are RANDOM, as in the '
-                'tutorial; name a camera or a file with the parameter source')
+                f'{reason}the positions on {topic} are RANDOM, as in the tutorial; name a camera '
+                'or a file with the parameter source')
         return camera
 
     def _start_feed(self) -> Optional[Feed]:

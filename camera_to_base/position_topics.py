@@ -24,10 +24,14 @@ from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray, Header
 
 _DEPTH = 10
+# A listener that is discovered late, as after the restart of either side, is first sent the last
+# positions once more; of a live camera none that is older than this.
+_LIFESPAN = Duration(seconds=0.3)
 # A listener whose QoS does not match is warned by its own side. The executor looks at every event
 # for every message: those of four publishers took about a tenth of a message's time.
 NO_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
@@ -40,12 +44,14 @@ class PositionTopics:
     :param node: The node that publishes.
     :param position: Name of the tutorial's topic; the same object's point is beside it.
     :param objects: Name of the topic of all objects.
+    :param live: Whether a position is of no use any more when the next ones have come.
     """
 
-    def __init__(self, node: Node, position: str, objects: str) -> None:
-        self._position = _publisher(node, Float64MultiArray, position)
-        self._point = _publisher(node, PointStamped, f'{position}/point')
-        self._objects = _publisher(node, PoseArray, objects)
+    def __init__(self, node: Node, position: str, objects: str, live: bool = False) -> None:
+        qos = QoSProfile(depth=_DEPTH, lifespan=_LIFESPAN) if live else QoSProfile(depth=_DEPTH)
+        self._position = _publisher(node, Float64MultiArray, position, qos)
+        self._point = _publisher(node, PointStamped, f'{position}/point', qos)
+        self._objects = _publisher(node, PoseArray, objects, qos)
 
     @property
     def name(self) -> str:
@@ -83,7 +89,7 @@ class PositionTopics:
                        if not publisher.wait_for_all_acked(Duration(seconds=0.1))]
 
 
-def _publisher(node: Node, message_type: type, topic: str) -> Publisher:
+def _publisher(node: Node, message_type: type, topic: str, qos: QoSProfile) -> Publisher:
     return node.create_publisher(
-        message_type, topic, _DEPTH, event_callbacks=NO_EVENTS,
+        message_type, topic, qos, event_callbacks=NO_EVENTS,
         qos_overriding_options=QoSOverridingOptions.with_default_policies())

@@ -31,10 +31,14 @@ from camera_to_base.position_topics import PositionTopics
 from camera_to_base.transform_parameters import (
     transform_node_settings, TRANSFORM_SPECS, TransformSettings)
 from geometry_msgs.msg import PointStamped, PoseArray
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray, Header
 
+# What does not match on the tutorial's topic does not on the others: one warning is enough, and
+# every event of a subscription costs every message.
+_NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 _POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
 
 
@@ -53,8 +57,8 @@ class RobotBasePublisher(Node):
         Diagnostics(self, heartbeat, self._health)
         NameCheck(self, heartbeat)
         # Last: what comes before the node spins is published late.
-        self._subscribe(PoseArray, _OBJECTS, self._on_objects)
-        self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point)
+        self._subscribe(PoseArray, _OBJECTS, self._on_objects, _NO_EVENTS)
+        self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point, _NO_EVENTS)
         self._subscribe(Float64MultiArray, _POSITION, self._on_position)
         self.get_logger().info(f'publishing on {self._topics.name} what comes on '
                                f'{self.resolve_topic_name(_POSITION)}')
@@ -68,9 +72,12 @@ class RobotBasePublisher(Node):
     def _settings(self) -> TransformSettings:
         return self._node_parameters.current
 
-    def _subscribe(self, message_type: type, topic: str, callback: Callable) -> None:
+    def _subscribe(
+        self, message_type: type, topic: str, callback: Callable,
+        events: Optional[SubscriptionEventCallbacks] = None,
+    ) -> None:
         self.create_subscription(
-            message_type, topic, callback, 10,
+            message_type, topic, callback, 10, event_callbacks=events,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
     def _on_position(self, message: Float64MultiArray) -> None:
