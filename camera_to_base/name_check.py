@@ -14,11 +14,13 @@
 
 """Says where a node's name is taken: whatever it publishes comes twice then."""
 
+import time
+
 from camera_to_base.heartbeat import Heartbeat
 from rclpy.node import Node
 
 # A node that finds its name taken within this time is the second one; later, it is the first.
-_CHECKS, _PERIOD_S = 5, 1.0
+_LONGEST_S, _PERIOD_S = 5.0, 1.0
 
 
 class NameCheck:
@@ -31,13 +33,12 @@ class NameCheck:
 
     def __init__(self, node: Node, heartbeat: Heartbeat) -> None:
         self._node = node
-        self._count = 0
+        self._until = time.monotonic() + _LONGEST_S
         heartbeat.every(_PERIOD_S, self._check)
 
     def _check(self) -> None:
-        self._count += 1
-        if self._count <= _CHECKS and self._is_name_taken():
-            self._count = _CHECKS
+        if time.monotonic() <= self._until and self._is_name_taken():
+            self._until = 0.0
             self._node.get_logger().warning(
                 f'another {self._node.get_fully_qualified_name()} is running: every position is '
                 'published twice; end one, or give one a namespace (-r __ns:=/cell_2)')

@@ -91,7 +91,7 @@ def test_nothing_is_lost_at_1_khz_and_memory_does_not_grow(ros, transform, tell)
 
 
 @pytest.mark.parametrize('name, arguments', [
-    ('robot_base_publisher', []), ('camera_publisher', ['-p', 'source:=simulated'])])
+    ('robot_base_publisher', []), ('camera_publisher', ['-p', 'source:=random'])])
 def test_second_node_of_the_same_name_says_so_and_the_first_does_not(ros, start, name, arguments):
     said = ros.listen_to_log(name)
     first = start(name, *arguments)
