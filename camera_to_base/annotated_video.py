@@ -14,10 +14,10 @@
 
 """Writes a video of what was found."""
 
-import os
 from typing import Optional
 
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.files import check_folder
 from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
@@ -71,6 +71,4 @@ def check_video_path(path: str) -> None:
     """
     if not path.lower().endswith('.mp4'):
         raise InvalidValueError(f"a video's name must end in .mp4, got '{path}'")
-    folder = os.path.dirname(path) or '.'
-    if not os.path.isdir(folder):
-        raise InvalidValueError(f"cannot write video '{path}': there is no folder '{folder}'")
+    check_folder(path, 'video')

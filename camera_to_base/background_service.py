@@ -17,8 +17,8 @@
 from typing import Callable, Optional
 
 from camera_to_base.camera_pipeline import CameraPipeline
+from camera_to_base.heartbeat import real_time_timer
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
@@ -77,9 +77,8 @@ class BackgroundService:
 
     async def _capture(self) -> bool:
         self._captured = captured = Future()
-        deadline = self._node.create_timer(
-            _TIMEOUT_S, lambda: captured.set_result(False),
-            clock=Clock(clock_type=ClockType.STEADY_TIME))
+        deadline = real_time_timer(
+            self._node, _TIMEOUT_S, lambda: captured.set_result(False))
         success = await captured
         self._captured = None
         self._node.destroy_timer(deadline)

@@ -21,11 +21,12 @@ from pathlib import Path
 from typing import Any, Iterator, List, Optional
 
 from camera_to_base.errors import FrameSourceError, InvalidValueError
-from camera_to_base.image_decoding import decode_compressed, decode_image
+from camera_to_base.image_decoding import (
+    frame_from_compressed_message, frame_from_image_message)
 from camera_to_base.recording import TimedFrame
-import numpy as np
 
-_IMAGE, _COMPRESSED = 'sensor_msgs/msg/Image', 'sensor_msgs/msg/CompressedImage'
+_DECODERS = {'sensor_msgs/msg/Image': frame_from_image_message,
+             'sensor_msgs/msg/CompressedImage': frame_from_compressed_message}
 
 
 def is_bag(name: str) -> bool:
@@ -68,7 +69,7 @@ class BagFile:
                 stamp = message.header.stamp
                 # A driver that stamps nothing leaves 0.
                 stamp_ns = stamp.sec * 10**9 + stamp.nanosec or received_ns
-                yield TimedFrame(number, stamp_ns, partial(_decode, connection.msgtype, message))
+                yield TimedFrame(number, stamp_ns, partial(_DECODERS[connection.msgtype], message))
 
     def release(self) -> None:
         """Close the bag."""
@@ -76,7 +77,7 @@ class BagFile:
 
     def _choose(self, topic: Optional[str]) -> List[Any]:
         pictures = [connection for connection in self._reader.connections
-                    if connection.msgtype in (_IMAGE, _COMPRESSED) and connection.msgcount]
+                    if connection.msgtype in _DECODERS and connection.msgcount]
         topics = sorted({connection.topic for connection in pictures})
         if not topics:
             raise InvalidValueError(f"bag '{self._name}' holds no pictures: record the topic of a "
@@ -114,10 +115,3 @@ def _reader(path: Path) -> Any:
         ) from error
     # Older sqlite3 bags do not say what their messages are.
     return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
-
-
-def _decode(message_type: str, message: Any) -> np.ndarray:
-    if message_type == _COMPRESSED:
-        return decode_compressed(message.data, message.format)
-    return decode_image(message.encoding, message.width, message.height, message.step,
-                        bool(message.is_bigendian), message.data)

@@ -19,6 +19,7 @@ import argparse
 import re
 from typing import Any, List, Optional, Tuple
 
+from camera_to_base.command_parser import CommandParser
 from camera_to_base.errors import InvalidValueError
 
 EXAMPLES = {
@@ -74,17 +75,11 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
     return options
 
 
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, as for any other bad input, and ends with 1."""
-
-    def error(self, message: str) -> None:
-        self.exit(1, f'calibrate: {message}: see {self.prog} --help\n')
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog='calibrate', description=DESCRIPTION,
-                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    commands = parser.add_subparsers(dest='command', required=True, parser_class=_Parser,
+    parser = CommandParser(
+        prog='calibrate', description=DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest='command', required=True, parser_class=CommandParser,
                                      metavar='board | points | base | check')
     _add_board(_command(commands, 'board',
                         'the surface, from one picture of a chessboard that lies on it'))

@@ -27,10 +27,11 @@ from camera_to_base.coordinate_transform import Pose
 from camera_to_base.damage_check import DamageCheck
 from camera_to_base.debug_images import DebugImages
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.frame_feeds import CameraFeed, real_time_timer, TimedFeed
+from camera_to_base.frame_feeds import CameraFeed, TimedFeed
 from camera_to_base.frame_reader import is_reader_hanging
 from camera_to_base.frame_sources import (
     Camera, first_camera, FrameSource, is_camera, is_stream, open_frame_source, VideoFile)
+from camera_to_base.heartbeat import real_time_timer
 from camera_to_base.image_topic import ImageTopic
 from camera_to_base.lifetime import run
 from camera_to_base.object_locator import locate_pixel, LocatedObject

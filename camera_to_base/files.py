@@ -56,6 +56,18 @@ def refuse_same_file(paths: Iterable[Optional[str]]) -> None:
                                 + ', '.join(f"'{path}'" for path in files))
 
 
+def check_folder(path: str, kind: str) -> None:
+    """
+    Check that the folder is there in which a file is to be written.
+
+    :param kind: What the error calls the file.
+    :raises InvalidValueError: If there is no such folder.
+    """
+    folder = os.path.dirname(path) or '.'
+    if not os.path.isdir(folder):
+        raise InvalidValueError(f"cannot write {kind} '{path}': there is no folder '{folder}'")
+
+
 def refuse_existing(paths: Iterable[str]) -> None:
     """
     Refuse to overwrite files.

@@ -21,22 +21,16 @@ from builtin_interfaces.msg import Time
 from camera_to_base.damage_check import DamageCheck
 from camera_to_base.frame_reader import FrameReader
 from camera_to_base.frame_sources import FrameSource
+from camera_to_base.heartbeat import real_time_timer
 import numpy as np
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.time import Time as RosTime
-from rclpy.timer import Timer
 
 # Takes a frame, when it was taken by time.monotonic() (None for one that waits for its reader),
 # and the same as a ROS time.
 OnFrame = Callable[[np.ndarray, Optional[float], Time], None]
 
 _START_PERIOD_S = 0.1
-
-
-def real_time_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Timer:
-    """Make a timer that keeps real time, whatever time the simulation of a robot has."""
-    return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
 class TimedFeed:

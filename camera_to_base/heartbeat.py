@@ -18,8 +18,14 @@ from typing import Callable, List, Tuple
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.timer import Timer
 
 _PERIOD_S = 0.2
+
+
+def real_time_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Timer:
+    """Make a timer that keeps real time, whatever time the simulation of a robot has."""
+    return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
 class Heartbeat:
@@ -34,7 +40,7 @@ class Heartbeat:
     def __init__(self, node: Node) -> None:
         self._tasks: List[Tuple[int, Callable[[], None]]] = []
         self._count = 0
-        node.create_timer(_PERIOD_S, self._beat, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        real_time_timer(node, _PERIOD_S, self._beat)
 
     def every(self, period_s: float, task: Callable[[], None]) -> None:
         """Call a task with a period that is rounded to a multiple of 0.2 s."""

@@ -51,6 +51,29 @@ _LAYOUTS = {
 ENCODINGS = tuple(_LAYOUTS)
 
 
+def frame_from_image_message(message: Any) -> np.ndarray:
+    """
+    Make a frame of a picture, see :func:`decode_image`; it may share the message's memory.
+
+    :param message: A sensor_msgs/Image, of ROS or of a bag's reader.
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises InvalidValueError: If it cannot be used.
+    """
+    return decode_image(message.encoding, message.width, message.height, message.step,
+                        bool(message.is_bigendian), message.data)
+
+
+def frame_from_compressed_message(message: Any) -> np.ndarray:
+    """
+    Make a frame of a compressed picture, see :func:`decode_compressed`.
+
+    :param message: A sensor_msgs/CompressedImage, of ROS or of a bag's reader.
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises InvalidValueError: If it cannot be used.
+    """
+    return decode_compressed(message.data, message.format)
+
+
 def decode_image(
     encoding: str, width: int, height: int, step: int, is_bigendian: bool, data: Any
 ) -> np.ndarray:

@@ -12,11 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The only place where ROS messages become frames and pictures become messages."""
+"""The only place where pictures become ROS messages; `image_decoding` reads them."""
 
 from array import array
 
-from camera_to_base.image_decoding import decode_compressed, decode_image
 import cv2
 import numpy as np
 from sensor_msgs.msg import CompressedImage, Image
@@ -45,24 +44,3 @@ def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
     """
     jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
     return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
-
-
-def frame_from_image_message(message: Image) -> np.ndarray:
-    """
-    Make a frame of a picture, see :func:`.decode_image`; it may share the message's memory.
-
-    :returns: Shape (h, w, 3), uint8, BGR.
-    :raises InvalidValueError: If it cannot be used.
-    """
-    return decode_image(message.encoding, message.width, message.height, message.step,
-                        bool(message.is_bigendian), message.data)
-
-
-def frame_from_compressed_message(message: CompressedImage) -> np.ndarray:
-    """
-    Make a frame of a compressed picture, see :func:`.decode_compressed`.
-
-    :returns: Shape (h, w, 3), uint8, BGR.
-    :raises InvalidValueError: If it cannot be used.
-    """
-    return decode_compressed(message.data, message.format)

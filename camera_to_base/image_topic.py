@@ -19,7 +19,7 @@ from typing import Any, Callable, Dict, Optional, Union
 
 from builtin_interfaces.msg import Time
 from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicTypeError
-from camera_to_base.image_messages import (
+from camera_to_base.image_decoding import (
     frame_from_compressed_message, frame_from_image_message)
 from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
 import numpy as np

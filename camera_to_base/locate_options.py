@@ -19,6 +19,7 @@ from typing import List, Optional
 
 from camera_to_base.annotated_video import check_video_path
 from camera_to_base.bag_file import is_bag
+from camera_to_base.command_parser import CommandParser
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import refuse_existing, refuse_same_file
 from camera_to_base.overlay import check_picture_path
@@ -56,16 +57,10 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
     return options
 
 
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, as for any other bad input, and ends with 1."""
-
-    def error(self, message: str) -> None:
-        self.exit(1, f'locate: {message}: see {self.prog} --help\n')
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog='locate', description=DESCRIPTION,
-                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = CommandParser(
+        prog='locate', description=DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('source', metavar='SOURCE',
                         help='a video file; a rosbag2 bag (its folder, a .mcap or .db3 file; '
                              'needs `pip install rosbags`); a device (0, /dev/video0) or a '

@@ -21,7 +21,7 @@ from typing import Callable, Sequence
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import check_frame, Detection, Pixel
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.files import write_files
+from camera_to_base.files import check_folder, write_files
 from camera_to_base.object_locator import LocatedObject, Point
 from camera_to_base.surface import ImageSize
 import cv2
@@ -136,9 +136,7 @@ def check_picture_path(path: str) -> str:
     ending = os.path.splitext(path)[1].lower()
     if ending not in ('.png', '.jpg'):
         raise InvalidValueError(f"a picture's name must end in .png or .jpg, got '{path}'")
-    folder = os.path.dirname(path) or '.'
-    if not os.path.isdir(folder):
-        raise InvalidValueError(f"cannot write picture '{path}': there is no folder '{folder}'")
+    check_folder(path, 'picture')
     return ending
 
 

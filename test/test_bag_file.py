@@ -122,7 +122,7 @@ def test_bag_without_pictures_is_refused(write_bag):
 
 def test_skipped_pictures_are_not_decoded(write_bag, monkeypatch):
     decoded = []
-    monkeypatch.setattr('camera_to_base.bag_file.decode_image',
+    monkeypatch.setattr('camera_to_base.image_decoding.decode_image',
                         lambda *picture: decoded.append(picture) or disc_frame(None))
     assert main([write_bag(), '--every', '3']) == 0
     assert len(decoded) == 2

@@ -1,0 +1,26 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The command lines' parser."""
+
+import argparse
+
+
+class CommandParser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence, as for any other bad input, and ends with 1."""
+
+    def error(self, message: str) -> None:
+        """End with the sentence."""
+        command = self.prog.split()[0]  # what follows it is the subcommand
+        self.exit(1, f'{command}: {message}: see {self.prog} --help\n')
