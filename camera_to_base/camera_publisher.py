@@ -33,7 +33,7 @@ from camera_to_base.frame_sources import (
     Camera, first_camera, FrameSource, is_camera, is_stream, open_frame_source, VideoFile)
 from camera_to_base.heartbeat import real_time_timer
 from camera_to_base.image_topic import ImageTopic
-from camera_to_base.lifetime import run
+from camera_to_base.lifetime import run, whole_or_gone
 from camera_to_base.object_locator import locate_pixel, LocatedObject
 from camera_to_base.parameters import NodeParameters
 from camera_to_base.picture_keeper import PictureKeeper
@@ -60,28 +60,31 @@ Feed = Union[TimedFeed, CameraFeed, ImageTopic]
 class CameraPublisher(Node):
     """Publishes where objects lie on the work surface, in the camera frame."""
 
+    _feed: Optional[Feed] = None
+
     def __init__(self, **node_options) -> None:
         super().__init__('camera_publisher', **node_options)
-        self._node_parameters = NodeParameters(
-            self, CAMERA_SPECS, camera_settings, self._on_new_settings)
-        self._source = self._open_source()
-        self._topics = PositionTopics(
-            self, _POSITION, 'objects_in_cam_frame', live=self._is_live())
-        self._debug_images = DebugImages(self)
-        self._pipeline = CameraPipeline(
-            self._settings.surface, self._settings.detector, self._limits(),
-            self._settings.background_frames)
-        self._picture = PictureKeeper(self._settings.annotated_picture)
-        self._background_service = BackgroundService(
-            self, self._pipeline, lambda: self._settings.background_frames,
-            lambda: self._feed is not None)
-        self._warn_of_settings_without_effect()
-        self._watch = CameraWatch(self, self._pipeline)
-        self._truth = (TruePositions(self, self._source)
-                       if isinstance(self._source, SimulatedBoard) else None)
-        self._feed = self._start_feed()
-        if self._feed is None:
-            self._timer = real_time_timer(self, self._settings.period, self._on_random_timer)
+        with whole_or_gone(self):
+            self._node_parameters = NodeParameters(
+                self, CAMERA_SPECS, camera_settings, self._on_new_settings)
+            self._source = self._open_source()
+            self._topics = PositionTopics(
+                self, _POSITION, 'objects_in_cam_frame', live=self._is_live())
+            self._debug_images = DebugImages(self)
+            self._pipeline = CameraPipeline(
+                self._settings.surface, self._settings.detector, self._limits(),
+                self._settings.background_frames)
+            self._picture = PictureKeeper(self._settings.annotated_picture)
+            self._background_service = BackgroundService(
+                self, self._pipeline, lambda: self._settings.background_frames,
+                lambda: self._feed is not None)
+            self._warn_of_settings_without_effect()
+            self._watch = CameraWatch(self, self._pipeline)
+            self._truth = (TruePositions(self, self._source)
+                           if isinstance(self._source, SimulatedBoard) else None)
+            self._feed = self._start_feed()
+            if self._feed is None:
+                self._timer = real_time_timer(self, self._settings.period, self._on_random_timer)
 
     def destroy_node(self) -> None:
         """Give the camera back with the node."""

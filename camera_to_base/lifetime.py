@@ -14,8 +14,9 @@
 
 """The life of a node's process: from its arguments to its exit code, without a traceback."""
 
+from contextlib import contextmanager
 import signal
-from typing import Callable, List, Optional
+from typing import Callable, Iterator, List, Optional
 
 from camera_to_base.errors import CameraToBaseError
 import rclpy
@@ -24,6 +25,16 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+
+
+@contextmanager
+def whole_or_gone(node: Node) -> Iterator[None]:
+    """Destroy a node if what makes it fails: half of it would be seen by others, and for long."""
+    try:
+        yield
+    except BaseException:
+        node.destroy_node()
+        raise
 
 
 def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = None) -> int:

@@ -23,7 +23,7 @@ from camera_to_base.diagnostics import Diagnostics
 from camera_to_base.errors import CameraToBaseError, OutOfReachError
 from camera_to_base.health import Health, Level
 from camera_to_base.heartbeat import Heartbeat
-from camera_to_base.lifetime import run
+from camera_to_base.lifetime import run, whole_or_gone
 from camera_to_base.messages import point_from_message, poses_from_message, position_from_message
 from camera_to_base.name_check import NameCheck
 from camera_to_base.parameters import NodeParameters
@@ -47,21 +47,22 @@ class RobotBasePublisher(Node):
 
     def __init__(self, **node_options) -> None:
         super().__init__('robot_base_publisher', **node_options)
-        self._node_parameters = NodeParameters(self, TRANSFORM_SPECS, transform_node_settings)
-        self._received_count = self._published_count = 0
-        self._dropped: Counter = Counter()
-        self._dropped_before = 0
-        self._topics = PositionTopics(
-            self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame')
-        heartbeat = Heartbeat(self)
-        Diagnostics(self, heartbeat, self._health)
-        NameCheck(self, heartbeat)
-        # Last: what comes before the node spins is published late.
-        self._subscribe(PoseArray, _OBJECTS, self._on_objects, _NO_EVENTS)
-        self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point, _NO_EVENTS)
-        self._subscribe(Float64MultiArray, _POSITION, self._on_position)
-        self.get_logger().info(f'publishing on {self._topics.name} what comes on '
-                               f'{self.resolve_topic_name(_POSITION)}')
+        with whole_or_gone(self):
+            self._node_parameters = NodeParameters(self, TRANSFORM_SPECS, transform_node_settings)
+            self._received_count = self._published_count = 0
+            self._dropped: Counter = Counter()
+            self._dropped_before = 0
+            self._topics = PositionTopics(
+                self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame')
+            heartbeat = Heartbeat(self)
+            Diagnostics(self, heartbeat, self._health)
+            NameCheck(self, heartbeat)
+            # Last: what comes before the node spins is published late.
+            self._subscribe(PoseArray, _OBJECTS, self._on_objects, _NO_EVENTS)
+            self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point, _NO_EVENTS)
+            self._subscribe(Float64MultiArray, _POSITION, self._on_position)
+            self.get_logger().info(f'publishing on {self._topics.name} what comes on '
+                                   f'{self.resolve_topic_name(_POSITION)}')
 
     @property
     def dropped_count(self) -> int:

@@ -184,10 +184,11 @@ def test_bad_value_is_rejected_with_the_reason_and_changes_nothing(ros, name, va
     'surface.hull:=[1.0, 2.0, 3.0]', 'surface.hull:=[1.0, 1.0, 2.0, 2.0, 3.0, 3.0]',
     'surface.homography.distortion_coefficient:=5.0',
     'source:=/does/not/exist.avi', 'source:=/dev/video99', 'camera_frame_id:=/table'])
-def test_bad_value_at_start_is_refused(ros, argument):
+def test_bad_value_at_start_is_refused_and_nothing_of_the_node_stays(ros, argument):
     with pytest.raises((CameraToBaseError, ParameterException)) as error:
         ros.add(CameraPublisher, '-p', argument, '-p', 'wait_for_camera:=false')
     assert len(str(error.value)) > 20
+    assert ros.spin_until(lambda: 'camera_publisher' not in ros.node.get_node_names())
 
 
 def test_topic_is_reliable_with_depth_10(ros):

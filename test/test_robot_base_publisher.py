@@ -14,6 +14,7 @@
 
 import math
 
+from camera_to_base.errors import CameraToBaseError
 from camera_to_base.robot_base_publisher import RobotBasePublisher
 import pytest
 from rclpy.parameter import Parameter
@@ -87,6 +88,12 @@ def test_good_value_takes_effect_at_once(ros):
     send(publisher, [3.0, 4.0])
     assert ros.spin_until(lambda: received)
     assert received[0] == pytest.approx([3.0, -4.0])
+
+
+def test_bad_value_at_start_is_refused_and_nothing_of_the_node_stays(ros):
+    with pytest.raises(CameraToBaseError, match='rotation_deg'):
+        ros.add(RobotBasePublisher, '-p', 'rotation_deg:=.inf')
+    assert ros.spin_until(lambda: 'robot_base_publisher' not in ros.node.get_node_names())
 
 
 @pytest.mark.parametrize('value', [[1.0, 2.0], [math.nan, 0.0, 0.0], 'left', 3.0])
