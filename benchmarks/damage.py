@@ -27,9 +27,9 @@ import sys
 import time
 
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.cameras import Camera
 from camera_to_base.damage_check import DamageCheck
 from camera_to_base.errors import FrameSourceError
-from camera_to_base.frame_sources import Camera
 from camera_to_base.jump_filter import JumpFilter
 import cv2
 import numpy as np

@@ -23,17 +23,18 @@ from camera_to_base.background_service import BackgroundService
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS, CameraSettings
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
 from camera_to_base.camera_watch import CameraWatch
+from camera_to_base.cameras import Camera, is_stream
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.damage_check import DamageCheck
 from camera_to_base.debug_images import DebugImages
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.frame_feeds import CameraFeed, TimedFeed
 from camera_to_base.frame_reader import is_reader_hanging
-from camera_to_base.frame_sources import (
-    Camera, first_camera, FrameSource, is_camera, is_stream, open_frame_source, VideoFile)
+from camera_to_base.frame_sources import VideoFile
 from camera_to_base.heartbeat import real_time_timer
 from camera_to_base.image_topic import ImageTopic
 from camera_to_base.lifetime import run, whole_or_gone
+from camera_to_base.named_source import open_named_source, TOPIC_SOURCES
 from camera_to_base.object_locator import locate_pixel, LocatedObject
 from camera_to_base.parameters import NodeParameters
 from camera_to_base.picture_keeper import PictureKeeper
@@ -51,7 +52,6 @@ _LONGEST_DISCOVERY_S = 5.0
 # A recording that nobody listens to is played all the same.
 _LONGEST_WAIT_S = 10.0
 _POSITION = 'pos_in_cam_frame'
-_TOPIC_SOURCES = ('topic', 'compressed_topic')
 
 
 Feed = Union[TimedFeed, CameraFeed, ImageTopic]
@@ -67,7 +67,8 @@ class CameraPublisher(Node):
         with whole_or_gone(self):
             self._node_parameters = NodeParameters(
                 self, CAMERA_SPECS, camera_settings, self._on_new_settings)
-            self._source = self._open_source()
+            self._source = open_named_source(self._settings)
+            self._tell_what_is_used()
             self._topics = PositionTopics(
                 self, _POSITION, 'objects_in_cam_frame', live=self._is_live())
             self._debug_images = DebugImages(self)
@@ -101,32 +102,24 @@ class CameraPublisher(Node):
         return limits.for_recording if isinstance(self._source, VideoFile) else limits
 
     def _is_live(self) -> bool:
-        return isinstance(self._source, Camera) or self._settings.source in _TOPIC_SOURCES
+        return isinstance(self._source, Camera) or self._settings.source in TOPIC_SOURCES
 
-    def _open_source(self) -> Optional[FrameSource]:
-        name, image_size = self._settings.source, self._settings.image_size
-        if name == 'simulated':
-            return self._settings.simulated.board(image_size)
-        if is_camera(name):
-            return Camera(name, image_size, open_now=False)
-        if name in _TOPIC_SOURCES:
-            return None
-        if name not in ('auto', 'random'):
-            return open_frame_source(name, image_size)
-        camera = first_camera(image_size) if name == 'auto' else None
-        if camera is not None:
-            self.get_logger().info(f'found camera {camera.name}')
-        else:
-            reason = 'no camera is attached: ' if name == 'auto' else ''
+    def _is_random(self) -> bool:
+        return self._source is None and not self._is_live()
+
+    def _tell_what_is_used(self) -> None:
+        if isinstance(self._source, Camera) and self._settings.source == 'auto':
+            self.get_logger().info(f'found camera {self._source.name}')
+        elif self._is_random():
+            reason = '' if self._settings.source == 'random' else 'no camera is attached: '
             topic = self.resolve_topic_name(_POSITION)
             self.get_logger().warning(
                 f'{reason}the positions on {topic} are RANDOM, as in the tutorial; name a camera '
                 'or a file with the parameter source')
-        return camera
 
     def _start_feed(self) -> Optional[Feed]:
         name = self._settings.source
-        if name in _TOPIC_SOURCES:
+        if name in TOPIC_SOURCES:
             feed = self._subscribe(compressed=name == 'compressed_topic')
             name = feed.topic_name
         elif self._source is None:

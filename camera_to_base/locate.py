@@ -24,8 +24,9 @@ from typing import Iterator, List, Optional, TextIO
 from camera_to_base.annotated_video import AnnotatedVideo
 from camera_to_base.bag_file import BagFile, is_bag
 from camera_to_base.camera_parameters import CameraSettings
+from camera_to_base.cameras import is_camera
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.frame_sources import is_camera, open_frame_source
+from camera_to_base.frame_sources import open_frame_source
 from camera_to_base.interrupt import Interrupt
 from camera_to_base.locate_options import parse
 from camera_to_base.node_settings import NodeSettings, read_node_settings

@@ -15,7 +15,7 @@
 import math
 import time
 
-from camera_to_base import background_service, camera_publisher
+from camera_to_base import background_service, named_source
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.errors import CameraToBaseError, FrameSourceError
 import cv2
@@ -57,7 +57,7 @@ class GivenFrames:
 def play(ros, monkeypatch):
     def play_frames(frames, *arguments):
         monkeypatch.setattr(
-            camera_publisher, 'open_frame_source', lambda name, size: GivenFrames(frames))
+            named_source, 'open_frame_source', lambda name: GivenFrames(frames))
         return ros.add(CameraPublisher, '-p', 'source:=given', *arguments)
     return play_frames
 

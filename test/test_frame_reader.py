@@ -18,9 +18,9 @@ import sys
 import threading
 import time
 
+from camera_to_base.cameras import Camera
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.frame_reader import FrameReader
-from camera_to_base.frame_sources import Camera
 from camera_to_base.reader_status import ReaderState
 from mjpeg_server import MjpegServer
 import numpy as np
@@ -33,8 +33,8 @@ both_servers = pytest.mark.parametrize('server_class', [MjpegServer, RtspServer]
 END_WHILE_IT_HANGS = """
 import sys
 import time
+from camera_to_base.cameras import Camera
 from camera_to_base.frame_reader import FrameReader
-from camera_to_base.frame_sources import Camera
 import scenes
 import mjpeg_server
 import rtsp_server
