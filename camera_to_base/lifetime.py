@@ -15,7 +15,9 @@
 """The life of a node's process: from its arguments to its exit code, without a traceback."""
 
 from contextlib import contextmanager
+import os
 import signal
+import traceback
 from typing import Callable, Iterator, List, Optional
 
 from camera_to_base.errors import CameraToBaseError
@@ -44,7 +46,7 @@ def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = No
     :param name: What an error is logged as before there is a node.
     :param make_node: The node's class; its node has a heartbeat.
     :param args: Command-line arguments; those of the process where none are given.
-    :returns: The process's exit code: 0, or 1 if the node could not start.
+    :returns: The process's exit code: 0, 1 if the node could not start, or 70 if it failed later.
     """
     node = None
     try:
@@ -60,6 +62,10 @@ def run(name: str, make_node: Callable[[], Node], args: Optional[List[str]] = No
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except Exception:
+        # Python's own exit code would be 1: the launch file would not start the node again.
+        traceback.print_exc()
+        return os.EX_SOFTWARE
     finally:
         # A terminal, ros2 run and ros2 launch may each send a signal for one Ctrl-C.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
