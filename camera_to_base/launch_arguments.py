@@ -15,18 +15,21 @@
 """What the launch file says to the nodes that it starts: topics, frames, transforms, devices."""
 
 import math
-from typing import Any, Dict, List, NamedTuple, Tuple
+from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
 from camera_to_base.camera_parameters import CAMERA_SPECS
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launch_cameras import Camera
 from camera_to_base.parameter_file import read_node_parameters
+from camera_to_base.parameter_spec import meant_name, unknown_name_text
 from camera_to_base.surface import check_image_size
 from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 # Both drivers publish under this relative name.
 _DRIVER_TOPIC = 'image_raw'
+# What launch and launch_ros keep for themselves among the arguments.
+_OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
 _DEFAULTS = {spec.name: spec.default for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
 
 
@@ -47,6 +50,21 @@ class Frames(NamedTuple):
 
     base: str
     camera: str
+
+
+def argument_warnings(
+        given: Iterable[str], known: Collection[str], ours_alone: bool) -> List[str]:
+    """
+    Warn of arguments that there are not: launch ignores them, so that a default would hold.
+
+    :param given: The names of all arguments of the launch.
+    :param known: The names of ours.
+    :param ours_alone: Nobody else's are among them; otherwise only what looks misspelt is told.
+    """
+    unknown = [name for name in given if name not in {*known, *_OF_LAUNCH}]
+    meant = {name: meant_name(name, known) for name in unknown}
+    return [unknown_name_text(name, meant[name], 'launch argument') for name in unknown
+            if meant[name] or ours_alone]
 
 
 def is_wanted(name: str, value: str) -> bool:

@@ -122,10 +122,10 @@ def meant_name(name: str, known: Collection[str]) -> Optional[str]:
     return next(iter(difflib.get_close_matches(name, known, n=1, cutoff=0.8)), None)
 
 
-def unknown_name_text(name: str, meant: Optional[str]) -> str:
-    """Warn of a name that no parameter has."""
+def unknown_name_text(name: str, meant: Optional[str], kind: str = 'parameter') -> str:
+    """Warn of a name that no parameter has, or nothing else of a kind."""
     hint = f": did you mean '{meant}'?" if meant else ''
-    return f"there is no parameter '{name}', it is left out{hint}"
+    return f"there is no {kind} '{name}', it is left out{hint}"
 
 
 def _numbers(text: str) -> Optional[List[float]]:

@@ -12,21 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Starts both nodes with one parameter file, and what else is asked for; who dies is restarted."""
+"""
+Starts both nodes with one parameter file, and what else is asked for.
 
+Who dies is started again; a node that cannot start ends the launch.
+"""
+
+import functools
 import os
+import sys
 
 from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
-from camera_to_base.errors import InvalidValueError
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launch_arguments import (
-    check_frames, driver_parameters, frames, image_input, is_wanted, not_installed,
-    transform_arguments)
+    argument_warnings, check_frames, driver_parameters, frames, image_input, is_wanted,
+    not_installed, transform_arguments)
 from camera_to_base.launch_cameras import Camera, choose_cameras, DRIVERS
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler
-from launch.event_handlers import OnProcessExit
-from launch.events import Shutdown
+from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
+from launch.events import matches_action, Shutdown
+from launch.events.process import ShutdownProcess
+from launch.logging import get_logger
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -37,7 +44,7 @@ DEFAULT = Camera(os.path.join(CONFIG, 'overhead_camera.yaml'))
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the arguments; what is started follows from their values."""
-    return LaunchDescription([
+    arguments = [
         DeclareLaunchArgument(
             'params_file', default_value=DEFAULT.params_file,
             description='Parameter file of both nodes.'),
@@ -65,14 +72,24 @@ def generate_launch_description() -> LaunchDescription:
             description='Publish the transform of the parameter file on /tf_static.'),
         DeclareLaunchArgument(
             'rviz', default_value='false', description='Start RViz, one window for each camera.'),
-        OpaqueFunction(function=_start),
-    ])
+    ]
+    names = [argument.name for argument in arguments]
+    return LaunchDescription([
+        *arguments, OpaqueFunction(function=_warn, args=[names]), OpaqueFunction(function=_start)])
+
+
+def _warn(context, names):
+    # Where another launch file includes this one, that one's arguments are given, too.
+    ours_alone = {'camera_to_base', 'camera_to_base.launch.py'} <= set(sys.argv)
+    for warning in argument_warnings(context.launch_configurations, names, ours_alone):
+        get_logger('camera_to_base').warning(warning)
 
 
 def _start(context):
     camera = Camera(*(_value(context, name) for name in Camera._fields))
     cameras = choose_cameras(_value(context, 'cameras'), camera, DEFAULT)
-    actions = [action for camera in cameras for action in _camera_actions(camera)]
+    playing = set(cameras)
+    actions = [action for camera in cameras for action in _camera_actions(camera, playing)]
     if is_wanted('publish_tf', _value(context, 'publish_tf')):
         _require('tf2_ros', 'publish_tf:=true')
         check_frames(cameras)
@@ -83,17 +100,17 @@ def _start(context):
     return actions
 
 
-def _camera_actions(camera):
+def _camera_actions(camera, playing):
     source, remappings = image_input(camera)
-    node = _node(
-        camera, 'camera_to_base', 'camera_publisher', remappings=remappings,
-        parameters=[camera.params_file, {
-            'source': ParameterValue(source, value_type=str),
-            'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}])
     actions = [
-        node,
-        _node(camera, 'camera_to_base', 'robot_base_publisher', parameters=[camera.params_file]),
-        RegisterEventHandler(OnProcessExit(target_action=node, on_exit=_end_with_recording)),
+        _node(
+            camera, 'camera_to_base', 'camera_publisher', remappings=remappings,
+            on_exit=functools.partial(_end_with_recordings, camera, playing),
+            parameters=[camera.params_file, {
+                'source': ParameterValue(source, value_type=str),
+                'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}]),
+        _node(camera, 'camera_to_base', 'robot_base_publisher', on_exit=_end_without_start,
+              parameters=[camera.params_file]),
     ]
     if camera.has_driver:
         _require(camera.camera_driver, f'camera_driver:={camera.camera_driver}')
@@ -105,7 +122,7 @@ def _camera_actions(camera):
 
 def _transform_publisher(camera):
     return _node(camera, 'tf2_ros', 'static_transform_publisher',
-                 arguments=transform_arguments(camera))
+                 on_exit=_end_without_start, arguments=transform_arguments(camera))
 
 
 def _node(camera, package, executable, name=None, **options):
@@ -135,8 +152,19 @@ def _value(context, name):
     return LaunchConfiguration(name).perform(context)
 
 
-def _end_with_recording(event, context):
+def _end_with_recordings(camera, playing, event, context):
+    _end_without_start(event, context)
+    if event.returncode != 0:
+        return None
     # A camera node that ends by itself, without an error, has played its recording to the end.
-    if event.returncode == 0:
-        return [EmitEvent(event=Shutdown(reason='the recording has ended'))]
-    return None
+    playing.discard(camera)
+    if playing:
+        return EmitEvent(event=ShutdownProcess(process_matcher=matches_action(event.action)))
+    return EmitEvent(event=Shutdown(reason='the recordings have ended'))
+
+
+def _end_without_start(event, context):
+    # Drivers are not asked: of them, an exit code of 1 may say that the camera was unplugged.
+    if event.returncode == 1 and not context.is_shutdown:
+        raise CameraToBaseError(
+            f'{event.action.node_name} cannot start, as it says itself: the launch ends')

@@ -15,6 +15,7 @@
 """What the launch file starts; stand-ins take the place of executables, and of other packages."""
 
 import importlib.util
+import logging
 from pathlib import Path
 
 from camera_to_base.errors import InvalidValueError
@@ -64,6 +65,14 @@ def prefix(tmp_path, monkeypatch):
     return prefix
 
 
+@pytest.fixture
+def log(caplog, monkeypatch):
+    """Record what is logged: launch's loggers keep it to themselves."""
+    for name in ('launch', 'camera_to_base'):
+        monkeypatch.setattr(logging.getLogger(name), 'propagate', True)
+    return caplog
+
+
 def description():
     spec = importlib.util.spec_from_file_location('launch_file', LAUNCH_FILE)
     module = importlib.util.module_from_spec(spec)
@@ -80,8 +89,8 @@ def described(**arguments):
     return sorted(entity.node_executable for entity in entities if isinstance(entity, Node))
 
 
-def started(count, **arguments):
-    """Launch for real until so many processes were started; return their command lines."""
+def run_until(count, **arguments):
+    """Launch for real until so many processes were started; return exit code and command lines."""
     commands = []
     end = actions.EmitEvent(event=launch.events.Shutdown())
 
@@ -89,14 +98,23 @@ def started(count, **arguments):
         commands.append(' '.join(event.cmd))
         return end if len(commands) == count else None
 
+    def on_time_out(context):
+        raise AssertionError(f'still running after 20 s: {commands}')
+
     service = launch.LaunchService(noninteractive=True)
     service.include_launch_description(launch.LaunchDescription([
         actions.RegisterEventHandler(event_handlers.OnProcessStart(on_start=on_start)),
-        actions.TimerAction(period=20.0, actions=[end]),
+        actions.TimerAction(period=20.0, actions=[actions.OpaqueFunction(function=on_time_out)]),
         actions.IncludeLaunchDescription(
             sources.PythonLaunchDescriptionSource(LAUNCH_FILE),
             launch_arguments=arguments.items())]))
-    assert service.run() == 0
+    return service.run(), commands
+
+
+def started(count, **arguments):
+    """Launch for real until so many processes were started; return their command lines."""
+    code, commands = run_until(count, **arguments)
+    assert code == 0
     return commands
 
 
@@ -188,11 +206,73 @@ def test_rviz_opens_the_installed_configuration_in_the_namespace(prefix):
     assert '-f base_link' in command and '__ns:=/cell_1' in command
 
 
-def test_node_that_dies_is_started_again(prefix):
-    prefix.add('camera_to_base', 'camera_publisher', script='exit 1')
+def two_recordings(directory):
+    (directory / 'cell.yaml').write_text('/**: {ros__parameters: {}}')
+    (directory / 'cells.yaml').write_text(''.join(
+        f'- {{namespace: {side}, params_file: cell.yaml, source: {side}.avi}}\n'
+        for side in ('left', 'right')))
+    return str(directory / 'cells.yaml')
+
+
+@pytest.mark.parametrize('death', ['kill -KILL $$', 'kill -SEGV $$', 'exit 70'])
+def test_node_that_dies_is_started_again(death, prefix):
+    prefix.add('camera_to_base', 'camera_publisher', script=death)
     assert sum('/camera_publisher ' in command for command in started(3)) == 2
+
+
+@pytest.mark.parametrize('package, executable, arguments', [
+    ('camera_to_base', 'camera_publisher', {}), ('camera_to_base', 'robot_base_publisher', {}),
+    ('tf2_ros', 'static_transform_publisher', {'publish_tf': 'true'})])
+def test_node_that_cannot_start_ends_the_launch_and_is_named(
+        package, executable, arguments, prefix, log):
+    prefix.add(package, executable, script='exit 1')
+    code, commands = run_until(4, namespace='cell_1', **arguments)
+    assert code == 1 and len(commands) == 2 + len(arguments)
+    assert f'/cell_1/{executable} cannot start, as it says itself' in log.text
+
+
+def test_node_that_cannot_start_any_more_ends_the_launch(prefix, tmp_path):
+    prefix.add('camera_to_base', 'camera_publisher', script=(
+        f'test -e {tmp_path}/ran && exit 1\ntouch {tmp_path}/ran\nkill -KILL $$'))
+    code, commands = run_until(4)
+    assert code == 1 and len(commands) == 3
+
+
+def test_driver_is_started_again_whatever_its_exit_code(prefix):
+    prefix.add('usb_cam', 'usb_cam_node_exe', script='exit 1')
+    assert sum('/usb_cam_node_exe ' in command
+               for command in started(4, camera_driver='usb_cam')) == 2
 
 
 def test_end_of_a_recording_ends_the_launch(prefix):
     prefix.add('camera_to_base', 'camera_publisher', script='exit 0')
     assert len(started(3)) == 2
+
+
+def test_end_of_one_recording_leaves_the_other_camera_alone(prefix, tmp_path):
+    # The other one is restarted long after the first one would have been.
+    prefix.add('camera_to_base', 'camera_publisher', script=(
+        'case "$*" in *__ns:=/left*) exit 0;; esac\nsleep 2\nkill -KILL $$'))
+    commands = [command for command in started(6, cameras=two_recordings(tmp_path))
+                if '/camera_publisher ' in command]
+    assert ['__ns:=/left' in command for command in commands].count(True) == 1
+    assert len(commands) == 4
+
+
+def test_end_of_all_recordings_ends_the_launch(prefix, tmp_path):
+    prefix.add('camera_to_base', 'camera_publisher', script='exit 0')
+    assert len(started(5, cameras=two_recordings(tmp_path))) == 4
+
+
+def test_misspelt_argument_is_told_with_what_was_meant(prefix, log):
+    described(sorce='0', device='0')
+    assert log.messages == [
+        "there is no launch argument 'sorce', it is left out: did you mean 'source'?"]
+
+
+def test_unknown_argument_is_told_where_nobody_includes_the_launch_file(
+        prefix, log, monkeypatch):
+    monkeypatch.setattr(
+        'sys.argv', ['ros2', 'launch', 'camera_to_base', 'camera_to_base.launch.py', 'device:=0'])
+    described(device='0')
+    assert "no launch argument 'device', it is left out" in log.text

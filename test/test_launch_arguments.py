@@ -17,8 +17,8 @@ import math
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launch_arguments import (
-    check_frames, driver_parameters, Frames, frames, image_input, is_wanted, not_installed,
-    transform_arguments)
+    argument_warnings, check_frames, driver_parameters, Frames, frames, image_input, is_wanted,
+    not_installed, transform_arguments)
 from camera_to_base.launch_cameras import Camera
 import numpy as np
 import pytest
@@ -146,3 +146,13 @@ def test_switch_is_true_or_false():
     assert is_wanted('rviz', 'True') and not is_wanted('rviz', 'false')
     with pytest.raises(InvalidValueError, match="rviz must be true or false, got 'yes'"):
         is_wanted('rviz', 'yes')
+
+
+@pytest.mark.parametrize('given, ours_alone, told', [
+    ('sorce', False, ["there is no launch argument 'sorce', it is left out: did you mean "
+                      "'source'?"]),
+    ('device', True, ["there is no launch argument 'device', it is left out"]),
+    ('device', False, []), ('source', True, []), ('ros_namespace', False, []),
+    ('launch-prefix', True, [])])
+def test_argument_that_launch_would_ignore_is_told(given, ours_alone, told):
+    assert argument_warnings([given], ['source', 'namespace'], ours_alone) == told
