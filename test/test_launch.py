@@ -253,10 +253,10 @@ def test_end_of_one_recording_leaves_the_other_camera_alone(prefix, tmp_path):
     # The other one is restarted long after the first one would have been.
     prefix.add('camera_to_base', 'camera_publisher', script=(
         'case "$*" in *__ns:=/left*) exit 0;; esac\nsleep 2\nkill -KILL $$'))
-    commands = [command for command in started(6, cameras=two_recordings(tmp_path))
+    commands = [command for command in started(5, cameras=two_recordings(tmp_path))
                 if '/camera_publisher ' in command]
     assert ['__ns:=/left' in command for command in commands].count(True) == 1
-    assert len(commands) == 4
+    assert len(commands) == 3
 
 
 def test_end_of_all_recordings_ends_the_launch(prefix, tmp_path):
