@@ -95,9 +95,12 @@ class RobotBasePublisher(Node):
 
     def _on_objects(self, message: PoseArray) -> None:
         with self._dropping_what_is_wrong(_OBJECTS):
-            poses = self._within_reach(poses_from_message(message))
-            self._topics.publish_objects(self._header(message.header), poses)
-            self._published_count += 1
+            camera_poses = poses_from_message(message)
+            base_poses = self._within_reach(camera_poses)
+            # An empty array says that the surface is empty.
+            if base_poses or not camera_poses:
+                self._topics.publish_objects(self._header(message.header), base_poses)
+                self._published_count += 1
 
     def _within_reach(self, camera_poses: List[Pose]) -> List[Pose]:
         base_poses = []

@@ -122,6 +122,16 @@ def test_array_keeps_its_order_and_leaves_out_what_is_beyond_the_reach(ros):
     assert node.dropped_count == 1
 
 
+def test_array_of_objects_that_are_all_beyond_the_reach_is_not_told_as_an_empty_surface(ros):
+    node, _, object_talker, _, objects = connect(
+        ros, '-p', 'reach_cm:=50', '-p', 'displacement_cm:=[0, 0, 0]')
+    object_talker.publish(poses_message(Header(), [Pose(50.1, 0.0, 0.0, 0.0)]))
+    object_talker.publish(poses_message(Header(), [Pose(10.0, 0.0, 0.0, 0.0)]))
+    assert ros.spin_until(lambda: objects)
+    assert node.dropped_count == 1
+    assert [len(array.poses) for array in objects] == [1]
+
+
 def test_stamped_message_that_is_no_position_is_dropped_and_the_node_lives(ros):
     node, point_talker, object_talker, points, objects = connect(ros)
     bad = poses_message(Header(), [Pose(1.0, 1.0, 0.0, 0.0)])
