@@ -42,7 +42,8 @@ class FrameReader(ReaderStatus):
     Drains a camera, so that a slow consumer gets a new frame and never an old one.
 
     Only the reader's thread opens, reads and releases the camera: a release while another thread
-    reads is a segmentation fault in OpenCV.
+    reads is a segmentation fault in OpenCV. Whatever else it raises, or `damage` does, is a lost
+    camera, too.
 
     :param camera: A source whose `read` waits for a frame, opens what is not open, and raises
         FrameSourceError, closed, where that fails.
@@ -121,17 +122,25 @@ class FrameReader(ReaderStatus):
                 image = self._camera.read()
                 if count == 0 and self._last_frame_at is not None:
                     self._count(reconnects=1)
-                count += 1
                 self._keep(image, begun_at, time.monotonic())
+                count += 1
         except FrameSourceError as error:
-            self._error = error
-            self._first_attempt_over.set()
+            self._lose(error)
+        except Exception as error:
+            # Nobody would learn of a thread that dies, and nobody would seek the camera again.
+            self._lose(_as_source_error(error))
+            self._camera.release()
         return count > 0
 
+    def _lose(self, error: FrameSourceError) -> None:
+        self._error = error
+        self._first_attempt_over.set()
+
     def _keep(self, image: np.ndarray, begun_at: float, ended_at: float) -> None:
+        # First, for a frame that it fails on has not come.
+        damage = self._damage(image)
         self._note_frame(ended_at)
         self._first_attempt_over.set()
-        damage = self._damage(image)
         self._note_damage(damage)
         fresh = self._freshness is None or self._freshness.is_fresh(begun_at, ended_at)
         self._count(old=not fresh)
@@ -140,6 +149,14 @@ class FrameReader(ReaderStatus):
                 self._count(overwritten=self._newest is not None)
                 self._newest = TakenFrame(image, ended_at)
             self._on_frame()
+
+
+def _as_source_error(error: Exception) -> FrameSourceError:
+    # OpenCV's texts have several lines.
+    text = ' '.join(str(error).split())
+    return FrameSourceError(
+        f'reading the camera failed, {type(error).__name__}: {text}; if that goes on, restart the '
+        'node and report it')
 
 
 def is_reader_hanging() -> bool:

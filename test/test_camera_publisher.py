@@ -27,6 +27,9 @@ from rclpy.qos import ReliabilityPolicy
 from ros_helpers import CAMERA_TOPIC, TRUE_TOPIC
 
 
+ERROR = 40
+
+
 class GivenFrames:
     """A camera that plays given frames, the last one for ever; an error among them is raised."""
 
@@ -116,6 +119,20 @@ def test_camera_that_gives_no_frame_publishes_nothing_and_is_read_again(ros, pla
     received = listen_for_camera(ros)
     play([table(), FrameSourceError('unplugged'), table_with_disc(320, 240)])
     assert ros.spin_until(lambda: received, 3.0)
+
+
+def test_error_that_nobody_foresaw_in_the_camera_is_said_and_the_camera_is_read_again(ros, play):
+    received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    play([table(), *[table_with_disc(320, 240)] * 90, *[ValueError('odd')] * 4,
+          table_with_disc(320, 240)])
+    assert ros.spin_until(lambda: statuses and 'ValueError' in statuses[-1].message, 8.0)
+    assert statuses[-1].level == 2 and 'nothing is published' in statuses[-1].message
+    told = [line for line in lines if 'ValueError: odd' in line.text]
+    assert [line.level for line in told] == [ERROR]
+    count = len(received)
+    assert ros.spin_until(lambda: len(received) > count, 5.0)
+    assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
 
 
 def test_homography_refuses_pictures_that_it_was_not_made_for(ros, play):

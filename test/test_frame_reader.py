@@ -63,6 +63,7 @@ class Numbers:
         self.number = 0
         self.threads = set()
         self.read_at = []
+        self.released = 0
 
     def read(self):
         self.threads.add(threading.current_thread().name)
@@ -77,6 +78,7 @@ class Numbers:
 
     def release(self):
         self.threads.add(threading.current_thread().name)
+        self.released += 1
 
 
 def wait_until(condition, timeout=5.0):
@@ -152,6 +154,34 @@ def test_first_attempt_that_fails_is_raised(read):
     reader = read(Numbers(FrameSourceError('not there')))
     with pytest.raises(FrameSourceError, match='not there'):
         reader.wait_for_first_attempt()
+
+
+def test_error_that_nobody_foresaw_is_told_and_the_camera_is_opened_anew(read):
+    camera = Numbers(None, ValueError('odd\n  picture'))
+    reader = read(camera)
+    assert wait_until(lambda: reader.state is ReaderState.LOST, 0.5)
+    assert 'ValueError: odd picture' in str(reader.error)
+    assert wait_until(lambda: camera.released == 1, 0.3)
+    assert wait_until(lambda: reader.counts.reconnects == 1, 1.0)
+    assert reader.state is ReaderState.RUNNING and reader.error is None
+
+
+def test_error_that_nobody_foresaw_ends_the_wait_for_the_first_attempt(read):
+    reader = read(Numbers(ValueError('odd')))
+    assert wait_until(lambda: reader.error is not None, 1.0)
+    with pytest.raises(FrameSourceError, match='ValueError: odd'):
+        reader.wait_for_first_attempt()
+
+
+def test_camera_whose_every_frame_makes_an_error_is_never_said_to_run(read):
+    def fail(frame):
+        raise ValueError('odd')
+
+    reader = read(Numbers(wait=0.0), damage=fail)
+    states = set()
+    assert wait_until(lambda: states.add(reader.state) or reader.counts.attempts == 3)
+    assert states == {ReaderState.WAITING}
+    assert reader.take() is None
 
 
 def test_damaged_frame_is_counted_and_never_given(read):
