@@ -20,10 +20,15 @@ from typing import Dict, NamedTuple, Optional
 from camera_to_base.camera_pipeline import CameraPipeline
 from camera_to_base.errors import TopicTypeError
 from camera_to_base.health import Level
+from camera_to_base.position_gate import TOO_LATE, UNCONFIRMED
 from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
 
 # A camera that gives damaged frames only is said to do so after this many.
 _DAMAGED_IN_A_ROW = 10
+# What to do where the reason itself does not say so.
+_CURES = {
+    TOO_LATE: ': use smaller pictures or a faster computer, or raise max_frame_age',
+    UNCONFIRMED: ": keep hands away, or raise the detector's threshold"}
 
 
 class Problem(NamedTuple):
@@ -56,6 +61,10 @@ def camera_problem(
         return Problem('size', Level.ERROR, pipeline.size_problem)
     if pipeline.view_problem is not None:
         return Problem('view', Level.ERROR, pipeline.view_problem)
+    reason = pipeline.held_back.reason
+    if reason is not None:
+        return Problem('held back', Level.WARN, (
+            f'nothing is published: {reason}{_CURES.get(reason, "")}'))
     return None
 
 

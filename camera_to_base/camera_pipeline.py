@@ -16,13 +16,14 @@
 
 from collections import Counter
 import time
-from typing import NamedTuple, Optional
+from typing import List, NamedTuple, Optional
 
 from camera_to_base.background_taker import BackgroundTaker
 from camera_to_base.detection import check_frame
 from camera_to_base.detector_settings import DetectorSettings
-from camera_to_base.errors import FrameSizeError
-from camera_to_base.object_locator import ObjectLocator
+from camera_to_base.errors import CameraToBaseError, FrameSizeError
+from camera_to_base.held_back import HeldBack
+from camera_to_base.object_locator import LocatedObject, ObjectLocator
 from camera_to_base.position_gate import PositionGate, Sighting
 from camera_to_base.surface import Surface
 from camera_to_base.view_check import view_problem, ViewCheck
@@ -61,6 +62,7 @@ class CameraPipeline:
         background_frames: int = 1,
     ) -> None:
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
+        self.held_back = HeldBack()
         self.counts: Counter = Counter()
         self.size_problem: Optional[str] = None
         self.shift_px: Optional[float] = None
@@ -99,22 +101,34 @@ class CameraPipeline:
         :returns: The objects, and why they may not be published where they may not.
         :raises CameraToBaseError: If the frame cannot be used.
         """
+        try:
+            sighting = self._see(frame, taken_at)
+        except CameraToBaseError as error:
+            self.held_back.note(type(error), str(error))
+            raise
+        self.held_back.note(sighting.held_back, sighting.held_back)
+        return sighting
+
+    def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
         check_frame(frame)
         self.counts['frames'] += 1
         if self.background is None and not self._take_background(frame):
             return Sighting([], 'the background is being taken')
+        objects = self._locate(frame)
+        self._check_view(frame)
+        sighting = self._gate.judge(objects, taken_at)
+        self._count(sighting)
+        return sighting
+
+    def _locate(self, frame: np.ndarray) -> List[LocatedObject]:
+        self.size_problem = None
         try:
-            objects = self._current_locator().locate(frame)
-            self.size_problem = None
+            return self._current_locator().locate(frame)
         except FrameSizeError as error:
             # Another background does not change what the surface was calibrated for.
             cure = ', or clear the surface and call ~/capture_background' if self._locator else ''
             self.size_problem = f'{error}{cure}'
             raise
-        self._check_view(frame)
-        sighting = self._gate.judge(objects, taken_at)
-        self._count(sighting)
-        return sighting
 
     def _count(self, sighting: Sighting) -> None:
         if sighting.objects:

@@ -20,6 +20,10 @@ from typing import List, NamedTuple, Optional
 from camera_to_base.jump_filter import JumpFilter
 from camera_to_base.object_locator import LocatedObject
 
+# Why a frame may not be published.
+UNCONFIRMED = 'not confirmed by a second frame'
+TOO_LATE = 'detection took too long'
+
 
 class Sighting(NamedTuple):
     """
@@ -65,9 +69,9 @@ class PositionGate:
         if self.view_problem is not None:
             return Sighting(objects, 'the view has moved')
         if believed is None:
-            return Sighting(objects, 'not confirmed by a second frame')
+            return Sighting(objects, UNCONFIRMED)
         if taken_at is not None and time.monotonic() - taken_at > self._max_age_s:
-            return Sighting(objects, 'detection took too long')
+            return Sighting(objects, TOO_LATE)
         return Sighting(believed)
 
     def _believed(self, objects: List[LocatedObject]) -> Optional[List[LocatedObject]]:

@@ -12,11 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import contextlib
 import time
 
 from camera_to_base.camera_health import camera_problem, DetectionRate
-from camera_to_base.camera_pipeline import CameraPipeline
-from camera_to_base.errors import FrameSizeError
+from camera_to_base.camera_pipeline import CameraPipeline, Limits
+from camera_to_base.errors import FrameSizeError, HorizonError
+from camera_to_base.health import Level
 from camera_to_base.surface import HomographySurface, ParallelSurface
 import cv2
 import numpy as np
@@ -58,3 +60,84 @@ def test_new_background_is_proposed_only_where_it_helps_against_another_picture_
     assert 'call ~/capture_background' in size_complaint(ParallelSurface(), table(), small)
     complaint = size_complaint(HomographySurface(np.eye(3), (640, 480)), small)
     assert 'calibrate again' in complaint and 'capture_background' not in complaint
+
+
+# A camera that looks along a road: x = (u - 160) / (v - 112), y = 128 / (v - 112).
+ROAD = HomographySurface(np.array([[1, 0, -160], [0, 0, 128], [0, 1, -112]]), (320, 240))
+FAR, NEAR = (250, 40), (160, 200)
+
+
+class Scene:
+    """A pipeline that is shown frames, at times that pass as told."""
+
+    def __init__(self, monkeypatch, surface, **limits):
+        self.now = 100.0
+        monkeypatch.setattr(time, 'monotonic', lambda: self.now)
+        self._pipeline = CameraPipeline(surface, limits=Limits(**limits))
+        self.show(table())
+
+    def show(self, *frames, interval_s=0.1, age_s=None):
+        for frame in frames:
+            self.now += interval_s
+            with contextlib.suppress(HorizonError):
+                self._pipeline.process(frame, None if age_s is None else self.now - age_s)
+
+    @property
+    def problem(self):
+        return camera_problem(None, self._pipeline, 'camera')
+
+
+def test_objects_beyond_the_horizon_only_are_told_after_a_second(monkeypatch):
+    scene = Scene(monkeypatch, ROAD)
+    scene.show(*[table(FAR)] * 8)
+    assert scene.problem is None
+    scene.show(*[table((240, 40))] * 8)
+    assert scene.problem.level is Level.WARN
+    assert 'nothing is published: pixel (' in scene.problem.sentence
+    assert 'tilt the camera down' in scene.problem.sentence
+    scene.show(table(NEAR))
+    assert scene.problem is None
+
+
+def test_horizon_is_no_problem_while_every_other_frame_is_published(monkeypatch):
+    scene = Scene(monkeypatch, ROAD)
+    for _ in range(10):
+        scene.show(table(FAR), table(NEAR))
+        assert scene.problem is None
+
+
+def test_pictures_of_a_slow_camera_that_are_all_beyond_the_horizon_are_told(monkeypatch):
+    scene = Scene(monkeypatch, ROAD)
+    scene.show(table(FAR), interval_s=4.0)
+    assert scene.problem is None
+    scene.show(table(FAR), interval_s=4.0)
+    assert 'horizon' in scene.problem.sentence
+
+
+def test_detection_that_is_always_too_slow_is_told_with_the_cure(monkeypatch):
+    scene = Scene(monkeypatch, ParallelSurface(36.0, 320), max_frame_age_s=0.3)
+    scene.show(*[table(NEAR)] * 20, age_s=0.2)
+    assert scene.problem is None
+    scene.show(*[table(NEAR)] * 20, age_s=0.4)
+    assert scene.problem.level is Level.WARN
+    assert 'detection took too long' in scene.problem.sentence
+    assert 'max_frame_age' in scene.problem.sentence
+
+
+def test_objects_that_no_two_frames_show_alike_are_told_with_the_cure(monkeypatch):
+    scene = Scene(monkeypatch, ParallelSurface(36.0, 320))
+    places = np.random.default_rng(2).integers((40, 40), (280, 200), (20, 2))
+    scene.show(*[table((int(u), int(v))) for u, v in places], age_s=0.0)
+    assert scene.problem.level is Level.WARN
+    assert 'not confirmed' in scene.problem.sentence and 'threshold' in scene.problem.sentence
+    scene.show(*[table(NEAR)] * 2, age_s=0.0)
+    assert scene.problem is None
+
+
+def test_right_size_is_no_problem_any_more_though_nothing_is_on_the_surface(monkeypatch):
+    scene = Scene(monkeypatch, ROAD)
+    with pytest.raises(FrameSizeError):
+        scene.show(cv2.resize(table(), (160, 120)))
+    assert scene.problem.kind == 'size'
+    scene.show(table(FAR))
+    assert scene.problem is None

@@ -349,6 +349,32 @@ def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ro
     assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
 
 
+def test_objects_beyond_the_horizon_only_are_a_warning_for_as_long_as_nothing_else_is_seen(
+        ros, play):
+    def seen(*places):
+        frame = table()
+        for place in places:
+            cv2.circle(frame, place, 21, (50, 50, 50), -1)
+        return frame
+
+    far, near = (500, 50), (320, 400)
+    received = listen_for_camera(ros)
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    # A camera that looks along a road, see test_object_locator.py.
+    play([table(), *[seen(near, far)] * 30, *[seen(far)] * 120, seen(near, far)],
+         '-p', 'surface.model:=homography',
+         '-p', 'surface.homography.surface_from_pixel:='
+         '[1.0, 0.0, -320.0, 0.0, 0.0, 128.0, 0.0, 1.0, -112.0]')
+    assert ros.spin_until(lambda: statuses and 'horizon' in statuses[-1].message, 8.0)
+    assert statuses[-1].level == 1 and 'tilt the camera down' in statuses[-1].message
+    count = len(received)
+    assert count
+    ros.spin_for(0.3)
+    assert len(received) == count
+    assert ros.spin_until(lambda: len(received) > count + 3, 8.0)
+    assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
+
+
 def test_diagnostics_come_once_a_second_with_what_a_user_should_know(ros, play):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     play([table()])

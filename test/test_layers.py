@@ -39,7 +39,7 @@ ROOMS = [
     {'background_taker', 'damage_check', 'detector_settings', 'files', 'freshness', 'jump_filter',
      'matched_points', 'object_locator', 'overlay', 'reader_status', 'surface_parameters',
      'view_check'},
-    {'camera_pose', 'figures', 'frame_reader', 'homography_fit', 'least_squares',
+    {'camera_pose', 'figures', 'frame_reader', 'held_back', 'homography_fit', 'least_squares',
      'picture_keeper', 'polynomial_fit', 'position_gate', 'random_pixels', 'recording',
      'rigid_fit'},
     {'annotated_video', 'bag_file', 'board', 'board_frame', 'board_squares', 'calibrate_options',

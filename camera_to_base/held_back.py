@@ -1,0 +1,47 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tells why nothing is published though frames come."""
+
+import time
+from typing import Hashable, Optional
+
+# A single frame may be held back: the next one comes.
+_LASTING_S = 1.0
+
+
+class HeldBack:
+    """
+    Books for each frame why nothing of it may be published.
+
+    `reason` tells why that has been so for a second, by the frames' own times: a slow camera's
+    next frame may be good. None where one was published since, or for another reason not.
+    """
+
+    def __init__(self) -> None:
+        self.reason: Optional[str] = None
+        self._kind: Optional[Hashable] = None
+        self._since = 0.0
+
+    def note(self, kind: Optional[Hashable], reason: Optional[str]) -> None:
+        """
+        Book one frame.
+
+        :param kind: What stays the same while numbers in the reason change; None where the
+            frame was published.
+        """
+        now = time.monotonic()
+        if kind != self._kind:
+            self._kind, self._since = kind, now
+        self.reason = reason if now - self._since >= _LASTING_S else None
