@@ -21,7 +21,7 @@ from camera_to_base.camera_pipeline import CameraPipeline
 from camera_to_base.errors import TopicTypeError
 from camera_to_base.health import Level
 from camera_to_base.position_gate import TOO_LATE, UNCONFIRMED
-from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
+from camera_to_base.reader_status import ReaderState, ReaderStatus
 
 # A camera that gives damaged frames only is said to do so after this many.
 _DAMAGED_IN_A_ROW = 10
@@ -70,7 +70,7 @@ def camera_problem(
 
 def _reader_problem(reader: ReaderStatus, name: str) -> Problem:
     cause = reader.error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
-    if reader.error is None and reader.seconds_without_frame < LOST_AFTER_S:
+    if reader.error is None and reader.seconds_without_frame < reader.longest_silence_s:
         return Problem('opening', Level.WARN, f"waiting for the first frame of '{name}'")
     if isinstance(cause, TopicTypeError):
         return Problem('topic type', Level.ERROR, f'nothing is published: {cause}')

@@ -22,6 +22,7 @@ from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicType
 from camera_to_base.image_decoding import (
     frame_from_compressed_message, frame_from_image_message)
 from camera_to_base.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
+from camera_to_base.silence_limit import SilenceLimit
 import numpy as np
 from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -55,6 +56,7 @@ class ImageTopic(ReaderStatus):
         self._on_frame = on_frame
         self._damage = damage
         self._decode = frame_from_compressed_message if compressed else frame_from_image_message
+        self._silence_limit = SilenceLimit()
         self._refused_at = -LOST_AFTER_S
         self._mismatch: Optional[FrameSourceError] = None
         self._last_number: Optional[int] = None
@@ -75,10 +77,15 @@ class ImageTopic(ReaderStatus):
     @property
     def error(self) -> Optional[FrameSourceError]:
         """Tell why no frame has come for a while; None while frames come."""
-        if self.seconds_without_frame <= LOST_AFTER_S:
+        if self.seconds_without_frame <= self.longest_silence_s:
             return None
         refused_lately = time.monotonic() - self._refused_at <= LOST_AFTER_S
         return self._error if refused_lately else self._cause_of_silence()
+
+    @property
+    def longest_silence_s(self) -> float:
+        """See :class:`ReaderStatus`; a driver may publish less than one picture a second."""
+        return self._silence_limit.seconds
 
     def close(self) -> None:
         """Receive no more pictures."""
@@ -94,6 +101,7 @@ class ImageTopic(ReaderStatus):
             return
         self._count(reconnects=self.state is ReaderState.LOST)
         self._note_frame(arrived_at)
+        self._silence_limit.note(arrived_at)
         damage = self._damage(frame)
         self._note_damage(damage)
         if damage is None:

@@ -20,7 +20,7 @@ from typing import NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError
 
-# No frame for as long as this means that the camera is lost, whatever is being waited for.
+# No frame for as long as this means that the camera is lost, unless it is known to be slower.
 LOST_AFTER_S = 1.0
 
 
@@ -69,8 +69,13 @@ class ReaderStatus:
         """Tell what the reader is doing."""
         if self._last_frame_at is None:
             return ReaderState.WAITING
-        lost = self.error is not None or self.seconds_without_frame > LOST_AFTER_S
+        lost = self.error is not None or self.seconds_without_frame > self.longest_silence_s
         return ReaderState.LOST if lost else ReaderState.RUNNING
+
+    @property
+    def longest_silence_s(self) -> float:
+        """How long no frame may come before the camera counts as lost."""
+        return LOST_AFTER_S
 
     @property
     def seconds_without_frame(self) -> float:

@@ -220,6 +220,33 @@ def test_topic_that_carries_something_else_is_named(ros):
         other.close()
 
 
+def states_at_a_rate(ros, received, publisher, period_s, seconds):
+    """Send a picture every so often; give each state once that comes after another."""
+    states, sent_at = [], 0.0
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        if time.monotonic() - sent_at >= period_s:
+            sent_at = time.monotonic()
+            publisher.publish(image(random_picture()))
+        ros.spin_for(0.02)
+        if states[-1:] != [received.topic.state]:
+            states.append(received.topic.state)
+    return states
+
+
+def test_slow_but_regular_topic_is_not_lost_between_its_pictures(ros):
+    received, publisher = Received(ros), driver(ros)
+    assert send_until(ros, publisher, image(random_picture()), lambda: received.frames)
+    states_at_a_rate(ros, received, publisher, 1.4, 4.5)  # it shows its rate
+    assert states_at_a_rate(ros, received, publisher, 1.4, 6.0) == [ReaderState.RUNNING]
+    assert received.topic.error is None
+    seen_at = time.monotonic() - received.topic.seconds_without_frame
+    assert ros.spin_until(lambda: received.topic.state is ReaderState.LOST, 5.0)
+    assert time.monotonic() - seen_at == pytest.approx(2.5 * 1.4, abs=0.3)
+    assert camera_problem(
+        received.topic, CameraPipeline(ParallelSurface(36.0, 640)), '').kind == 'lost'
+
+
 def test_driver_that_ends_is_lost_and_found_when_it_is_back(ros):
     received, publisher = Received(ros), driver(ros)
     assert send_until(ros, publisher, image(random_picture()), lambda: received.frames)

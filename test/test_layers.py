@@ -41,7 +41,7 @@ ROOMS = [
      'view_check'},
     {'camera_pose', 'figures', 'frame_reader', 'held_back', 'homography_fit', 'least_squares',
      'picture_keeper', 'polynomial_fit', 'position_gate', 'random_pixels', 'recording',
-     'rigid_fit'},
+     'rigid_fit', 'silence_limit'},
     {'annotated_video', 'bag_file', 'board', 'board_frame', 'board_squares', 'calibrate_options',
      'camera_info_file', 'camera_pipeline', 'command_parser', 'parameter_file', 'report_picture',
      'report_text', 'simulation_parameters', 'still_picture', 'tables', 'top_view'},
