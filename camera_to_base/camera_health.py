@@ -25,6 +25,8 @@ from camera_to_base.reader_status import ReaderState, ReaderStatus
 
 # A camera that gives damaged frames only is said to do so after this many.
 _DAMAGED_IN_A_ROW = 10
+# A stream that was just opened, or had stalled, gives old frames for a second or two.
+_OLD_FOR_S = 4.0
 # What to do where the reason itself does not say so.
 _CURES = {
     TOO_LATE: ': use smaller pictures or a faster computer, or raise max_frame_age',
@@ -55,6 +57,10 @@ def camera_problem(
         return Problem('damaged', Level.ERROR, (
             f"camera '{name}' gives damaged pictures, {reader.last_damage}: check its cable and "
             'its network, or lower its rate'))
+    if reader is not None and reader.seconds_of_old_frames >= _OLD_FOR_S:
+        return Problem('old', Level.ERROR, (
+            f"camera '{name}' gives more frames than can be read, so that they are old when they "
+            'come: lower its rate or its picture size'))
     if pipeline.background is None:
         return Problem('background', Level.WARN, 'taking the background: keep the surface clear')
     if pipeline.size_problem is not None:
@@ -64,7 +70,7 @@ def camera_problem(
     reason = pipeline.held_back.reason
     if reason is not None:
         return Problem('held back', Level.WARN, (
-            f'nothing is published: {reason}{_CURES.get(reason, "")}'))
+            f'no position is published: {reason}{_CURES.get(reason, "")}'))
     return None
 
 

@@ -16,12 +16,12 @@
 
 from collections import Counter
 import time
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.background_taker import BackgroundTaker
 from camera_to_base.detection import check_frame
 from camera_to_base.detector_settings import DetectorSettings
-from camera_to_base.errors import CameraToBaseError, FrameSizeError
+from camera_to_base.errors import CameraToBaseError, FrameSizeError, HorizonError
 from camera_to_base.held_back import HeldBack
 from camera_to_base.object_locator import LocatedObject, ObjectLocator
 from camera_to_base.position_gate import PositionGate, Sighting
@@ -106,7 +106,10 @@ class CameraPipeline:
         except CameraToBaseError as error:
             self.held_back.note(type(error), str(error))
             raise
-        self.held_back.note(sighting.held_back, sighting.held_back)
+        if sighting.beyond_horizon is not None:
+            self.held_back.note(HorizonError, sighting.beyond_horizon)
+        else:
+            self.held_back.note(sighting.held_back, sighting.held_back)
         return sighting
 
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
@@ -114,16 +117,18 @@ class CameraPipeline:
         self.counts['frames'] += 1
         if self.background is None and not self._take_background(frame):
             return Sighting([], 'the background is being taken')
-        objects = self._locate(frame)
+        objects, beyond_horizon = self._locate(frame)
         self._check_view(frame)
-        sighting = self._gate.judge(objects, taken_at)
+        sighting = self._gate.judge(objects, taken_at)._replace(beyond_horizon=beyond_horizon)
         self._count(sighting)
         return sighting
 
-    def _locate(self, frame: np.ndarray) -> List[LocatedObject]:
+    def _locate(self, frame: np.ndarray) -> Tuple[List[LocatedObject], Optional[str]]:
         self.size_problem = None
         try:
-            return self._current_locator().locate(frame)
+            return self._current_locator().locate(frame), None
+        except HorizonError as error:
+            return [], str(error)
         except FrameSizeError as error:
             # Another background does not change what the surface was calibrated for.
             cure = ', or clear the surface and call ~/capture_background' if self._locator else ''

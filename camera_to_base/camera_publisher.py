@@ -27,7 +27,7 @@ from camera_to_base.cameras import Camera, is_stream
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.damage_check import DamageCheck
 from camera_to_base.debug_images import DebugImages
-from camera_to_base.errors import CameraToBaseError
+from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.frame_feeds import CameraFeed, TimedFeed
 from camera_to_base.frame_reader import is_reader_hanging
 from camera_to_base.frame_sources import VideoFile
@@ -176,6 +176,8 @@ class CameraPublisher(Node):
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
         try:
             return self._pipeline.process(frame, taken_at)
+        except FrameSizeError as error:
+            return Sighting([], str(error))  # which the watch tells, once
         except CameraToBaseError as error:
             self._refuse(error)
             return Sighting([], str(error))
@@ -206,6 +208,8 @@ class CameraPublisher(Node):
                 'position may be less accurate', throttle_duration_sec=5.0)
 
     def _on_new_settings(self) -> None:
+        if isinstance(self._source, Camera):
+            self._source.image_size = self._settings.image_size
         self._pipeline.configure(self._settings.surface, self._settings.detector, self._limits())
         self._warn_of_settings_without_effect()
         if self._feed is None:

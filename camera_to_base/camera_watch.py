@@ -45,7 +45,7 @@ class CameraWatch:
         self._reader: Optional[ReaderStatus] = None
         self._source: Optional[str] = None
         self._heartbeat = Heartbeat(node)
-        Diagnostics(node, self._heartbeat, self._health)
+        self._diagnostics = Diagnostics(node, self._heartbeat, self._health)
         NameCheck(node, self._heartbeat)
 
     def start(self, source: str, reader: Optional[ReaderStatus]) -> None:
@@ -61,15 +61,15 @@ class CameraWatch:
     def _watch(self) -> None:
         before, self._problem = self._problem, camera_problem(
             self._reader, self._pipeline, self._source)
-        problem = self._problem
-        if problem is None and before is not None:
-            self._logger.info('ready: objects on the surface are published')
-        elif problem is not None and (before is None or before.kind != problem.kind):
-            self._tell(problem)
+        if _kind(self._problem) != _kind(before):
+            self._tell(self._problem)
+            self._diagnostics.publish()
 
-    def _tell(self, problem: Problem) -> None:
+    def _tell(self, problem: Optional[Problem]) -> None:
         # rclpy refuses another severity from the same line.
-        if problem.level is Level.ERROR:
+        if problem is None:
+            self._logger.info('ready: objects on the surface are published')
+        elif problem.level is Level.ERROR:
             self._logger.error(problem.sentence)
         else:
             self._logger.info(problem.sentence)
@@ -83,3 +83,7 @@ class CameraWatch:
         if self._problem is not None:
             return Health(self._problem.level, self._problem.sentence, values)
         return Health(Level.OK, 'objects on the surface are published', values)
+
+
+def _kind(problem: Optional[Problem]) -> Optional[str]:
+    return None if problem is None else problem.kind

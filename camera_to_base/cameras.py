@@ -35,7 +35,8 @@ class Camera:
     A camera: a device of this machine, or a stream from the network.
 
     :param name: An index ('0'), a device path ('/dev/video0') or a stream's URL.
-    :param image_size: The picture size to ask a device for; a camera may give another.
+    :param image_size: The picture size to ask a device for whenever it is opened; it may give
+        another.
     :param open_now: Otherwise the first read opens it, in the thread that reads.
     :raises FrameSourceError: If it cannot be opened.
     """
@@ -46,7 +47,7 @@ class Camera:
         self, name: str, image_size: ImageSize = (640, 480), open_now: bool = True
     ) -> None:
         self.name = name
-        self._image_size = image_size
+        self.image_size = image_size
         self._capture = self._open_capture() if open_now else None
 
     def read(self) -> np.ndarray:
@@ -82,8 +83,8 @@ class Camera:
             raise FrameSourceError(
                 f"cannot open camera '{self.name}': is it plugged in, reachable, and free?")
         if not is_stream(self.name):
-            capture.set(cv2.CAP_PROP_FRAME_WIDTH, self._image_size[0])
-            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self._image_size[1])
+            capture.set(cv2.CAP_PROP_FRAME_WIDTH, self.image_size[0])
+            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self.image_size[1])
         return capture
 
 

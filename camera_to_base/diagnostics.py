@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishes a node's health on /diagnostics, once a second."""
+"""Publishes a node's health on /diagnostics: once a second, and whenever it has changed."""
 
 from typing import Callable
 
@@ -31,7 +31,7 @@ class Diagnostics:
 
     :param node: The node; its full name is the status's.
     :param heartbeat: The node's.
-    :param collect: Called once a second.
+    :param collect: Called for each message.
     """
 
     def __init__(
@@ -41,9 +41,10 @@ class Diagnostics:
         self._collect = collect
         self._publisher = node.create_publisher(
             DiagnosticArray, '/diagnostics', 10, event_callbacks=NO_EVENTS)
-        heartbeat.every(_PERIOD_S, self._publish)
+        heartbeat.every(_PERIOD_S, self.publish)
 
-    def _publish(self) -> None:
+    def publish(self) -> None:
+        """Publish at once."""
         health = self._collect()
         message = DiagnosticArray(status=[DiagnosticStatus(
             level=bytes([health.level]),

@@ -133,7 +133,7 @@ class FrameReader(ReaderStatus):
         return count > 0
 
     def _lose(self, error: FrameSourceError) -> None:
-        self._error = error
+        self._error, self._old_since = error, None
         self._first_attempt_over.set()
 
     def _keep(self, image: np.ndarray, begun_at: float, ended_at: float) -> None:
@@ -143,7 +143,7 @@ class FrameReader(ReaderStatus):
         self._first_attempt_over.set()
         self._note_damage(damage)
         fresh = self._freshness is None or self._freshness.is_fresh(begun_at, ended_at)
-        self._count(old=not fresh)
+        self._note_age(is_old=not fresh)
         if fresh and damage is None and not self._stop.is_set():
             with self._lock:
                 self._count(overwritten=self._newest is not None)

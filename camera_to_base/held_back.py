@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells why nothing is published though frames come."""
+"""Tells why no position is published though frames come."""
 
 import time
 from typing import Hashable, Optional
@@ -23,7 +23,7 @@ _LASTING_S = 1.0
 
 class HeldBack:
     """
-    Books for each frame why nothing of it may be published.
+    Books for each frame why no position of it may be published.
 
     `reason` tells why that has been so for a second, by the frames' own times: a slow camera's
     next frame may be good. None where one was published since, or for another reason not.

@@ -32,10 +32,13 @@ class Sighting(NamedTuple):
     :param objects: The largest first; none where the surface is empty.
     :param held_back: Why none of this may be published, not even that there is nothing; None
         where an arm may follow it.
+    :param beyond_horizon: Where something is seen, but all of it beyond the horizon, so that the
+        surface is empty. Whoever always sees this has tilted the camera too far.
     """
 
     objects: List[LocatedObject]
     held_back: Optional[str] = None
+    beyond_horizon: Optional[str] = None
 
 
 class PositionGate:

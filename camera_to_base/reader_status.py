@@ -57,6 +57,7 @@ class ReaderStatus:
         self._error: Optional[FrameSourceError] = None
         self.last_damage: Optional[str] = None
         self.damaged_in_a_row = 0
+        self._old_since: Optional[float] = None
         self.counts = ReaderCounts()
 
     @property
@@ -82,8 +83,17 @@ class ReaderStatus:
         """How long ago the last frame came, or the reader was started."""
         return time.monotonic() - (self._last_frame_at or self._begun_at)
 
+    @property
+    def seconds_of_old_frames(self) -> float:
+        """For how long no frame has come that was new on arrival, though frames come."""
+        return 0.0 if self._old_since is None else time.monotonic() - self._old_since
+
     def _note_frame(self, taken_at: float) -> None:
         self._error, self._last_frame_at = None, taken_at
+
+    def _note_age(self, is_old: bool) -> None:
+        self._old_since = (self._old_since or time.monotonic()) if is_old else None
+        self._count(old=is_old)
 
     def _note_damage(self, damage: Optional[str]) -> None:
         # None for a frame that can be believed.

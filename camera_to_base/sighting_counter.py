@@ -19,7 +19,7 @@ from typing import Dict, List
 
 from camera_to_base.camera_parameters import CameraSettings
 from camera_to_base.camera_pipeline import CameraPipeline
-from camera_to_base.errors import CameraToBaseError
+from camera_to_base.errors import CameraToBaseError, HorizonError
 from camera_to_base.position_gate import Sighting
 from camera_to_base.recording import TimedFrame
 
@@ -61,7 +61,9 @@ class SightingCounter:
         except CameraToBaseError as error:
             self.errors.setdefault(type(error), []).append(str(error))
             return Sighting([], str(error))
-        if sighting.held_back is not None:
+        if sighting.beyond_horizon is not None:
+            self.errors.setdefault(HorizonError, []).append(sighting.beyond_horizon)
+        elif sighting.held_back is not None:
             self.held_back[sighting.held_back] += 1
         elif len(sighting.objects) == 1:
             self.with_one += 1

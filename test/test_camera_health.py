@@ -12,13 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-import contextlib
 import time
 
 from camera_to_base.camera_health import camera_problem, DetectionRate
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
-from camera_to_base.errors import FrameSizeError, HorizonError
+from camera_to_base.errors import FrameSizeError
 from camera_to_base.health import Level
+from camera_to_base.reader_status import ReaderStatus
 from camera_to_base.surface import HomographySurface, ParallelSurface
 import cv2
 import numpy as np
@@ -79,8 +79,7 @@ class Scene:
     def show(self, *frames, interval_s=0.1, age_s=None):
         for frame in frames:
             self.now += interval_s
-            with contextlib.suppress(HorizonError):
-                self._pipeline.process(frame, None if age_s is None else self.now - age_s)
+            self._pipeline.process(frame, None if age_s is None else self.now - age_s)
 
     @property
     def problem(self):
@@ -93,7 +92,7 @@ def test_objects_beyond_the_horizon_only_are_told_after_a_second(monkeypatch):
     assert scene.problem is None
     scene.show(*[table((240, 40))] * 8)
     assert scene.problem.level is Level.WARN
-    assert 'nothing is published: pixel (' in scene.problem.sentence
+    assert 'no position is published: pixel (' in scene.problem.sentence
     assert 'tilt the camera down' in scene.problem.sentence
     scene.show(table(NEAR))
     assert scene.problem is None
@@ -112,6 +111,21 @@ def test_pictures_of_a_slow_camera_that_are_all_beyond_the_horizon_are_told(monk
     assert scene.problem is None
     scene.show(table(FAR), interval_s=4.0)
     assert 'horizon' in scene.problem.sentence
+
+
+def test_stream_whose_frames_are_all_old_is_told_with_the_cure(monkeypatch):
+    now = 100.0
+    monkeypatch.setattr(time, 'monotonic', lambda: now)
+    reader, pipeline = ReaderStatus(), CameraPipeline(ParallelSurface(36.0, 320))
+    pipeline.process(table())
+    for _ in range(50):
+        now += 0.1
+        reader._note_frame(now)
+        reader._note_age(is_old=True)
+    assert camera_problem(reader, pipeline, 'camera').level is Level.ERROR
+    assert 'lower its rate' in camera_problem(reader, pipeline, 'camera').sentence
+    reader._note_age(is_old=False)
+    assert camera_problem(reader, pipeline, 'camera') is None
 
 
 def test_detection_that_is_always_too_slow_is_told_with_the_cure(monkeypatch):

@@ -17,6 +17,7 @@ import time
 
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
 from camera_to_base.errors import FrameSizeError
+from camera_to_base.position_gate import Sighting
 from camera_to_base.surface import ParallelSurface
 import cv2
 import numpy as np
@@ -51,7 +52,7 @@ def published(camera, frame, taken_at=None):
 def test_first_frame_is_the_background_and_an_object_is_located():
     camera = pipeline()
     assert not published(camera, table())
-    (located,), _ = camera.process(table(disc=(320, 240)))
+    located, = camera.process(table(disc=(320, 240))).objects
     assert located.point == pytest.approx((18.0, 13.5), abs=0.12)
 
 
@@ -122,8 +123,8 @@ def pipeline_of_a_file_finds_at_once():
 
 def test_empty_surface_is_told_from_one_that_cannot_be_told():
     camera = pipeline(background_frames=2)
-    assert camera.process(table()) == ([], 'the background is being taken')
-    assert camera.process(table()) == ([], None)
+    assert camera.process(table()) == Sighting([], 'the background is being taken')
+    assert camera.process(table()) == Sighting([])
     sighting = camera.process(table(move=(6, 0), disc=(320, 240)))
     assert sighting.objects and sighting.held_back == 'the view has moved'
 
@@ -133,7 +134,7 @@ def test_empty_surface_of_a_camera_is_confirmed_by_a_second_frame():
     camera.process(table())
     now = time.monotonic
     assert camera.process(table(), now()).held_back == 'not confirmed by a second frame'
-    assert camera.process(table(), now()) == ([], None)
+    assert camera.process(table(), now()) == Sighting([])
 
 
 def test_memory_does_not_grow_with_the_frames(tell):

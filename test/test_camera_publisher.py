@@ -18,7 +18,9 @@ import time
 from camera_to_base import background_service, named_source
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.errors import CameraToBaseError, FrameSourceError
+from captures import Device
 import cv2
+from geometry_msgs.msg import PoseArray
 import numpy as np
 import pytest
 from rclpy.exceptions import ParameterException
@@ -108,11 +110,12 @@ def test_nothing_is_published_for_a_frame_without_an_object(ros, play):
 
 
 def test_frame_of_another_size_gives_no_position_and_the_node_lives(ros, play):
-    received = listen_for_camera(ros)
+    received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
     small = table_with_disc(100, 100, 320, 240)
-    play([table(), small, small, table_with_disc(320, 240)])
+    play([table(), *[small] * 30, table_with_disc(320, 240)])
     assert ros.spin_until(lambda: received)
     assert received[0] == pytest.approx([18.0, 13.5], abs=0.12)
+    assert len([line for line in lines if line.level == ERROR]) == 1
 
 
 def test_camera_that_gives_no_frame_publishes_nothing_and_is_read_again(ros, play):
@@ -358,7 +361,7 @@ def test_objects_beyond_the_horizon_only_are_a_warning_for_as_long_as_nothing_el
         return frame
 
     far, near = (500, 50), (320, 400)
-    received = listen_for_camera(ros)
+    received, arrays = listen_for_camera(ros), ros.listen_to(PoseArray, 'objects_in_cam_frame')
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     # A camera that looks along a road, see test_object_locator.py.
     play([table(), *[seen(near, far)] * 30, *[seen(far)] * 120, seen(near, far)],
@@ -369,10 +372,32 @@ def test_objects_beyond_the_horizon_only_are_a_warning_for_as_long_as_nothing_el
     assert statuses[-1].level == 1 and 'tilt the camera down' in statuses[-1].message
     count = len(received)
     assert count
+    arrays.clear()
     ros.spin_for(0.3)
     assert len(received) == count
+    assert arrays and not any(array.poses for array in arrays)  # the surface is empty
     assert ros.spin_until(lambda: len(received) > count + 3, 8.0)
     assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
+
+
+def test_picture_size_can_be_changed_for_the_next_time_that_a_device_is_opened(ros, monkeypatch):
+    monkeypatch.setattr(cv2, 'VideoCapture', Device)
+    monkeypatch.setattr(Device, 'opened', [])
+    node = ros.add(CameraPublisher, '-p', 'source:=7')
+    assert node.set_parameters([Parameter('surface.image_size', value=[320, 240])])[0].successful
+    # The stand-in gives two frames, and is then opened anew.
+    assert ros.spin_until(lambda: Device.opened and Device.opened[-1].wishes == {
+        cv2.CAP_PROP_FRAME_WIDTH: 320, cv2.CAP_PROP_FRAME_HEIGHT: 240})
+
+
+def test_change_is_on_the_diagnostics_at_once(ros, play):
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    lines = ros.listen_to_log('camera_publisher')
+    play([table(), *[table()] * 100, FrameSourceError('unplugged')])
+    assert ros.spin_until(lambda: lines and 'unplugged' in lines[-1].text)
+    ros.spin_for(0.3)
+    first = next(status for status in statuses if status.level == 2)
+    assert abs(first.received_at - lines[-1].received_at) < 0.25
 
 
 def test_diagnostics_come_once_a_second_with_what_a_user_should_know(ros, play):

@@ -19,6 +19,7 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.node_settings import read_node_settings
 from camera_to_base.recording import TimedFrame
 from camera_to_base.sighting_counter import SightingCounter
+from camera_to_base.surface import HomographySurface
 import cv2
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def test_frames_are_counted_by_what_they_show():
 
 def test_reason_is_told_with_the_frame():
     first, second = seen(SightingCounter(SETTINGS), lambda: disc_frame(None), damaged)
-    assert first.held_back is None and second == ([], 'the picture is damaged')
+    assert first.held_back is None and second.held_back == 'the picture is damaged'
 
 
 def test_frames_for_the_background_are_held_back():
@@ -67,6 +68,14 @@ def test_not_a_single_frame_that_can_be_used_is_an_error(decoders, reason):
     counter = SightingCounter(SETTINGS)
     seen(counter, *decoders)
     with pytest.raises(CameraToBaseError, match=f'no frame could be used: .*{reason}'):
+        counter.check_any_used()
+
+
+def test_recording_of_objects_beyond_the_horizon_only_is_an_error():
+    road = HomographySurface(np.array([[1, 0, -160], [0, 0, 128], [0, 1, -112]]), (320, 240))
+    counter = SightingCounter(replace(SETTINGS, surface=road))
+    seen(counter, lambda: disc_frame(None), *[lambda: disc_frame((60, 40))] * 3)
+    with pytest.raises(CameraToBaseError, match='no frame could be used: .*horizon'):
         counter.check_any_used()
 
 
