@@ -38,7 +38,11 @@ from camera_to_base.recording import LiveRecording, PlayedRecording, Recording, 
 from camera_to_base.sighting_counter import SightingCounter
 from camera_to_base.sweep import sweep, sweep_lines
 from camera_to_base.sweep_picture import sweep_picture
-from tqdm import tqdm
+
+try:
+    from tqdm import tqdm
+except ImportError:
+    tqdm = None  # then there is no progress bar
 
 # One round of the simulated objects.
 _SIMULATED_S = 60
@@ -99,6 +103,8 @@ def _frames(recording: Recording, every: int, interrupt: Interrupt) -> Iterator[
     count = recording.frame_count
     frames = itertools.takewhile(
         lambda _: not interrupt.came, itertools.islice(recording.frames(), 0, None, every))
+    if tqdm is None:
+        return frames
     return iter(tqdm(frames, total=count and -(-count // every), unit='frame', leave=False,
                      disable=None))
 
@@ -161,7 +167,7 @@ def _say(line: str, csv: Optional[TextIO], csv_text: str) -> None:
     if csv is not None:
         csv.write(f'{csv_text}\n')
     # Around the progress bar, where both are on one terminal.
-    tqdm.write(line)
+    (tqdm.write if tqdm else print)(line)
     sys.stdout.flush()
 
 

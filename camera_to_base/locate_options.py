@@ -35,6 +35,9 @@ first frame must show the empty surface (or as many as background_frames says).
   locate rosbag2_2026_01_31/ --topic /camera/image_raw --every 10
   locate 0 --params-file cell.yaml                           a camera, until Ctrl-C
 
+A camera is for looking at here: its frames wait while one is searched. An arm needs the nodes,
+which take the newest.
+
 On how many frames is there an object, if the threshold were 40, 50, ... 120?
 
   locate last_night.mp4 --params-file cell.yaml --sweep threshold=40:120:10 --picture sweep.png"""

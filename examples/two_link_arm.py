@@ -22,9 +22,11 @@ upper arm. Of the two solutions it takes the one with a positive elbow angle.
 """
 
 import math
+import sys
 from typing import Optional, Tuple
 
 from geometry_msgs.msg import PointStamped
+from rcl_interfaces.msg import ParameterDescriptor
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -57,15 +59,24 @@ class TwoLinkArm(Node):
 
     def __init__(self) -> None:
         super().__init__('two_link_arm')
-        self._upper_arm = self.declare_parameter('upper_arm_m', 0.16)
-        self._forearm = self.declare_parameter('forearm_m', 0.14)
+        self._upper_arm = self._length('upper_arm_m', 0.16)
+        self._forearm = self._length('forearm_m', 0.14)
         self._publisher = self.create_publisher(JointState, 'joint_states', 10)
         self.create_subscription(
             PointStamped, 'pos_in_robot_base_frame/point', self._on_point, 10)
 
+    def _length(self, name: str, default: float) -> float:
+        # Where a double is declared, rclpy takes no whole number: 1 would end in a traceback.
+        descriptor = ParameterDescriptor(dynamic_typing=True, read_only=True)
+        value = self.declare_parameter(name, default, descriptor).value
+        if type(value) not in (int, float) or not 0 < value < math.inf:
+            raise ValueError(
+                f'{name} must be a length above 0 m, such as {default}, got {value!r}')
+        return float(value)
+
     def _on_point(self, message: PointStamped) -> None:
         x, y = message.point.x, message.point.y
-        angles = joint_angles(x, y, self._upper_arm.value, self._forearm.value)
+        angles = joint_angles(x, y, self._upper_arm, self._forearm)
         if angles is None:
             self.get_logger().warning(
                 f'({x:.3f}, {y:.3f}) m is out of reach: the arm stays where it is',
@@ -76,11 +87,18 @@ class TwoLinkArm(Node):
         self._publisher.publish(state)
 
 
+def _start() -> TwoLinkArm:
+    try:
+        rclpy.init()
+        return TwoLinkArm()
+    except (RuntimeError, ValueError) as error:  # arguments that ROS or the arm cannot use
+        sys.exit(f'two_link_arm: cannot start: {error}')
+
+
 def main() -> None:
     """Run the node until it is told to end."""
-    rclpy.init()
     try:
-        rclpy.spin(TwoLinkArm())
+        rclpy.spin(_start())
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:

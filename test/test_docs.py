@@ -72,7 +72,7 @@ def test_options_of_calibrate_are_understood(page):
 def test_parameters_are_declared(page):
     declared = {spec.name for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
     example = set(re.findall(
-        r"declare_parameter\('(\w+)'", (ROOT / 'examples' / 'two_link_arm.py').read_text()))
+        r"_length\('(\w+)'", (ROOT / 'examples' / 'two_link_arm.py').read_text()))
     for command in commands_of(page):
         for name in re.findall(r'-p ([\w.]+):=', command):
             assert name in declared | example, command

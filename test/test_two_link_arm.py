@@ -23,6 +23,7 @@ import pytest
 from sensor_msgs.msg import JointState
 
 EXAMPLES = Path(__file__).parents[1] / 'examples'
+COMMAND = [sys.executable, EXAMPLES / 'two_link_arm.py', '--ros-args', '-p']
 # Stamp of the points that only ask whether the arm is there.
 FIRST_SEC = 99
 sys.path.insert(0, str(EXAMPLES))
@@ -81,13 +82,30 @@ def test_point_that_the_arm_cannot_reach_has_no_angles(x, y):
     assert joint_angles(x, y, 0.16, 0.14) is None
 
 
+@pytest.mark.parametrize('given, got', [
+    ('upper_arm_m:=0', '0'), ('upper_arm_m:=-0.1', '-0.1'), ('forearm_m:=.nan', 'nan'),
+    ('forearm_m:=.inf', 'inf'), ('forearm_m:=0,14', "'0,14'"), ('forearm_m:=true', 'True')])
+def test_what_is_no_length_is_one_sentence(given, got):
+    arm = subprocess.run([*COMMAND, given], capture_output=True, text=True, timeout=30.0)
+    name, default = ('upper_arm_m', 0.16) if 'upper' in given else ('forearm_m', 0.14)
+    assert arm.returncode == 1 and arm.stdout == ''
+    assert arm.stderr == (f'two_link_arm: cannot start: {name} must be a length above 0 m, '
+                          f'such as {default}, got {got}\n')
+
+
+def test_arguments_that_ros_refuses_end_it_without_a_traceback():
+    arm = subprocess.run([*COMMAND, 'forearm_m'], capture_output=True, text=True, timeout=30.0)
+    assert arm.returncode == 1 and "'-p forearm_m'" in arm.stderr.splitlines()[-1]
+    assert 'Traceback' not in arm.stderr
+
+
 def test_process_answers_each_point_within_reach_and_keeps_its_stamp(ros):
     arm = subprocess.Popen(
-        [sys.executable, EXAMPLES / 'two_link_arm.py', '--ros-args', '-p', 'upper_arm_m:=0.2'],
+        [*COMMAND, 'upper_arm_m:=1', '-p', 'forearm_m:=0.9'],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         publisher, answers = connected(ros)
-        for sec, x in enumerate((0.25, 1.0, math.nan, -0.25)):
+        for sec, x in enumerate((0.25, 2.0, math.nan, -0.25)):
             publisher.publish(stamped_point(x, 0.1, sec))
         assert ros.spin_until(lambda: answers[-1].header.stamp.sec == 3)
         ros.spin_for(0.2)
@@ -99,7 +117,7 @@ def test_process_answers_each_point_within_reach_and_keeps_its_stamp(ros):
         (0, 123456789), (3, 123456789)]
     for state, x in zip(answers, (0.25, -0.25)):
         assert list(state.name) == ['shoulder', 'elbow']
-        assert tip(*state.position, 0.2, 0.14) == pytest.approx((x, 0.1))
+        assert tip(*state.position, 1.0, 0.9) == pytest.approx((x, 0.1))
     assert output.count('is out of reach') == 1, output  # throttled: NaN came right after it
     assert arm.returncode == 0 and 'Traceback' not in output
 
