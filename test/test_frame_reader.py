@@ -74,7 +74,7 @@ class Numbers:
             if isinstance(instead, Exception):
                 raise instead
         self.number += 1
-        return np.full((4, 4, 3), self.number, np.uint8)
+        return np.full((4, 4, 3), self.number % 256, np.uint8)
 
     def release(self):
         self.threads.add(threading.current_thread().name)
