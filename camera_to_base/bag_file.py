@@ -111,7 +111,7 @@ def _reader(path: Path) -> Any:
         from rosbags.typesys import get_typestore, Stores
     except ImportError as error:
         raise FrameSourceError(
-            f"to read the bag '{path}' the library rosbags is needed: pip install rosbags"
-        ) from error
+            f"to read the bag '{path}' the library rosbags is needed: pip install --user "
+            '--break-system-packages rosbags (in a venv without the two options)') from error
     # Older sqlite3 bags do not say what their messages are.
     return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))

@@ -66,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('source', metavar='SOURCE',
                         help='a video file; a rosbag2 bag (its folder, a .mcap or .db3 file; '
-                             'needs `pip install rosbags`); a device (0, /dev/video0) or a '
+                             'needs the library rosbags); a device (0, /dev/video0) or a '
                              "stream's URL, until Ctrl-C; or simulated, a minute of it")
     parser.add_argument('--params-file', metavar='FILE',
                         help="the nodes' parameters, as `calibrate` writes them and `ros2 run` "

@@ -151,4 +151,5 @@ def test_without_the_library_the_cure_is_named(monkeypatch, capsys):
     os.mkdir('bag')
     assert main(['bag']) == 1
     assert capsys.readouterr().err == (
-        "locate: to read the bag 'bag' the library rosbags is needed: pip install rosbags\n")
+        "locate: to read the bag 'bag' the library rosbags is needed: pip install --user "
+        '--break-system-packages rosbags (in a venv without the two options)\n')
