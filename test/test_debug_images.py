@@ -14,6 +14,7 @@
 
 from camera_to_base import debug_images
 from camera_to_base.camera_publisher import CameraPublisher
+from camera_to_base.overlay import draw_note
 import cv2
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ SIMULATED = ('-p', 'source:=simulated', '-p', 'simulated.frame_rate:=20.0')
 def drawn(monkeypatch):
     """Count what is drawn and encoded, while it is."""
     calls = []
-    for name in ('draw_objects', 'object_mask', 'image_message', 'jpeg_message'):
+    for name in ('draw_objects', 'draw_note', 'object_mask', 'image_message', 'jpeg_message'):
         original = getattr(debug_images, name)
         monkeypatch.setattr(
             debug_images, name,
@@ -53,7 +54,7 @@ def test_only_what_somebody_looks_at_is_encoded(ros, drawn):
     received = ros.listen_to(CompressedImage, '/debug_image/compressed')
     ros.add(CameraPublisher, *SIMULATED)
     assert ros.spin_until(lambda: len(received) >= 3)
-    assert set(drawn) == {'draw_objects', 'jpeg_message'}
+    assert set(drawn) == {'draw_objects', 'draw_note', 'jpeg_message'}
     jpeg = cv2.imdecode(np.frombuffer(received[-1].data, np.uint8), cv2.IMREAD_COLOR)
     assert jpeg.shape == (480, 640, 3)
 
@@ -102,3 +103,21 @@ def test_coordinates_are_those_of_the_frame_that_the_parameter_names(
     texts = [f'x {x:.2f}, y {y:.2f} cm' if coordinates == 'camera'
              else f'base x {x - 17.8:.2f}, y {24.4 - y:.2f} cm' for x, y in positions]
     assert set(labels) & set(texts)
+
+
+@pytest.mark.parametrize('arguments, notes', [
+    ((), [f'background taken {age} s ago' for age in range(30)]),
+    (('-p', 'background_frames:=1000'), ['not published: the background is being taken'])])
+def test_state_of_the_background_is_written_on_the_debug_image(ros, arguments, notes):
+    images = ros.listen_to(Image, '/debug_image')
+    ros.add(CameraPublisher, *SIMULATED, *arguments)
+    assert ros.spin_until(lambda: images)
+    picture = picture_of(images[-1])
+
+    def shows(note):
+        # On a patch of its own: what is there already changes nothing when it is written again.
+        again = picture.copy()
+        draw_note(again, note)
+        return np.array_equal(again, picture)
+
+    assert any(map(shows, notes))
