@@ -28,7 +28,7 @@ NODES = {'camera_publisher': 'camera_publisher',
          'robotic_arm_publishing_subscriber': 'robot_base_publisher'}
 SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
 
-every_executable = pytest.mark.parametrize('executable', [*NODES, 'calibrate'])
+every_executable = pytest.mark.parametrize('executable', [*NODES, 'calibrate', 'locate'])
 
 
 def run(executable, *arguments):
@@ -45,8 +45,9 @@ def test_help_explains_with_an_example_and_ends_with_0_without_ros(executable, o
     assert process.returncode == 0 and process.stderr == ''
     assert process.stdout.startswith('usage: ')
     # An example is a line that can be copied: it starts with the command.
-    commands = 'calibrate (board|points)', f'ros2 run camera_to_base {executable} --ros-args'
-    assert re.search(rf'^ +({"|".join(commands)}) .*', process.stdout, re.MULTILINE)
+    command = {'calibrate': 'calibrate (board|points)', 'locate': r'locate \w+\.mp4'}.get(
+        executable, f'ros2 run camera_to_base {executable} --ros-args')
+    assert re.search(rf'^ +{command} .*', process.stdout, re.MULTILINE)
     assert max(map(len, process.stdout.splitlines())) < 100
 
 
