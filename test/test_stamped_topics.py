@@ -144,17 +144,19 @@ def test_stamped_message_that_is_no_position_is_dropped_and_the_node_lives(ros):
     assert points == [] and len(objects) == 1
 
 
-def drive(ros, topic, make_message, *arguments, noise=3):
-    """Send pictures of a coin as a camera driver does; give what the camera node says of them."""
-    points, objects = ros.listen_to(PointStamped, CAMERA_POINT), ros.listen_to(
-        PoseArray, CAMERA_OBJECTS)
+def drive(ros, topic, make_message, *arguments, noise=3, speed=1,
+          heard=(CAMERA_POINT, CAMERA_OBJECTS)):
+    """Send pictures of a coin as a camera driver does; give what a node says of them."""
+    points, objects = (ros.listen_to(message_type, name)
+                       for message_type, name in zip((PointStamped, PoseArray), heard))
     node = ros.add(CameraPublisher, *arguments)
     message = make_message(Header(), table())
     driver = ros.node.create_publisher(type(message), topic, qos_profile_sensor_data)
     assert ros.spin_until(driver.get_subscription_count)
     for number in range(1, 200):
-        picture = cv2.add(table(disc=number > 10), np.random.default_rng(number).integers(
-            0, noise, (480, 640, 3), np.uint8))
+        picture = cv2.add(
+            table() if number <= 10 else table(320 + speed * number),
+            np.random.default_rng(number).integers(0, noise, (480, 640, 3), np.uint8))
         driver.publish(make_message(Header(stamp=Time(sec=number)), picture))
         ros.spin_for(0.03)
         if points:
@@ -162,22 +164,46 @@ def drive(ros, topic, make_message, *arguments, noise=3):
     return node, points, objects
 
 
-def table(disc=False):
+def table(coin_u=None):
     frame = np.full((480, 640, 3), 200, np.uint8)
-    return cv2.circle(frame, (320, 240), 21, (50, 50, 50), -1) if disc else frame
+    return frame if coin_u is None else cv2.circle(frame, (coin_u, 240), 21, (50, 50, 50), -1)
 
 
-@pytest.mark.parametrize('source, topic, make_message', [
+def coin_at(stamp):
+    """Give where the coin lies on the picture with that stamp: x and y, in m."""
+    return 0.0005625 * (320 + stamp.sec), 0.135
+
+
+every_kind_of_picture = pytest.mark.parametrize('source, topic, make_message', [
     ('topic', '/image', image_message),
     ('compressed_topic', '/image/compressed', jpeg_message)])
+
+
+@every_kind_of_picture
 def test_pictures_of_a_camera_driver_become_points_with_the_drivers_stamp(
         ros, source, topic, make_message):
     _, points, objects = drive(ros, topic, make_message, '-p', f'source:={source}')
     assert points, 'no point was published'
-    assert points[0].header.stamp.sec in range(11, 200) and points[0].header.stamp.nanosec == 0
-    assert points[0].point.x == pytest.approx(0.18, abs=0.001)
-    assert points[0].point.y == pytest.approx(0.135, abs=0.001)
-    assert objects[-1].header.stamp.sec <= points[0].header.stamp.sec + 1
+    point, stamp = points[0].point, points[0].header.stamp
+    assert stamp.sec in range(11, 200) and stamp.nanosec == 0
+    assert (point.x, point.y) == pytest.approx(coin_at(stamp), abs=0.0002)
+    assert objects[-1].header.stamp.sec <= stamp.sec + 1
+
+
+@every_kind_of_picture
+def test_stamp_of_a_camera_driver_comes_out_of_the_transform_in_the_base_frame(
+        ros, source, topic, make_message):
+    ros.add(RobotBasePublisher)
+    _, points, objects = drive(ros, topic, make_message, '-p', f'source:={source}',
+                               heard=(BASE_POINT, BASE_OBJECTS))
+    assert points, 'no point was published'
+    assert ros.spin_until(lambda: any(message.poses for message in objects))
+    assert {message.header.frame_id for message in points + objects} == {'base_link'}
+    stamped = [(message.header.stamp, message.point) for message in points] + [
+        (message.header.stamp, pose.position) for message in objects for pose in message.poses]
+    for stamp, point in stamped:
+        x, y = coin_at(stamp)
+        assert (point.x, point.y) == pytest.approx((x - 0.178, 0.244 - y), abs=0.0002)
 
 
 def test_topic_of_the_pictures_can_be_remapped(ros):
@@ -190,7 +216,7 @@ def test_topic_of_the_pictures_can_be_remapped(ros):
 def test_pictures_without_any_noise_are_taken_for_repeated_but_in_a_simulation(
         ros, is_simulation):
     _, points, _ = drive(ros, '/image', image_message, '-p', 'source:=topic',
-                         '-p', f'use_sim_time:={is_simulation}', noise=1)
+                         '-p', f'use_sim_time:={is_simulation}', noise=1, speed=0)
     assert bool(points) == is_simulation
 
 
