@@ -228,21 +228,30 @@ def test_camera_driver_that_is_not_there_is_said_in_the_diagnostics(ros):
     assert statuses[-1].values['source'] == '/image'
 
 
+@pytest.mark.parametrize('yaw_deg', [15.0, -60.0, 85.0])
 @pytest.mark.parametrize('arguments', [
     (), ('-p', 'simulated.tilt_deg:=30.0', '--params-file', TILTED)])
-def test_objects_are_within_1_mm_and_1_degree_of_the_simulated_boards_truth(ros, arguments):
-    seen, true = (ros.listen_to(PoseArray, topic)
-                  for topic in (CAMERA_OBJECTS, '/true_objects_in_cam_frame'))
-    ros.add(CameraPublisher, '-p', 'source:=simulated', *arguments,
+def test_objects_are_within_1_mm_and_1_degree_of_the_simulated_boards_truth_in_both_frames(
+        ros, arguments, yaw_deg):
+    seen, based, true = (ros.listen_to(PoseArray, topic) for topic in (
+        CAMERA_OBJECTS, BASE_OBJECTS, '/true_objects_in_cam_frame'))
+    ros.add(RobotBasePublisher)
+    ros.add(CameraPublisher, '-p', 'source:=simulated', '-p', 'simulated.frame_rate:=20.0',
             '-p', 'simulated.diameters_cm:=[3.4, 3.0, 2.6]', '-p', 'simulated.elongation:=1.5',
-            '-p', 'simulated.yaw_deg:=15.0')
-    assert ros.spin_until(lambda: len(pairs(seen, true)) >= 20)
+            '-p', f'simulated.yaw_deg:={yaw_deg}', *arguments)
+    assert ros.spin_until(lambda: min(len(pairs(seen, true)), len(pairs(based, true))) >= 20)
     for published, truth in pairs(seen, true):
-        assert len(published) == len(truth) == 3
-        for pose in published:
-            nearest = min(truth, key=lambda other: math.dist(pose[:2], other[:2]))
-            assert math.dist(pose[:2], nearest[:2]) < 0.1
-            assert abs(math.remainder(pose.yaw - nearest.yaw, math.pi)) < math.radians(1)
+        check_objects(published, truth)
+    for published, truth in pairs(based, true):
+        check_objects(published, [Pose(x - 17.8, 24.4 - y, z, -yaw) for x, y, z, yaw in truth])
+
+
+def check_objects(published, truth):
+    assert len(published) == len(truth) == 3
+    for pose in published:
+        nearest = min(truth, key=lambda other: math.dist(pose[:2], other[:2]))
+        assert math.dist(pose[:2], nearest[:2]) < 0.1
+        assert abs(math.remainder(pose.yaw - nearest.yaw, math.pi)) < math.radians(1)
 
 
 def pairs(seen, true):
