@@ -49,10 +49,9 @@ class PositionTopics:
     """
 
     def __init__(self, node: Node, position: str, objects: str, live: bool = False) -> None:
-        qos = QoSProfile(depth=_DEPTH, lifespan=_LIFESPAN) if live else QoSProfile(depth=_DEPTH)
-        self._position = _publisher(node, Float64MultiArray, position, qos)
-        self._point = _publisher(node, PointStamped, f'{position}/point', qos)
-        self._objects = _publisher(node, PoseArray, objects, qos)
+        self._position = _publisher(node, Float64MultiArray, position, live)
+        self._point = _publisher(node, PointStamped, f'{position}/point', live)
+        self._objects = _publisher(node, PoseArray, objects, live)
 
     @property
     def name(self) -> str:
@@ -90,7 +89,9 @@ class PositionTopics:
                        if not publisher.wait_for_all_acked(Duration(seconds=0.1))]
 
 
-def _publisher(node: Node, message_type: type, topic: str, qos: QoSProfile) -> Publisher:
+def _publisher(node: Node, message_type: type, topic: str, live: bool) -> Publisher:
+    # rclpy writes what parameters override into the profile: each publisher needs one of its own.
+    qos = QoSProfile(depth=_DEPTH, lifespan=_LIFESPAN) if live else QoSProfile(depth=_DEPTH)
     return node.create_publisher(
         message_type, topic, qos, event_callbacks=NO_EVENTS,
         qos_overriding_options=QoSOverridingOptions.with_default_policies())

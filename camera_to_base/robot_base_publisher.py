@@ -28,16 +28,17 @@ from camera_to_base.messages import point_from_message, poses_from_message, posi
 from camera_to_base.name_check import NameCheck
 from camera_to_base.parameters import NodeParameters
 from camera_to_base.position_topics import PositionTopics
+from camera_to_base.qos_check import qos_mismatch
 from camera_to_base.transform_parameters import (
     transform_node_settings, TRANSFORM_SPECS, TransformSettings)
 from geometry_msgs.msg import PointStamped, PoseArray
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 from std_msgs.msg import Float64MultiArray, Header
 
-# What does not match on the tutorial's topic does not on the others: one warning is enough, and
-# every event of a subscription costs every message.
+# Every event of a subscription costs every message: see qos_mismatch.
 _NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 _POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
 
@@ -58,9 +59,10 @@ class RobotBasePublisher(Node):
             Diagnostics(self, heartbeat, self._health)
             NameCheck(self, heartbeat)
             # Last: what comes before the node spins is published late.
-            self._subscribe(PoseArray, _OBJECTS, self._on_objects, _NO_EVENTS)
-            self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point, _NO_EVENTS)
-            self._subscribe(Float64MultiArray, _POSITION, self._on_position)
+            self._inputs = [
+                self._subscribe(PoseArray, _OBJECTS, self._on_objects),
+                self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point),
+                self._subscribe(Float64MultiArray, _POSITION, self._on_position)]
             self.get_logger().info(f'publishing on {self._topics.name} what comes on '
                                    f'{self.resolve_topic_name(_POSITION)}')
 
@@ -73,12 +75,9 @@ class RobotBasePublisher(Node):
     def _settings(self) -> TransformSettings:
         return self._node_parameters.current
 
-    def _subscribe(
-        self, message_type: type, topic: str, callback: Callable,
-        events: Optional[SubscriptionEventCallbacks] = None,
-    ) -> None:
-        self.create_subscription(
-            message_type, topic, callback, 10, event_callbacks=events,
+    def _subscribe(self, message_type: type, topic: str, callback: Callable) -> Subscription:
+        return self.create_subscription(
+            message_type, topic, callback, 10, event_callbacks=_NO_EVENTS,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
     def _on_position(self, message: Float64MultiArray) -> None:
@@ -142,6 +141,10 @@ class RobotBasePublisher(Node):
             return Health(Level.WARN, (
                 f'{newly} position(s) dropped in the last second: see who else publishes on '
                 f'{_POSITION}, and check reach_cm'), values)
+        mismatch = qos_mismatch(self, self._inputs)
+        if mismatch is not None:
+            self.get_logger().warning(mismatch, once=True)
+            return Health(Level.WARN, mismatch, values)
         # rclpy asks for a name as it is, not as it was remapped.
         if not self.count_publishers(values['source']):
             return Health(Level.WARN, 'nobody publishes positions: start camera_publisher', values)

@@ -50,7 +50,7 @@ ROOMS = [
      'sweep', 'sweep_picture', 'transform_parameters'},
     {'heartbeat', 'image_messages', 'lifetime', 'messages', 'parameters'},
     {'background_service', 'debug_images', 'diagnostics', 'frame_feeds', 'image_topic',
-     'name_check', 'position_topics', 'true_positions'},
+     'name_check', 'position_topics', 'qos_check', 'true_positions'},
     {'camera_watch'},
     NODES_AND_COMMANDS,
     EXECUTABLES,

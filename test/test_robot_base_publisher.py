@@ -14,6 +14,7 @@
 
 import math
 
+from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.robot_base_publisher import RobotBasePublisher
 import pytest
@@ -21,6 +22,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import ReliabilityPolicy
 from ros_helpers import BASE_TOPIC, CAMERA_TOPIC
 from std_msgs.msg import Float64MultiArray
+
+OBJECTS = '/objects_in_cam_frame'
 
 
 def connect(ros, *arguments):
@@ -147,6 +150,20 @@ def test_publisher_of_a_remapped_topic_is_not_missed(ros):
     assert ros.spin_until(lambda: statuses and 'nobody publishes' in statuses[-1].message)
     ros.talk('/seen')
     assert ros.spin_until(lambda: statuses[-1].level == 0, 6.0)
+
+
+@pytest.mark.parametrize('topic', [CAMERA_TOPIC, f'{CAMERA_TOPIC}/point', OBJECTS])
+def test_publisher_whose_quality_of_service_does_not_match_is_told_once(ros, topic):
+    statuses = ros.listen_to_diagnostics('/robot_base_publisher')
+    lines = ros.listen_to_log('robot_base_publisher')
+    ros.add(CameraPublisher, '-p', 'source:=random', '-p',
+            f'qos_overrides.{topic}.publisher.reliability:=best_effort')
+    ros.add(RobotBasePublisher)
+    sentence = f'cannot receive what camera_publisher publishes on {topic}: '
+    assert ros.spin_until(lambda: statuses and statuses[-1].message.startswith(sentence))
+    ros.spin_for(2.5)
+    assert statuses[-1].level == 1 and 'qos_overrides' in statuses[-1].message
+    assert len([line for line in lines if line.text.startswith(sentence)]) == 1
 
 
 def test_every_parameter_is_described(ros):
