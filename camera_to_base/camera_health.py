@@ -22,6 +22,7 @@ from camera_to_base.errors import TopicTypeError
 from camera_to_base.health import Level
 from camera_to_base.position_gate import TOO_LATE, UNCONFIRMED
 from camera_to_base.reader_status import ReaderState, ReaderStatus
+from camera_to_base.view_check import View
 
 # A camera that gives damaged frames only is said to do so after this many.
 _DAMAGED_IN_A_ROW = 10
@@ -103,12 +104,24 @@ class DetectionRate:
         return values
 
 
+def has_no_structure(view: Optional[View]) -> bool:
+    """Tell whether a surface shows nothing by which a nudge of the camera could be seen."""
+    return view is not None and view.shift_px is None and not view.has_structure
+
+
+def _shift_text(view: Optional[View]) -> str:
+    if view is None:
+        return 'not checked'
+    if has_no_structure(view):
+        return 'cannot be checked, the surface has no structure'
+    return 'cannot be told' if view.shift_px is None else f'{view.shift_px:.1f}'
+
+
 def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:
     """Give all numbers about a camera, as texts for the diagnostics."""
     values = {'background': 'none' if pipeline.background is None else
               '{1} x {0} px'.format(*pipeline.background.shape),
-              'view shift (px)': 'cannot be told' if pipeline.shift_px is None
-              else f'{pipeline.shift_px:.1f}'}
+              'view shift (px)': _shift_text(pipeline.view)}
     values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))
     if reader is not None:
         counts = reader.counts

@@ -86,7 +86,7 @@ CAMERA_SPECS = [
         'was taken, in px; 0 for no check.', (0, 100000)),
     ParameterSpec(
         'view.max_changed_share', 0.7,
-        'Nor while the shift cannot be told and more than this share of the view differs.',
+        "Nor while more than this share of the surface's structure is covered or has changed.",
         (0, 1)),
     ParameterSpec('view.check_period', 2.0, 'Time between two checks of the view, in s.',
                   (0.01, 3600)),

@@ -26,7 +26,7 @@ from camera_to_base.held_back import HeldBack
 from camera_to_base.object_locator import LocatedObject, ObjectLocator
 from camera_to_base.position_gate import PositionGate, Sighting
 from camera_to_base.surface import Surface
-from camera_to_base.view_check import view_problem, ViewCheck
+from camera_to_base.view_check import View, view_problem, ViewCheck
 import numpy as np
 
 
@@ -65,7 +65,7 @@ class CameraPipeline:
         self.held_back = HeldBack()
         self.counts: Counter = Counter()
         self.size_problem: Optional[str] = None
-        self.shift_px: Optional[float] = None
+        self.view: Optional[View] = None
         self.configure(surface, detector, limits)
         self.capture_background(background_frames)
 
@@ -146,7 +146,7 @@ class CameraPipeline:
         if self.background is None:
             return False
         self._view_check = ViewCheck(self.background)
-        self._gate.view_problem = None
+        self._gate.view_problem, self.view = None, None
         self._background_taken_at = self._checked_at = time.monotonic()
         self._taker = self._locator = None
         return True
@@ -161,7 +161,7 @@ class CameraPipeline:
         if not limits.max_shift_px:
             self._gate.view_problem = None
         elif time.monotonic() - self._checked_at >= limits.check_period_s:
-            view = self._view_check.compare(frame)
-            self._checked_at, self.shift_px = time.monotonic(), view.shift_px
+            self.view = self._view_check.compare(frame)
+            self._checked_at = time.monotonic()
             self._gate.view_problem = view_problem(
-                view, limits.max_shift_px, limits.max_changed_share)
+                self.view, limits.max_shift_px, limits.max_changed_share)

@@ -17,7 +17,7 @@
 from typing import Optional
 
 from camera_to_base.camera_health import (
-    camera_problem, camera_values, DetectionRate, Problem)
+    camera_problem, camera_values, DetectionRate, has_no_structure, Problem)
 from camera_to_base.camera_pipeline import CameraPipeline
 from camera_to_base.diagnostics import Diagnostics
 from camera_to_base.health import Health, Level
@@ -41,6 +41,7 @@ class CameraWatch:
         self._logger = node.get_logger()
         self._pipeline = pipeline
         self._problem: Optional[Problem] = None
+        self._has_no_structure = False
         self._detection_rate = DetectionRate()
         self._reader: Optional[ReaderStatus] = None
         self._source: Optional[str] = None
@@ -64,6 +65,11 @@ class CameraWatch:
         if _kind(self._problem) != _kind(before):
             self._tell(self._problem)
             self._diagnostics.publish()
+        knew, self._has_no_structure = (
+            self._has_no_structure, has_no_structure(self._pipeline.view))
+        if self._has_no_structure and not knew:
+            self._logger.info('the view cannot be checked: the surface has no structure, so that '
+                              'nobody would notice a nudge; put marks into its corners')
 
     def _tell(self, problem: Optional[Problem]) -> None:
         # rclpy refuses another severity from the same line.

@@ -14,22 +14,29 @@
 
 """Tells whether the camera still looks at the surface from where the background was taken."""
 
-from typing import NamedTuple, Optional
+from typing import List, NamedTuple, Optional
 
 import cv2
 import numpy as np
 
-_WIDTH, _SMALLEST = 320, 24
-# Brightness that changes more slowly than this, in px of the small picture, is light, not place.
-_LIGHT_SIGMA = 6.0
-# Where an aligned frame differs from the background by more grey levels an object lies.
-_OBJECT_LEVELS = 8.0
-_FAINTEST_LEVELS, _LEAST_STRUCTURE = 2.0, 0.01
-_CLIP_LEVELS = 30.0
-# ECC stops after this many steps, or where its correlation grows by less.
-_STEPS = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-6)
-# Below this correlation the surface has too little on it for a comparison, or is another one.
-_LOWEST_CORRELATION = 0.4
+# The picture is made this long at most, in px; all lengths below are in its px.
+_LONGEST, _SMALLEST = 640, 24
+# Brightness that changes more slowly than this is light, what is finer is noise.
+_LIGHT_WIDTH, _NOISE_SIGMA = 49, 1.5
+# Detail is structure from this many standard deviations of the noise on, and from these levels.
+_NOISE_DEVIATIONS, _FAINTEST_LEVELS = 4.0, 1.0
+# Contrast is measured around each place: strong objects must not outshine a faint surface.
+_PLACE_SIGMA, _GREY_LEVELS = 6.0, 60.0
+# Corners are looked for in each cell, lest a cable or an arm in view has them all.
+_CELLS, _CORNERS_PER_CELL, _CORNER_QUALITY, _CORNER_DISTANCE, _CORNER_SIZE = 4, 10, 0.1, 15, 11
+# A higher pyramid finds larger shifts, and an object covers more of it.
+_FLOW_WINDOW, _PYRAMID_LEVELS = (21, 21), (3, 5)
+_THERE_AND_BACK_PX, _AGREE_PX = 1.0, 1.5
+# On noise 5 corners agree by chance, and those of one object do not tell a rotation.
+_LEAST_AGREEING, _LEAST_EXTENT = 16, 0.2
+_LEAST_STRUCTURE = 0.002
+# How much a place correlates with itself in noise or the dark, and with another place not.
+_SAME_PLACE, _OTHER_PLACE = 0.5, 0.7
 
 
 class View(NamedTuple):
@@ -39,35 +46,38 @@ class View(NamedTuple):
     :param shift_px: How far the picture's centre or a corner has moved, the farthest of them, in
         px; None where it cannot be told.
     :param changed_share: How much of the background's structure is not there, 0..1.
+    :param has_structure: Whether the background shows anything by which a shift could be told.
     """
 
     shift_px: Optional[float]
     changed_share: float
+    has_structure: bool = True
 
 
 class ViewCheck:
     """
     Compares frames with the background on what is not an object.
 
-    The frame is aligned to the background by a shift and a rotation (ECC, Evangelidis and
-    Psarakis 2008, which neither gain nor offset of the light changes), from where
-    phase correlation places it and from where it was, with all of it and without what differs;
-    the alignment that explains the most of the picture is done once more without the rest.
+    Corners of the background are followed into the frame and back (optical flow, Lucas and
+    Kanade 1981). The shift, rotation and scale on which most of them agree is the camera's
+    (RANSAC): corners that an object or a hand covers do not agree with each other.
 
     :param background: Shape (h, w, 3), uint8, BGR.
     """
 
     def __init__(self, background: np.ndarray) -> None:
-        self._scale = max(1.0, background.shape[1] / _WIDTH)
-        # An object is a strong structure: on a faint surface it must not pull the alignment.
-        self._limit = _CLIP_LEVELS
-        deviation = float(self._structure(background).std())
-        self._limit = min(_CLIP_LEVELS, max(_FAINTEST_LEVELS, 4 * deviation))
-        self._object_levels = min(_OBJECT_LEVELS, max(_FAINTEST_LEVELS, 2 * deviation))
-        self._small = self._structure(background)
-        self._is_large_enough = min(self._small.shape) >= _SMALLEST
-        if self._is_large_enough:
-            self._window = cv2.createHanningWindow(self._small.shape[::-1], cv2.CV_32F)
+        height, width = background.shape[:2]
+        self._scale = max(1.0, max(height, width) / _LONGEST)
+        self._size = tuple(max(1, round(length / self._scale)) for length in (width, height))
+        small = self._small(background)
+        self._faintest = max(_FAINTEST_LEVELS, _NOISE_DEVIATIONS * _noise_in_detail(small))
+        self._detail = _detail(small)
+        self._picture = self._with_equal_contrast(self._detail)
+        self._corners = _find_corners(self._picture)
+        # In a place of less energy noise alone would make a frame differ.
+        self._structure = (np.abs(self._detail) > self._faintest) & (
+            _around(self._detail ** 2) > self._faintest ** 2 / 2)
+        self._has_structure = bool(self._structure.mean() >= _LEAST_STRUCTURE)
 
     def compare(self, frame: np.ndarray) -> View:
         """
@@ -75,62 +85,100 @@ class ViewCheck:
 
         A surface of one colour cannot tell a shift, neither can one that is mostly covered.
         """
-        if not self._is_large_enough:
-            return View(None, 0.0)
-        small = self._structure(frame)
-        still = np.eye(2, 3, dtype=np.float32)
-        (du, dv), _ = cv2.phaseCorrelate(self._small, small, self._window)
-        moved = np.array([[1, 0, du], [0, 1, dv]], np.float32)
-        starts = [still, self._align(small, still, None), self._align(small, moved, None),
-                  self._align(small, still, self._unchanged(small, still))]
-        best = max((start for start in starts if start is not None),
-                   key=lambda warp: self._unchanged(small, warp).mean())
-        mask = self._unchanged(small, best)
-        refined = self._align(small, best, mask)
-        changed_share = self._changed_share(self._same(small, best))
-        if refined is None:
-            return View(None, changed_share)
-        return View(self._shift(refined), changed_share)
+        if min(self._size) < _SMALLEST:
+            return View(None, 0.0, False)
+        detail = _detail(self._small(frame))
+        picture = self._with_equal_contrast(detail)
+        # Lazy: the higher pyramid is for what the lower one cannot find.
+        warps = (self._find_warp(picture, level) for level in _PYRAMID_LEVELS)
+        warp = next((warp for warp in warps if warp is not None), None)
+        return View(None if warp is None else self._shift(warp),
+                    self._changed_share(detail, warp), self._has_structure)
 
-    def _structure(self, picture: np.ndarray) -> np.ndarray:
+    def _small(self, picture: np.ndarray) -> np.ndarray:
         grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
-        size = [max(1, round(length / self._scale)) for length in grey.shape[::-1]]
-        small = cv2.resize(grey, size, interpolation=cv2.INTER_AREA).astype(np.float32)
-        detail = small - cv2.GaussianBlur(small, (0, 0), _LIGHT_SIGMA)
-        return np.clip(detail, -self._limit, self._limit)
+        return cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA).astype(np.float32)
 
-    def _align(
-        self, small: np.ndarray, start: np.ndarray, mask: Optional[np.ndarray]
-    ) -> Optional[np.ndarray]:
-        try:
-            correlation, warp = cv2.findTransformECC(
-                self._small, small, start.copy(), cv2.MOTION_EUCLIDEAN, _STEPS, mask, 5)
-        except cv2.error:
-            return None  # it does not converge where there is nothing to hold on to
-        return warp if correlation > _LOWEST_CORRELATION else None
+    def _with_equal_contrast(self, detail: np.ndarray) -> np.ndarray:
+        contrast = np.sqrt(_around(detail ** 2)) + self._faintest
+        return np.clip(128 + _GREY_LEVELS * detail / contrast, 0, 255).astype(np.uint8)
 
-    def _unchanged(self, small: np.ndarray, warp: np.ndarray) -> np.ndarray:
-        return cv2.erode(self._same(small, warp), np.ones((5, 5), np.uint8), borderValue=255)
+    def _find_warp(self, picture: np.ndarray, level: int) -> Optional[np.ndarray]:
+        if len(self._corners) < _LEAST_AGREEING:
+            return None
+        flow = {'winSize': _FLOW_WINDOW, 'maxLevel': level}
+        there, found, _ = cv2.calcOpticalFlowPyrLK(
+            self._picture, picture, self._corners, None, **flow)
+        back, found_back, _ = cv2.calcOpticalFlowPyrLK(
+            picture, self._picture, there, None, **flow)
+        missed_px = np.linalg.norm(back - self._corners, axis=2)
+        followed = ((found & found_back) == 1) & (missed_px < _THERE_AND_BACK_PX)
+        least_extent = _LEAST_EXTENT * max(self._size)
+        return _consensus(self._corners[followed], there[followed], least_extent)
 
-    def _same(self, small: np.ndarray, warp: np.ndarray) -> np.ndarray:
-        size = small.shape[1], small.shape[0]
-        aligned = cv2.warpAffine(small, warp, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-                                 borderValue=1e6)
-        return (np.abs(aligned - self._small) <= self._object_levels).astype(np.uint8) * 255
-
-    def _changed_share(self, same: np.ndarray) -> float:
-        # Of the background's own structure: elsewhere there is nothing that could be missed.
-        structure = np.abs(self._small) > self._object_levels
-        if structure.mean() < _LEAST_STRUCTURE:
+    def _changed_share(self, detail: np.ndarray, warp: Optional[np.ndarray]) -> float:
+        least_correlation = _OTHER_PLACE if warp is None else _SAME_PLACE
+        if not self._has_structure:
             return 0.0
-        return 1.0 - float(same[structure].mean()) / 255
+        if warp is not None:
+            detail = cv2.warpAffine(detail, warp, self._size,
+                                    flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
+        # A correlation, as the light may have made the structure stronger or weaker.
+        product, frame, background = (
+            _around(factors) for factors in (
+                detail * self._detail, detail ** 2, self._detail ** 2))
+        is_there = product > least_correlation * np.sqrt(frame * background)
+        # Of the background's own structure: elsewhere there is nothing that could be missed.
+        return 1.0 - float(is_there[self._structure].mean())
 
     def _shift(self, warp: np.ndarray) -> float:
-        height, width = self._small.shape
+        width, height = self._size
         points = np.array([[0, 0, 1], [width, 0, 1], [0, height, 1], [width, height, 1],
                            [width / 2, height / 2, 1]])
-        moved = points @ warp.T.astype(float) - points[:, :2]
+        moved = points @ warp.T - points[:, :2]
         return float(np.hypot(*moved.T).max() * self._scale)
+
+
+def _detail(picture: np.ndarray) -> np.ndarray:
+    return (cv2.GaussianBlur(picture, (0, 0), _NOISE_SIGMA)
+            - cv2.blur(picture, (_LIGHT_WIDTH, _LIGHT_WIDTH)))
+
+
+def _around(values: np.ndarray) -> np.ndarray:
+    return cv2.GaussianBlur(values, (0, 0), _PLACE_SIGMA)
+
+
+def _noise_in_detail(picture: np.ndarray) -> float:
+    # J. Immerkaer, Fast noise variance estimation, 1996, with the median for the mean.
+    mask = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
+    deviation = np.median(np.abs(cv2.filter2D(picture, cv2.CV_32F, mask))) / 0.6745 / 6
+    # What a Gaussian filter leaves of it.
+    return float(deviation) / (2 * np.sqrt(np.pi) * _NOISE_SIGMA)
+
+
+def _find_corners(picture: np.ndarray) -> np.ndarray:
+    height, width = (-(-length // _CELLS) for length in picture.shape)
+    corners: List[np.ndarray] = [np.empty((0, 2), np.float32)]
+    for v in range(0, picture.shape[0], height):
+        for u in range(0, picture.shape[1], width):
+            found = cv2.goodFeaturesToTrack(
+                picture[v:v + height, u:u + width].copy(), _CORNERS_PER_CELL, _CORNER_QUALITY,
+                _CORNER_DISTANCE, blockSize=_CORNER_SIZE)
+            if found is not None:
+                corners.append(found[:, 0] + np.float32([u, v]))
+    return np.concatenate(corners)[:, None]
+
+
+def _consensus(
+    here: np.ndarray, there: np.ndarray, least_extent: float
+) -> Optional[np.ndarray]:
+    if len(here) < _LEAST_AGREEING:
+        return None
+    warp, agree = cv2.estimateAffinePartial2D(here, there, ransacReprojThreshold=_AGREE_PX)
+    if warp is None or agree.sum() < _LEAST_AGREEING:
+        return None
+    agreeing = here[agree.ravel() == 1]
+    return warp if np.ptp(agreeing, axis=0).max() >= least_extent else None
 
 
 def view_problem(view: View, max_shift_px: float, max_changed_share: float) -> Optional[str]:
@@ -142,7 +190,7 @@ def view_problem(view: View, max_shift_px: float, max_changed_share: float) -> O
     if view.shift_px is not None and view.shift_px > max_shift_px:
         return (f'the view has moved by {view.shift_px:.1f} px: move the camera back, or clear '
                 'the surface, call ~/capture_background, and calibrate anew')
-    if view.shift_px is None and view.changed_share > max_changed_share:
+    if view.changed_share > max_changed_share:
         return (f'{view.changed_share:.0%} of the view differs from the background: uncover the '
                 'surface, or clear it and call ~/capture_background')
     return None

@@ -18,6 +18,7 @@ import time
 from camera_to_base import background_service, named_source
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.errors import CameraToBaseError, FrameSourceError
+from camera_to_base.simulated_board import SimulatedBoard
 from captures import Device
 import cv2
 from geometry_msgs.msg import PoseArray
@@ -329,27 +330,53 @@ def test_capture_without_a_frame_is_answered_with_what_to_do(ros, play, monkeypa
     assert not response.success and 'next ones become the background' in response.message
 
 
-def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ros, play):
-    still = np.random.default_rng(1).normal(0, 40, (480, 740)).astype(np.float32)
-    wood = cv2.merge([np.clip(190 + cv2.GaussianBlur(still, (0, 0), 3), 120, 250).astype(
-        np.uint8)] * 3)
+class NudgedCamera(GivenFrames):
+    """A camera over the board that somebody nudges; its first picture is without the object."""
 
-    def seen(shift, disc=True):
-        frame = wood[:, 50 - shift:690 - shift].copy()
-        return cv2.circle(frame, (320 + shift, 240), 21, (30, 30, 30), -1) if disc else frame
+    def __init__(self):
+        super().__init__([])
+        self._board = SimulatedBoard(image_size=(740, 480), noise=0.0).read()
+        self.shift = 0
 
+    def read(self):
+        frame = self._board[:, 50 - self.shift:690 - self.shift].copy()
+        if self._count:
+            cv2.circle(frame, (320 + self.shift, 240), 21, (30, 30, 30), -1)
+        self._frames = [frame]
+        return super().read()
+
+
+def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ros, monkeypatch):
+    camera = NudgedCamera()
+    monkeypatch.setattr(named_source, 'open_frame_source', lambda name: camera)
     received = listen_for_camera(ros)
     statuses = ros.listen_to_diagnostics('/camera_publisher')
-    play([seen(0, disc=False), *[seen(0)] * 20, *[seen(7)] * 70, seen(0)],
-         '-p', 'view.check_period:=0.1')
-    assert ros.spin_until(lambda: statuses and 'has moved by' in statuses[-1].message, 5.0)
+    # Shorter than the time between two frames, so that each of them is checked.
+    ros.add(CameraPublisher, '-p', 'source:=given', '-p', 'view.check_period:=0.01')
+    assert ros.spin_until(lambda: received and statuses and int(
+        statuses[-1].values.get('frames', 0)) > 40)
+    assert statuses[-1].level == 0
+    camera.shift = 5
+    assert ros.spin_until(lambda: 'has moved by' in statuses[-1].message, 5.0)
     assert statuses[-1].level == 2 and 'capture_background' in statuses[-1].message
     count = len(received)
-    assert count
-    ros.spin_for(0.3)
+    ros.spin_for(0.5)
     assert len(received) == count
+    camera.shift = 0
     assert ros.spin_until(lambda: len(received) > count + 3, 8.0)
     assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
+
+
+def test_surface_without_structure_is_said_to_be_no_help_against_a_nudge(ros, play):
+    lines = ros.listen_to_log('camera_publisher')
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    play([table()], '-p', 'view.check_period:=0.1')
+    assert ros.spin_until(lambda: statuses and 'no structure' in statuses[-1].values[
+        'view shift (px)'])
+    assert statuses[-1].level == 0
+    assert ros.spin_until(lambda: any('put marks into' in line.text for line in lines), 5.0)
+    ros.spin_for(1.0)
+    assert sum('put marks into' in line.text for line in lines) == 1
 
 
 def test_objects_beyond_the_horizon_only_are_a_warning_for_as_long_as_nothing_else_is_seen(
