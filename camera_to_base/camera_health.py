@@ -63,7 +63,8 @@ def camera_problem(
             f"camera '{name}' gives more frames than can be read, so that they are old when they "
             'come: lower its rate or its picture size'))
     if pipeline.background is None:
-        return Problem('background', Level.WARN, 'taking the background: keep the surface clear')
+        reason = pipeline.background_problem or 'keep the surface clear'
+        return Problem(f'background: {reason}', Level.WARN, f'taking the background: {reason}')
     if pipeline.size_problem is not None:
         return Problem('size', Level.ERROR, pipeline.size_problem)
     if pipeline.view_problem is not None:
@@ -119,8 +120,7 @@ def _shift_text(view: Optional[View]) -> str:
 
 def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:
     """Give all numbers about a camera, as texts for the diagnostics."""
-    values = {'background': 'none' if pipeline.background is None else
-              '{1} x {0} px'.format(*pipeline.background.shape),
+    values = {'background': _background_text(pipeline),
               'view shift (px)': _shift_text(pipeline.view)}
     values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))
     if reader is not None:
@@ -135,3 +135,11 @@ def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> D
             'attempts to open': str(counts.attempts),
             'age of the last frame (s)': f'{reader.seconds_without_frame:.2f}'})
     return values
+
+
+def _background_text(pipeline: CameraPipeline) -> str:
+    if pipeline.background is None:
+        return 'none'
+    origin = 'from the file, ' if pipeline.background_is_restored else ''
+    return '{1} x {0} px, '.format(*pipeline.background.shape) + (
+        f'{origin}taken {pipeline.background_age_s:.0f} s ago')

@@ -83,6 +83,22 @@ class CameraPipeline:
         self._taker: Optional[BackgroundTaker] = BackgroundTaker(frame_count)
         self.background: Optional[np.ndarray] = None
 
+    def restore_background(self, background: np.ndarray, age_s: float) -> None:
+        """
+        Use a background that was taken before; the first frame's view is compared with it.
+
+        :param background: Shape (h, w, 3), uint8, BGR.
+        :param age_s: How long ago it was taken.
+        """
+        self._use_background(background, age_s)
+        self.background_is_restored = True
+        self._checked_at = -np.inf
+
+    @property
+    def background_problem(self) -> Optional[str]:
+        """Why no background could be taken of the last frame; None where it could."""
+        return self._taker.problem if self._taker is not None else None
+
     @property
     def background_age_s(self) -> float:
         """How long ago the background was taken, in s."""
@@ -115,7 +131,8 @@ class CameraPipeline:
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
         check_frame(frame)
         self.counts['frames'] += 1
-        if self.background is None and not self._take_background(frame):
+        if self.background is None and not self._take_background(
+                frame, is_live=taken_at is not None):
             return Sighting([], 'the background is being taken')
         objects, beyond_horizon = self._locate(frame)
         self._check_view(frame)
@@ -141,15 +158,21 @@ class CameraPipeline:
         if sighting.held_back is not None:
             self.counts[f'frames held back: {sighting.held_back}'] += 1
 
-    def _take_background(self, frame: np.ndarray) -> bool:
-        self.background = self._taker.add(frame)
-        if self.background is None:
+    def _take_background(self, frame: np.ndarray, is_live: bool) -> bool:
+        background = self._taker.add(frame, confirm=is_live)
+        if background is None:
             return False
-        self._view_check = ViewCheck(self.background)
-        self._gate.view_problem, self.view = None, None
-        self._background_taken_at = self._checked_at = time.monotonic()
-        self._taker = self._locator = None
+        self._use_background(background)
         return True
+
+    def _use_background(self, background: np.ndarray, age_s: float = 0.0) -> None:
+        self.background = background
+        self.background_is_restored = False
+        self._view_check = ViewCheck(background)
+        self._gate.view_problem, self.view = None, None
+        self._checked_at = time.monotonic()
+        self._background_taken_at = self._checked_at - age_s
+        self._taker = self._locator = None
 
     def _current_locator(self) -> ObjectLocator:
         if self._locator is None:

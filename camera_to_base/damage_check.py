@@ -17,18 +17,20 @@
 from collections import deque
 from typing import Optional
 
-import cv2
+from camera_to_base.frame_blocks import changed_blocks, mean_blocks
 import numpy as np
 
 # JPEG's blocks are 8 px high: less than this cannot be lost.
 _TAIL_ROWS = 8
 # FFmpeg decodes into buffers that it uses again: what a JPEG lacks is an earlier frame's.
 _TAIL_COUNT = 16
-_BLOCK_PX = 16
-_BLOCK_CHANGE = 12.0
 _LARGEST_SHARE, _LARGEST_BOTTOM_SHARE = 0.25, 0.5
-# What decoders make of blocks that they have no data for.
-_CONCEALED = 128
+# What decoders make of blocks that they have no data for: grey, or the green of YUV 0, 0, 0.
+_CONCEALED = (128, 128, 128), (0, 135, 0)
+# A lower end that has one colour, in as many frames from the first on, is the surface's own.
+_USUAL_COUNT = 5
+# Below these grey levels nothing can be told from noise: the surface would look empty.
+_BLACK = 6
 
 
 class DamageCheck:
@@ -39,6 +41,7 @@ class DamageCheck:
     is an earlier one's to the byte was cut off; one that is that altogether was not taken anew;
     and a lower end of one colour was never received. Flipped bits spoil all that follows them: a
     large change that the next picture does not share is damage, one that it shares is real.
+    A black picture is whole, as a rule, but shows nothing.
     """
 
     def __init__(self) -> None:
@@ -54,19 +57,22 @@ class DamageCheck:
         if frame.shape != self._shape:
             self._restart(frame)
         repeated, tail_repeated = self._repetition(frame)
+        blocks = mean_blocks(frame)
+        if blocks.max() < _BLACK:
+            return 'it is black, as with the light off or the lens covered'
         if repeated:
             return 'it repeats the last one byte for byte'
         if tail_repeated:
             return 'its lower end is that of an earlier one'
         if self._has_lost_its_tail(frame):
             return 'its lower end has one colour'
-        return self._unconfirmed_change(frame)
+        return self._unconfirmed_change(blocks)
 
     def _restart(self, frame: np.ndarray) -> None:
         self._shape = frame.shape
         self._last = None
         self._tails = deque(maxlen=_TAIL_COUNT)
-        self._flat_tail_is_usual = False
+        self._flat_tail_count: Optional[int] = 0  # None once a lower end had more colours
         self._believed = self._doubted = None
 
     def _repetition(self, frame: np.ndarray) -> tuple:
@@ -82,16 +88,14 @@ class DamageCheck:
     def _has_lost_its_tail(self, frame: np.ndarray) -> bool:
         tail = frame[-_TAIL_ROWS:]
         if not _is_flat(tail):
-            self._flat_tail_is_usual = False
+            self._flat_tail_count = None
             return False
-        concealed = np.abs(tail[0, 0].astype(int) - _CONCEALED).max() <= 2
-        if self._believed is None and not concealed:
-            self._flat_tail_is_usual = True
-        return not self._flat_tail_is_usual
+        if self._flat_tail_count is None or _is_concealed(tail[0, 0]) or _is_flat(frame):
+            return True
+        self._flat_tail_count += 1
+        return self._flat_tail_count < _USUAL_COUNT
 
-    def _unconfirmed_change(self, frame: np.ndarray) -> Optional[str]:
-        size = max(1, frame.shape[1] // _BLOCK_PX), max(1, frame.shape[0] // _BLOCK_PX)
-        blocks = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
+    def _unconfirmed_change(self, blocks: np.ndarray) -> Optional[str]:
         if (self._believed is None or not _differ(blocks, self._believed)
                 or self._doubted is not None and not _differ(blocks, self._doubted)):
             self._believed, self._doubted = blocks, None
@@ -104,6 +108,10 @@ def _is_flat(rows: np.ndarray) -> bool:
     return bool((rows == rows[0, 0]).all())
 
 
+def _is_concealed(colour: np.ndarray) -> bool:
+    return bool((np.abs(np.subtract(_CONCEALED, colour, dtype=int)).max(axis=1) <= 2).any())
+
+
 def _differ(blocks: np.ndarray, others: np.ndarray) -> bool:
-    changed = cv2.absdiff(blocks, others).max(axis=2) > _BLOCK_CHANGE
+    changed = changed_blocks(blocks, others)
     return changed.mean() > _LARGEST_SHARE or changed[-1].mean() > _LARGEST_BOTTOM_SHARE

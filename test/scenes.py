@@ -30,9 +30,9 @@ def coin(rate=20.0):
     return SimulatedBoard(frame_rate=rate).read
 
 
-def still_coin(rate=20.0, empty_s=2.0, noise=2.0):
+def still_coin(rate=20.0, empty_s=2.0, noise=2.0, texture=40):
     """Make a table with a disc at (400, 300) px that is not there at first."""
-    draw, begin = _noisy_table(noise), time.monotonic()
+    draw, begin = _noisy_table(noise, texture), time.monotonic()
     return lambda: draw((400, 300) if time.monotonic() - begin > empty_s else None)
 
 
@@ -56,11 +56,12 @@ def clock_age(u, seen_at):
     return age if age < CLOCK_ROUND_S - 0.3 else age - CLOCK_ROUND_S
 
 
-def _noisy_table(noise):
+def _noisy_table(noise, texture=40):
     # Ready-made noise, taken from another place for each frame, costs a tenth of fresh noise.
     random = np.random.default_rng(1)
     width, height = SIZE
-    table = cv2.GaussianBlur(random.normal(0, 40, (height, width)).astype(np.float32), (0, 0), 4)
+    table = random.normal(0, texture, (height, width)).astype(np.float32)
+    table = cv2.GaussianBlur(table, (0, 0), 4)
     table = np.clip(190 + table, 120, 250).astype(np.int16)[:, :, None]
     grain = random.normal(0, noise, (height + 64, width + 64, 3)).round().astype(np.int16)
 

@@ -14,7 +14,7 @@
 
 import time
 
-from camera_to_base.camera_health import camera_problem, DetectionRate
+from camera_to_base.camera_health import camera_problem, camera_values, DetectionRate
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
 from camera_to_base.errors import FrameSizeError
 from camera_to_base.health import Level
@@ -155,3 +155,24 @@ def test_right_size_is_no_problem_any_more_though_nothing_is_on_the_surface(monk
     assert scene.problem.kind == 'size'
     scene.show(table(FAR))
     assert scene.problem is None
+
+
+def test_background_that_cannot_be_taken_is_told_with_the_reason():
+    pipeline = CameraPipeline(ParallelSurface(36.0, 320))
+    assert camera_problem(None, pipeline, '').sentence == (
+        'taking the background: keep the surface clear')
+    for _ in range(3):
+        pipeline.process(np.full((240, 320, 3), 2, np.uint8), time.monotonic())
+    problem = camera_problem(None, pipeline, '')
+    assert problem.sentence.startswith('taking the background: the picture is black')
+    assert camera_values(None, pipeline)['background'] == 'none'
+
+
+def test_background_is_told_with_its_age_and_whether_it_is_from_the_file():
+    pipeline = CameraPipeline(ParallelSurface(36.0, 320))
+    pipeline.restore_background(table(), 75.2)
+    assert camera_values(None, pipeline)['background'] == (
+        '320 x 240 px, from the file, taken 75 s ago')
+    pipeline.capture_background(1)
+    pipeline.process(table())
+    assert camera_values(None, pipeline)['background'] == '320 x 240 px, taken 0 s ago'

@@ -83,6 +83,25 @@ def test_background_taken_anew_makes_a_moved_view_the_right_one():
     assert published(camera, table(move=(6, 0), disc=(320, 240)))
 
 
+def test_view_is_compared_with_a_restored_background_from_the_first_frame_on():
+    camera = pipeline(AT_ONCE._replace(check_period_s=60.0))
+    camera.restore_background(table(), age_s=10.0)
+    assert camera.background_age_s == pytest.approx(10.0, abs=1.0)
+    assert not published(camera, table(move=(6, 0), disc=(320, 240)))
+    camera.restore_background(table(), age_s=10.0)
+    assert published(camera, table(disc=(320, 240)))
+
+
+def test_background_of_a_camera_is_confirmed_and_that_of_a_file_is_its_first_frame():
+    camera, recording, lost = pipeline(), pipeline(), table()
+    lost[240:] = 255
+    for frame in (lost, table(), table()):
+        camera.process(frame, time.monotonic())
+        recording.process(frame)
+    assert (camera.background == table()).all()
+    assert (recording.background == lost).all()
+
+
 def test_check_of_the_view_can_be_switched_off():
     camera = pipeline(AT_ONCE._replace(max_shift_px=0.0))
     camera.process(table())

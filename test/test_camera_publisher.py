@@ -113,7 +113,7 @@ def test_nothing_is_published_for_a_frame_without_an_object(ros, play):
 def test_frame_of_another_size_gives_no_position_and_the_node_lives(ros, play):
     received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
     small = table_with_disc(100, 100, 320, 240)
-    play([table(), *[small] * 30, table_with_disc(320, 240)])
+    play([table(), table(), *[small] * 30, table_with_disc(320, 240)])
     assert ros.spin_until(lambda: received)
     assert received[0] == pytest.approx([18.0, 13.5], abs=0.12)
     assert len([line for line in lines if line.level == ERROR]) == 1

@@ -69,12 +69,36 @@ def test_first_frame_that_is_grey_is_refused():
     assert 'one colour' in DamageCheck().reason(np.full((480, 640, 3), 128, np.uint8))
 
 
-def test_surface_that_is_overexposed_is_believed():
+def with_lower_end(frame, colour):
+    frame[400:] = colour
+    return frame
+
+
+def test_surface_that_is_overexposed_is_believed_after_some_frames():
     take_frame, check = scenes.still_coin(empty_s=0.0), DamageCheck()
-    for _ in range(10):
-        frame = take_frame()
-        frame[400:] = 255
-        assert check.reason(frame) is None
+    reasons = [check.reason(with_lower_end(take_frame(), 255)) for _ in range(15)]
+    assert all('one colour' in reason for reason in reasons[:4])
+    assert reasons[4:] == [None] * 11
+
+
+@pytest.mark.parametrize('colour', [128, (0, 135, 0)])
+def test_lower_end_that_a_decoder_filled_is_never_believed(colour):
+    take_frame, check = scenes.still_coin(empty_s=0.0), DamageCheck()
+    for _ in range(15):
+        assert 'one colour' in check.reason(with_lower_end(take_frame(), colour))
+
+
+def test_frame_of_one_colour_is_refused_even_where_no_two_are_the_same():
+    check = DamageCheck()
+    for level in range(50, 150, 10):
+        assert 'one colour' in check.reason(np.full((480, 640, 3), level, np.uint8))
+
+
+def test_black_frame_is_refused_and_a_dim_one_is_not():
+    take_frame, check = scenes.still_coin(empty_s=0.0), DamageCheck()
+    for _ in range(3):
+        assert 'black' in check.reason(cv2.convertScaleAbs(take_frame(), alpha=0.01))
+    assert check.reason(cv2.convertScaleAbs(take_frame(), alpha=0.06)) is None
 
 
 def test_large_change_is_believed_when_the_next_frame_shares_it(camera):

@@ -249,7 +249,8 @@ def test_ctrl_c_ends_a_camera_with_0_and_all_that_was_found(run, monkeypatch):
     assert code == 0 and camera.released
     # As the node publishes it: what a second frame has not confirmed is held back.
     assert [row['frame'] for row in rows()] == list(range(2, 20))
-    assert 'frames held back: 2 (not confirmed by a second frame)' in error
+    assert 'frames held back: 1 (the background is being taken)' in error
+    assert 'frames held back: 1 (not confirmed by a second frame)' in error
     assert len(output.splitlines()) == 1 + len(rows())
     assert cv2.VideoCapture('seen.mp4').get(cv2.CAP_PROP_FRAME_COUNT) >= 20
     assert 'with an object' in error

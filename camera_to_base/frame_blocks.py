@@ -1,0 +1,42 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How much two frames differ, by blocks that the sensor's noise does not reach."""
+
+import cv2
+import numpy as np
+
+_BLOCK_PX = 16
+_BLOCK_CHANGE = 12.0
+
+
+def mean_blocks(frame: np.ndarray) -> np.ndarray:
+    """
+    Take the mean of each block of a frame.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :returns: Shape (h / 16, w / 16, 3), uint8.
+    """
+    size = max(1, frame.shape[1] // _BLOCK_PX), max(1, frame.shape[0] // _BLOCK_PX)
+    return cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
+
+
+def changed_blocks(blocks: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """
+    Tell which blocks differ by more than light that flickers.
+
+    :param blocks: See :func:`mean_blocks`; `others` is of the same shape.
+    :returns: Shape (h / 16, w / 16), bool.
+    """
+    return cv2.absdiff(blocks, others).max(axis=2) > _BLOCK_CHANGE
