@@ -17,6 +17,7 @@
 from dataclasses import dataclass
 from typing import Any, Dict, Optional, Tuple
 
+from camera_to_base.background_file import check_background_path
 from camera_to_base.camera_pipeline import Limits
 from camera_to_base.checks import frame_id
 from camera_to_base.detector_settings import DetectorSettings, METHODS
@@ -41,6 +42,7 @@ class CameraSettings:
     wait_for_subscribers: int
     wait_for_camera: bool
     background_frames: int
+    background_file: str
     limits: Limits
     annotated_picture: str
     camera_frame_id: str
@@ -71,7 +73,11 @@ CAMERA_SPECS = [
     ParameterSpec(
         'background_frames', 1,
         'The background is the median of this many frames; 1 takes the first one, as the '
-        'tutorial does.', (1, 1000)),
+        'tutorial does (of a camera, the first one that the next one confirms).', (1, 1000)),
+    ParameterSpec(
+        'background_file', '',
+        'A file (.png) that keeps the background: it is written whenever one is taken, and read '
+        'at the start, if it is there. Cameras and topics only; empty for none.', fixed=True),
     ParameterSpec(
         'max_frame_age', 0.3,
         'No position is published from a frame of a camera that is older than this, in s.',
@@ -142,6 +148,7 @@ def camera_settings(values: Values) -> CameraSettings:
         wait_for_subscribers=values['wait_for_subscribers'],
         wait_for_camera=values['wait_for_camera'],
         background_frames=values['background_frames'],
+        background_file=check_background_path(values['background_file']),
         limits=Limits(
             max_frame_age_s=values['max_frame_age'],
             confirm_jump_px=values['confirm_jump_px'],

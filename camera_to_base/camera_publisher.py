@@ -19,6 +19,7 @@ import time
 from typing import Callable, List, Optional, Union
 
 from builtin_interfaces.msg import Time
+from camera_to_base.background_keeper import BackgroundKeeper
 from camera_to_base.background_service import BackgroundService
 from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS, CameraSettings
 from camera_to_base.camera_pipeline import CameraPipeline, Limits
@@ -75,6 +76,8 @@ class CameraPublisher(Node):
             self._pipeline = CameraPipeline(
                 self._settings.surface, self._settings.detector, self._limits(),
                 self._settings.background_frames)
+            self._background_keeper = BackgroundKeeper(
+                self, self._pipeline, self._settings, self._is_live())
             self._picture = PictureKeeper(self._settings.annotated_picture)
             self._background_service = BackgroundService(
                 self, self._pipeline, lambda: self._settings.background_frames,
@@ -131,8 +134,8 @@ class CameraPublisher(Node):
             feed = CameraFeed(self, self._source, self._use, may_lag=is_stream(name),
                               wait=self._settings.wait_for_camera)
         self.get_logger().info(
-            f"publishing on {self._topics.name} what is found on the frames of '{name}'; the "
-            'first one is the background')
+            f"publishing on {self._topics.name} what is found on the frames of '{name}'; "
+            f'{self._background_keeper.origin}')
         self._watch.start(name, feed.reader)
         return feed
 
@@ -171,6 +174,7 @@ class CameraPublisher(Node):
                 self._keep_picture(self._picture.keep, frame, sighting.objects)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting), self._settings.debug_label)
+        self._background_keeper.keep()
         self._background_service.notice_frame()
 
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:

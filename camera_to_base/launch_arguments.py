@@ -18,9 +18,11 @@ import math
 from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
 from camera_to_base.camera_parameters import CAMERA_SPECS
+from camera_to_base.cameras import is_camera
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launch_cameras import Camera
+from camera_to_base.named_source import TOPIC_SOURCES
 from camera_to_base.parameter_file import read_node_parameters
 from camera_to_base.parameter_spec import meant_name, unknown_name_text
 from camera_to_base.surface import check_image_size
@@ -94,6 +96,20 @@ def image_input(camera: Camera) -> ImageInput:
     if topic.endswith('/compressed'):
         return ImageInput('compressed_topic', [('image/compressed', topic)])
     return ImageInput('topic', [('image', topic)])
+
+
+def kept_background(camera: Camera, path: str) -> Dict[str, str]:
+    """
+    Make the parameter that lets a camera node, started again, go on with its background.
+
+    :param path: A .png file of this camera, and of this launch alone.
+    :returns: Empty where the parameter file names a file, or no camera gives the frames.
+    :raises InvalidValueError: If the parameter file cannot be read.
+    """
+    source = image_input(camera).source
+    is_live = source in ('auto', *TOPIC_SOURCES) or is_camera(source)
+    named = 'background_file' in _given_parameters(camera, 'camera_publisher')
+    return {'background_file': path} if is_live and not named else {}
 
 
 def driver_parameters(camera: Camera) -> Dict[str, Any]:

@@ -18,16 +18,19 @@ Starts both nodes with one parameter file, and what else is asked for.
 Who dies is started again; a node that cannot start ends the launch.
 """
 
+import atexit
 import functools
 import os
+import shutil
 import sys
+import tempfile
 
 from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launch_arguments import (
     argument_warnings, check_frames, driver_parameters, frames, image_input, is_wanted,
-    not_installed, transform_arguments)
+    kept_background, not_installed, transform_arguments)
 from camera_to_base.launch_cameras import Camera, choose_cameras, DRIVERS
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
@@ -88,8 +91,9 @@ def _warn(context, names):
 def _start(context):
     camera = Camera(*(_value(context, name) for name in Camera._fields))
     cameras = choose_cameras(_value(context, 'cameras'), camera, DEFAULT)
-    playing = set(cameras)
-    actions = [action for camera in cameras for action in _camera_actions(camera, playing)]
+    playing, folder = set(cameras), _folder_of_this_launch()
+    actions = [action for number, camera in enumerate(cameras) for action in _camera_actions(
+        camera, playing, os.path.join(folder, f'background_{number}.png'))]
     if is_wanted('publish_tf', _value(context, 'publish_tf')):
         _require('tf2_ros', 'publish_tf:=true')
         check_frames(cameras)
@@ -100,7 +104,13 @@ def _start(context):
     return actions
 
 
-def _camera_actions(camera, playing):
+def _folder_of_this_launch():
+    folder = tempfile.mkdtemp(prefix='camera_to_base_')
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+def _camera_actions(camera, playing, background_file):
     source, remappings = image_input(camera)
     actions = [
         _node(
@@ -108,7 +118,8 @@ def _camera_actions(camera, playing):
             on_exit=functools.partial(_end_with_recordings, camera, playing),
             parameters=[camera.params_file, {
                 'source': ParameterValue(source, value_type=str),
-                'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}]),
+                'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str),
+                **kept_background(camera, background_file)}]),
         _node(camera, 'camera_to_base', 'robot_base_publisher', on_exit=_end_without_start,
               parameters=[camera.params_file]),
     ]

@@ -16,7 +16,11 @@
 
 import importlib.util
 import logging
+import os
 from pathlib import Path
+import re
+import subprocess
+import sys
 
 from camera_to_base.errors import InvalidValueError
 import pytest
@@ -31,6 +35,7 @@ Node = pytest.importorskip('launch_ros.actions').Node
 ROOT = Path(__file__).parents[1]
 LAUNCH_FILE = str(ROOT / 'launch/camera_to_base.launch.py')
 OURS = {'camera_publisher', 'robot_base_publisher'}
+OWN = 'kept_by_the_user.png'
 OTHERS = {'tf2_ros': 'static_transform_publisher', 'rviz2': 'rviz2',
           'usb_cam': 'usb_cam_node_exe', 'v4l2_camera': 'v4l2_camera_node'}
 
@@ -176,6 +181,38 @@ def test_camera_node_gets_the_file_the_source_and_the_frame(prefix):
     assert 'config/overhead_camera.yaml' in command
     text = Path(command.split()[-1]).read_text()
     assert "source: '0'" in text and 'camera_frame_id: cell_1/camera_surface' in text
+
+
+def background_files(commands):
+    texts = [Path(command.split()[-1]).read_text() for command in commands
+             if '/camera_publisher ' in command]
+    return re.findall(r'background_file: (.*)', '\n'.join(texts))
+
+
+def test_each_camera_keeps_its_background_in_a_file_of_this_launch(prefix, tmp_path):
+    (tmp_path / 'cell.yaml').write_text('/**: {ros__parameters: {}}')
+    (tmp_path / 'own.yaml').write_text(f'/**: {{ros__parameters: {{background_file: {OWN}}}}}')
+    (tmp_path / 'cells.yaml').write_text(''.join(
+        f'- {{namespace: {name}, params_file: {file}.yaml, source: {source}}}\n'
+        for name, file, source in (('left', 'cell', '0'), ('right', 'cell', '1'),
+                                   ('own', 'own', '2'), ('played', 'cell', 'day.avi'))))
+    first, second = (background_files(started(8, cameras=str(tmp_path / 'cells.yaml')))
+                     for _ in range(2))
+    assert len({*first, *second}) == len(first) + len(second) == 4
+    assert all(Path(file).parent.is_dir() for file in (*first, *second))
+
+
+def test_folder_of_the_backgrounds_goes_with_the_launch(prefix, tmp_path):
+    (tmp_path / 'temporary').mkdir()
+    code = (f'import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n'
+            'import os, test_launch\n'
+            "test_launch.described(source='0')\n"
+            'print(len(os.listdir(os.environ["TMPDIR"])))')
+    child = subprocess.run(
+        [sys.executable, '-c', code], capture_output=True, text=True, timeout=60,
+        env={**os.environ, 'TMPDIR': str(tmp_path / 'temporary')})
+    assert child.stdout.strip() == '1', child.stderr
+    assert list((tmp_path / 'temporary').iterdir()) == []
 
 
 @pytest.mark.parametrize('topic, remapping', [

@@ -18,7 +18,7 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launch_arguments import (
     argument_warnings, check_frames, driver_parameters, Frames, frames, image_input, is_wanted,
-    not_installed, transform_arguments)
+    kept_background, not_installed, transform_arguments)
 from camera_to_base.launch_cameras import Camera
 import numpy as np
 import pytest
@@ -121,6 +121,18 @@ def test_camera_node_listens_to_the_topic_that_was_asked_for(fields, source, rem
 def test_source_in_the_file_is_not_replaced_where_the_launch_names_none(
         text, named, source, camera):
     assert image_input(camera(text, source=named)) == (source, [])
+
+
+@pytest.mark.parametrize('fields, text, is_kept', [
+    ({}, '{}', True), ({'source': '0'}, '{}', True), ({'source': 'http://cam/'}, '{}', True),
+    ({'image_topic': '/image_raw'}, '{}', True), ({'camera_driver': 'usb_cam'}, '{}', True),
+    ({'source': 'simulated'}, '{}', False), ({'source': 'random'}, '{}', False),
+    ({'source': 'day.avi'}, '{}', False), ({}, '{source: day.avi}', False),
+    ({}, '{background_file: mine.png}', False), ({}, "{background_file: ''}", False)])
+def test_background_of_a_camera_is_kept_unless_the_file_says_where(
+        fields, text, is_kept, camera):
+    expected = {'background_file': 'here.png'} if is_kept else {}
+    assert kept_background(camera(text, **fields), 'here.png') == expected
 
 
 @pytest.mark.parametrize('driver, size', [

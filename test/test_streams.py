@@ -14,6 +14,7 @@
 
 """A camera that comes and goes, by real streams, real processes and real signals."""
 
+import contextlib
 import importlib.util
 import math
 import os
@@ -235,14 +236,28 @@ def process_of(launch, executable):
     return int(pids[0])
 
 
-@pytest.mark.skipif(importlib.util.find_spec('launch_ros') is None,
-                    reason='launch and launch_ros are not installed')
+needs_launch = pytest.mark.skipif(
+    importlib.util.find_spec('launch_ros') is None,
+    reason='launch and launch_ros are not installed')
+
+
+@contextlib.contextmanager
+def launched(camera):
+    """Run the launch file on a camera's stream."""
+    launch = subprocess.Popen([sys.executable, '-c', LAUNCH, f'source:={camera.url}'],
+                              stdout=subprocess.DEVNULL, start_new_session=True)
+    try:
+        yield launch
+    finally:
+        os.killpg(launch.pid, signal.SIGINT)  # as Ctrl-C in a terminal does
+        launch.wait(timeout=10.0)
+
+
+@needs_launch
 def test_node_that_was_killed_is_back_under_the_launch_file_within_5_s(ros, tell):
     positions = ros.listen_with_time(BASE_TOPIC)
     with ChildCamera('mjpeg_server', 'clock') as camera:
-        launch = subprocess.Popen([sys.executable, '-c', LAUNCH, f'source:={camera.url}'],
-                                  stdout=subprocess.DEVNULL, start_new_session=True)
-        try:
+        with launched(camera) as launch:
             assert ros.spin_until(lambda: len(positions) > 10, 20.0)
             for executable in ('camera_publisher', 'robot_base_publisher'):
                 killed_at = time.time()
@@ -253,9 +268,23 @@ def test_node_that_was_killed_is_back_under_the_launch_file_within_5_s(ros, tell
                 tell(f'{executable} killed: the next position came '
                      f'{positions[count][0] - killed_at:.2f} s later')
                 assert positions[count][0] - killed_at < 5.0
-        finally:
-            os.killpg(launch.pid, signal.SIGINT)  # as Ctrl-C in a terminal does
-            launch.wait(timeout=10.0)
     oldest = max(ages([(sent, (x + 17.8, y)) for sent, (x, y) in positions]))
     tell(f'{len(positions)} positions, the oldest of a frame {oldest:.2f} s old')
     assert oldest < 0.3
+
+
+@needs_launch
+def test_coin_at_rest_is_published_within_5_s_of_a_kill_under_the_launch_file(ros, tell):
+    positions = ros.listen_with_time(CAMERA_TOPIC)
+    with ChildCamera('mjpeg_server', 'still_coin') as camera, launched(camera) as launch:
+        assert ros.spin_until(lambda: len(positions) > 10, 20.0)
+        killed_at = time.time()
+        os.kill(process_of(launch, 'camera_publisher'), signal.SIGKILL)
+        ros.spin_for(0.5)  # what was on its way arrives
+        positions.clear()
+        assert ros.spin_until(lambda: len(positions) > 10, 10.0)
+    back_after = positions[0][0] - killed_at
+    tell(f'camera_publisher killed: the coin at rest came {back_after:.2f} s later')
+    assert back_after < 5.0
+    assert all(math.dist(position, (400 * CM_PER_PX, 300 * CM_PER_PX)) < 0.2
+               for _, position in positions)
