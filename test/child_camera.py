@@ -36,6 +36,7 @@ class ChildCamera:
         self._command = [sys.executable, os.path.join(os.path.dirname(__file__), f'{script}.py'),
                          '--scene', scene, '--rate', str(rate)]
         self.port = port
+        self._has_disc = False
         self.start()
 
     def __enter__(self):
@@ -45,11 +46,17 @@ class ChildCamera:
         self.kill()
 
     def start(self):
-        """Start it, on the same port as before."""
+        """Start it, on the same port as before; a disc that was there is there again at once."""
         self._process = subprocess.Popen(
-            [*self._command, '--port', str(self.port)], stdout=subprocess.PIPE, text=True)
+            [*self._command, '--port', str(self.port), *(['--disc'] if self._has_disc else [])],
+            stdout=subprocess.PIPE, text=True)
         self.url = self._process.stdout.readline().strip()
         self.port = int(self.url.split(':')[2].split('/')[0])
+
+    def show_disc(self):
+        """Put the clock's disc on its table, which is empty until then."""
+        self._has_disc = True
+        self._process.send_signal(signal.SIGUSR1)
 
     def kill(self):
         """End it as `kill -9` does."""
@@ -72,8 +79,12 @@ def main(server_class):
     parser.add_argument('--scene', default='coin', choices=sorted(scenes.SCENES))
     parser.add_argument('--rate', type=float, default=20.0)
     parser.add_argument('--port', type=int, default=0)
+    parser.add_argument('--disc', action='store_true', help='at once, not from SIGUSR1 on')
     arguments = parser.parse_args()
     take_frame = scenes.SCENES[arguments.scene](arguments.rate)
+    if arguments.disc:
+        take_frame.has_disc = True
+    signal.signal(signal.SIGUSR1, lambda *_: setattr(take_frame, 'has_disc', True))
     with server_class(take_frame, arguments.rate, arguments.port) as server:
         print(server.url, flush=True)
         while True:

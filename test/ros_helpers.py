@@ -34,6 +34,7 @@ Status = namedtuple('Status', 'received_at level message values')
 
 CAMERA_TOPIC = '/pos_in_cam_frame'
 BASE_TOPIC = '/pos_in_robot_base_frame'
+OBJECTS_TOPIC = '/objects_in_cam_frame'
 TRUE_TOPIC = '/true_pos_in_cam_frame'
 
 

@@ -36,17 +36,31 @@ def still_coin(rate=20.0, empty_s=2.0, noise=2.0, texture=40):
     return lambda: draw((400, 300) if time.monotonic() - begin > empty_s else None)
 
 
-def clock(rate=20.0, empty_s=2.0):
-    """Make a table with a disc whose place tells the wall clock, see `clock_age`."""
-    draw, begin = _noisy_table(2.0), time.monotonic()
+class StillCoin:
+    """
+    A table with a disc at (400, 300) px.
 
-    def take_frame():
-        if time.monotonic() - begin < empty_s:
-            return draw(None)
+    :param has_disc: False for an empty table, whose picture makes a background; can be changed at
+        any time.
+    """
+
+    def __init__(self, has_disc=False, noise=2.0):
+        self.has_disc = has_disc
+        self._draw = _noisy_table(noise)
+
+    def __call__(self):
+        return self._draw(self._centre() if self.has_disc else None)
+
+    def _centre(self):
+        return 400, 300
+
+
+class Clock(StillCoin):
+    """A table with a disc whose place tells the wall clock, see `clock_age`."""
+
+    def _centre(self):
         share = time.time() % CLOCK_ROUND_S / CLOCK_ROUND_S
-        return draw((_CLOCK_LEFT + (_CLOCK_RIGHT - _CLOCK_LEFT) * share, _CLOCK_ROW))
-
-    return take_frame
+        return _CLOCK_LEFT + (_CLOCK_RIGHT - _CLOCK_LEFT) * share, _CLOCK_ROW
 
 
 def clock_age(u, seen_at):
@@ -77,4 +91,4 @@ def _noisy_table(noise, texture=40):
     return draw
 
 
-SCENES = {'coin': coin, 'still_coin': still_coin, 'clock': clock}
+SCENES = {'coin': coin, 'still_coin': still_coin, 'clock': lambda rate: Clock()}

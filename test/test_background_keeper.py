@@ -95,7 +95,7 @@ def test_file_of_another_picture_size_publishes_nothing_until_it_is_taken_anew(r
 def test_file_that_holds_no_picture_is_said_and_replaced(ros, start, file):
     file.write_bytes(b'half of a picture')
     positions = ros.listen(CAMERA_TOPIC)
-    with ChildCamera('mjpeg_server', 'clock') as camera:
+    with ChildCamera('mjpeg_server', 'still_coin') as camera:
         node = start('camera_publisher', *arguments(camera.url, file))
         assert ros.spin_until(lambda: positions, 15.0)
     assert node.end(signal.SIGTERM) == 0
@@ -106,7 +106,7 @@ def test_file_that_holds_no_picture_is_said_and_replaced(ros, start, file):
 def test_file_that_cannot_be_written_is_said_once_and_positions_come(ros, start, file):
     file.mkdir()
     positions = ros.listen(CAMERA_TOPIC)
-    with ChildCamera('mjpeg_server', 'clock') as camera:
+    with ChildCamera('mjpeg_server', 'still_coin') as camera:
         node = start('camera_publisher', *arguments(camera.url, file))
         assert ros.spin_until(lambda: len(positions) > 5, 15.0)
     assert node.end(signal.SIGTERM) == 0

@@ -203,7 +203,7 @@ def test_consumer_is_told_of_each_frame(read):
 
 @both_servers
 def test_reader_drains_a_stream_and_its_frames_are_new(server_class):
-    with server_class(scenes.clock(empty_s=0.0), 20.0) as server:
+    with server_class(scenes.Clock(has_disc=True), 20.0) as server:
         reader = FrameReader(Camera(server.url, open_now=False))
         try:
             assert wait_until(lambda: reader.counts.read - reader.counts.old > 5)

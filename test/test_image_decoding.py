@@ -52,7 +52,7 @@ def sent_with(padding, picture, is_bigendian=False):
 
 
 def picture():
-    return scenes.still_coin(empty_s=0.0)()
+    return scenes.StillCoin(has_disc=True)()
 
 
 def jpeg(*options):

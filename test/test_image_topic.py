@@ -99,7 +99,7 @@ def test_picture_arrives_as_a_frame_with_its_stamp(ros, encoding, channels, conv
 @pytest.mark.parametrize('ending', ['.png', '.jpg'])
 def test_compressed_picture_arrives_as_a_frame_with_its_stamp(ros, ending):
     received = Received(ros, compressed=True)
-    content = cv2.imencode(ending, scenes.still_coin(empty_s=0.0)())[1]
+    content = cv2.imencode(ending, scenes.StillCoin(has_disc=True)())[1]
     publisher = driver(ros, CompressedImage, 'image/compressed')
     assert send_until(ros, publisher, compressed(content.tobytes()), lambda: received.frames)
     frame, _, stamp = received.frames[0]
@@ -270,7 +270,7 @@ def test_driver_that_ends_is_lost_and_found_when_it_is_back(ros):
 def test_damaged_jpeg_is_counted_and_never_given(ros, spoil, complaint):
     received = Received(ros, compressed=True, damage=DamageCheck().reason)
     publisher = driver(ros, CompressedImage, 'image/compressed')
-    take_frame = scenes.still_coin(empty_s=0.0)
+    take_frame = scenes.StillCoin(has_disc=True)
 
     def content():
         return cv2.imencode('.jpg', take_frame())[1].tobytes()
