@@ -18,6 +18,7 @@ from collections import namedtuple
 import os
 import signal
 import subprocess
+import sys
 import time
 
 from ament_index_python.packages import get_package_prefix
@@ -142,13 +143,17 @@ class Ros:
 
 
 class Process:
-    """An installed executable of the package, running."""
+    """
+    An installed executable of the package, running.
+
+    :param executable: Its name, or a script's path.
+    """
 
     def __init__(self, executable, *arguments):
-        path = os.path.join(
-            get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
+        command = [sys.executable, executable] if executable.endswith('.py') else [os.path.join(
+            get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)]
         self._process = subprocess.Popen(
-            [path, *(['--ros-args', *arguments] if arguments else [])],
+            [*command, *(['--ros-args', *arguments] if arguments else [])],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.output = ''
 

@@ -39,6 +39,9 @@ CM_PER_PX = 36.0 / 640
 SCRIPTS = ['mjpeg_server', 'rtsp_server']
 SERVERS = [MjpegServer, RtspServer]
 
+# A camera's driver, too, can hang for longer than a node may take to end.
+PATIENT_NODE = os.path.join(os.path.dirname(__file__), 'patient_camera_node.py')
+
 # What `ros2 launch camera_to_base camera_to_base.launch.py` does.
 LAUNCH = """
 import os
@@ -58,6 +61,8 @@ sys.exit(service.run())
 
 both_scripts = pytest.mark.parametrize('script', SCRIPTS)
 both_servers = pytest.mark.parametrize('server_class', SERVERS)
+both_signals = pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+both_moments = pytest.mark.parametrize('moment', ['reading', 'opening'])
 
 
 def ages(positions):
@@ -141,21 +146,54 @@ def test_camera_that_is_not_there_ends_the_node_where_it_shall_not_wait(start, s
     assert 'Traceback' not in node.output
 
 
+def start_node_whose_camera_hangs(ros, start, camera, executable, moment='reading'):
+    """Start a node, and freeze its camera while the node opens it or reads."""
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    if moment == 'opening':
+        camera.freeze()
+    node = start(executable, *stream_arguments(camera.url))
+    assert ros.spin_until(lambda: statuses and (
+        moment == 'opening' or int(statuses[-1].values['frames read']) > 3), 10.0)
+    camera.freeze()
+    ros.spin_for(0.3)
+    return node
+
+
 @both_servers
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize('moment', ['reading', 'opening'])
+@both_signals
+@both_moments
 def test_signal_ends_a_node_whose_camera_hangs_within_2_5_s(
         ros, start, server_class, number, moment):
-    statuses = ros.listen_to_diagnostics('/camera_publisher')
     with server_class(scenes.coin()) as camera:
-        if moment == 'opening':
-            camera.freeze()
-        node = start('camera_publisher', *stream_arguments(camera.url))
-        assert ros.spin_until(lambda: statuses and (
-            moment == 'opening' or int(statuses[-1].values['frames read']) > 3), 10.0)
-        camera.freeze()
-        ros.spin_for(0.3)
+        node = start_node_whose_camera_hangs(ros, start, camera, 'camera_publisher', moment)
         assert node.end(number, 2.5) == 0
+    assert_ended_quietly(node)
+
+
+@both_servers
+@both_signals
+@both_moments
+def test_signal_ends_a_node_whose_camera_hangs_for_longer_than_it_may_take(
+        ros, start, monkeypatch, server_class, number, moment):
+    monkeypatch.setenv('STREAM_TIMEOUT_MS', '30000')
+    with server_class(scenes.coin()) as camera:
+        node = start_node_whose_camera_hangs(ros, start, camera, PATIENT_NODE, moment)
+        begin = time.monotonic()
+        assert node.end(number, 2.5) == 0
+        assert time.monotonic() - begin > 1.5  # the reader was waited for, in vain
+    assert_ended_quietly(node)
+
+
+def test_read_that_returns_while_the_node_exits_does_no_harm(ros, start, monkeypatch):
+    # Frozen 0.3 s before the signal, and the reader is waited for 1.9 s from then on.
+    monkeypatch.setenv('STREAM_TIMEOUT_MS', '2450')
+    with MjpegServer(scenes.coin()) as camera:
+        node = start_node_whose_camera_hangs(ros, start, camera, PATIENT_NODE)
+        assert node.end(signal.SIGINT, 2.5) == 0
+    assert_ended_quietly(node)
+
+
+def assert_ended_quietly(node):
     assert 'Traceback' not in node.output and 'terminate' not in node.output
 
 
