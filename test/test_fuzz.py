@@ -19,6 +19,7 @@ FUZZ_CASES=100000 makes a longer run; the number of cases is printed at the end.
 """
 
 from collections import Counter
+import math
 import os
 
 from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
@@ -31,7 +32,8 @@ from camera_to_base.damage_check import DamageCheck
 from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
 from camera_to_base.image_decoding import decode_compressed, decode_image, ENCODINGS
 from camera_to_base.matched_points import MatchedPoints
-from camera_to_base.messages import position_from_message
+from camera_to_base.messages import (
+    MOST_POSES, point_from_message, poses_from_message, position_from_message)
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
 from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
 from camera_to_base.surface_specs import SURFACE_DEFAULTS
@@ -39,6 +41,7 @@ from camera_to_base.tables import (
     PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_pairs, read_points, SIZE_COLUMNS)
 from camera_to_base.transform_parameters import transform_node_settings, TRANSFORM_SPECS
 import cv2
+from geometry_msgs.msg import Point, PointStamped, Pose, PoseArray, Quaternion
 import numpy as np
 import pytest
 from std_msgs.msg import Float64MultiArray
@@ -88,6 +91,41 @@ def test_any_message_gives_a_finite_position_or_our_error(data):
         assert np.isfinite(position).all() and len(position) == 2
         conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
         outcome('transforms', conversion.convert_point, *position)
+
+
+points = st.builds(Point, x=st.floats(), y=st.floats(), z=st.floats())
+# Any numbers, and those that are a yaw, or nearly.
+quaternions = st.builds(
+    Quaternion, x=st.floats(), y=st.floats(), z=st.floats(), w=st.floats()) | st.builds(
+        lambda half, error: Quaternion(x=error, y=0.0, z=math.sin(half), w=math.cos(half) + error),
+        st.floats(-10, 10), st.sampled_from([0.0, 0.0, 1e-6, 9e-4, 2e-3, math.nan]))
+near_points = st.builds(Point, x=st.floats(-9, 9), y=st.floats(-9, 9), z=st.floats(-9, 9))
+poses = st.builds(Pose, position=points | near_points, orientation=quaternions)
+TRANSFORM = transform_node_settings({spec.name: spec.default for spec in TRANSFORM_SPECS})
+
+
+@bounded
+@given(points | near_points)
+def test_any_stamped_point_gives_a_finite_one_in_reach_or_our_error(point):
+    camera_point = outcome('point messages', point_from_message, PointStamped(point=point))
+    if camera_point is not None:
+        assert np.isfinite([point.x, point.y, point.z]).all()
+        base_point = outcome('transforms', TRANSFORM.base_point, *camera_point)
+        assert base_point is None or np.isfinite(base_point).all()
+        assert base_point is None or math.hypot(*base_point[:2]) <= TRANSFORM.reach_cm
+
+
+@bounded
+@given(st.lists(poses, max_size=6), st.sampled_from([1, 1, 1, MOST_POSES]))
+def test_any_array_of_poses_gives_as_many_finite_ones_or_our_error(found, repeated):
+    camera_poses = outcome(
+        'pose messages', poses_from_message, PoseArray(poses=found * repeated))
+    if camera_poses is not None:
+        assert len(camera_poses) == len(found * repeated) <= MOST_POSES
+        assert np.isfinite([pose.yaw for pose in camera_poses]).all()
+        for pose in camera_poses[:6]:
+            base_pose = outcome('transforms', TRANSFORM.base_pose, pose)
+            assert base_pose is None or np.isfinite(base_pose).all()
 
 
 @pytest.mark.parametrize('specs, make', [
