@@ -13,6 +13,7 @@
 # limitations under the License.
 
 import math
+import time
 
 from camera_to_base.camera_publisher import CameraPublisher
 from camera_to_base.errors import CameraToBaseError
@@ -66,6 +67,25 @@ def test_bad_message_is_dropped_and_counted_and_the_node_lives(ros, data):
     ros.spin_for(0.1)
     assert len(received) == 1
     assert node.dropped_count == 1
+
+
+def test_bad_messages_are_said_every_5_s_at_most_with_how_many_there_were(ros, start):
+    node, publisher = start('robot_base_publisher'), ros.talk(CAMERA_TOPIC)
+    received, statuses = ros.listen(BASE_TOPIC), ros.listen_to_diagnostics('/robot_base_publisher')
+    # Each side discovers the other by itself: only an answer tells that both have.
+    assert ros.spin_until(lambda: send(publisher, [1.0, 1.0]) or received and statuses)
+    begin = time.monotonic()
+    for count in range(1, 201):
+        send(publisher, [math.nan, 1.0])
+        ros.spin_for(begin + 0.01 * count - time.monotonic())
+    assert ros.spin_until(lambda: statuses[-1].values.get('dropped: no position') == '200')
+    ros.spin_for(begin + 5.5 - time.monotonic())
+    send(publisher, [math.nan, 1.0])
+    assert ros.spin_until(lambda: statuses[-1].values['dropped: no position'] == '201')
+    assert node.end() == 0
+    warnings = [line for line in node.output.splitlines() if 'dropped a position' in line]
+    assert len(warnings) == 2
+    assert '(1 dropped so far)' in warnings[0] and '(201 dropped so far)' in warnings[1]
 
 
 def test_matrix_comes_from_the_parameters(ros):
