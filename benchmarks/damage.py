@@ -49,7 +49,8 @@ from scenes import StillCoin  # noqa: E402
 TRUE, WRONG_PX = np.array([400, 300]), 4
 SHARE = 0.3
 UNDAMAGED_COUNT = 20
-REASONS = {'it repeats the last one byte for byte': 'repeated',
+REASONS = {'it is black, as with the light off or the lens covered': 'black',
+           'it repeats the last one byte for byte': 'repeated',
            'its lower end is that of an earlier one': 'old end',
            'its lower end has one colour': 'flat end',
            'a large part of it has changed at once': 'large change'}

