@@ -22,6 +22,7 @@ cell, as the node's does.
 """
 
 import argparse
+import json
 import time
 
 from camera_to_base.camera_pipeline import Limits
@@ -154,20 +155,31 @@ def main():
     parser.add_argument('--rounds', type=int, default=10)
     parser.add_argument('--limit', type=float, default=Limits().max_shift_px,
                         help='view.max_shift_px')
+    parser.add_argument('--quick', action='store_true', help='few frames, for its exit code')
+    parser.add_argument('--json', metavar='FILE', help='write the cells as a list of objects')
     arguments = parser.parse_args()
+    if arguments.quick:
+        arguments.rounds = 1
+    rows = []
     print(f'OpenCV {cv2.__version__}, noise 2 grey levels, limit {arguments.limit} px, '
           f'{arguments.rounds} frames a cell')
     for name, draw in SURFACES.items():
         surface = draw()
         print(f'\n{name:16}' + ''.join(f'{other:>17}' for other in DISTURBANCES))
         for move_name, move in MOVES.items():
-            cells = [measure(surface, move, disturb, arguments.rounds)
-                     for disturb in DISTURBANCES.values()]
+            cells = {other: measure(surface, move, disturb, arguments.rounds)
+                     for other, disturb in DISTURBANCES.items()}
             print(f'{move_name:8} ({true_shift(move):4.1f}) ' + ''.join(
-                f'{text(cell, arguments.limit):>17}' for cell in cells))
+                f'{text(cell, arguments.limit):>17}' for cell in cells.values()), flush=True)
+            rows += [{'surface': name, 'move': move_name, 'disturbance': other,
+                      'true_px': true_shift(move), 'told_px': cell}
+                     for other, cell in cells.items()]
     print('\nms a comparison: ' + ', '.join(
         f'{cost_ms(wood(), size):.1f} at {size[0]} x {size[1]} px'
         for size in ((640, 480), (1280, 720), (1920, 1080))))
+    if arguments.json:
+        with open(arguments.json, 'w') as file:
+            json.dump(rows, file, indent=1)
 
 
 if __name__ == '__main__':
