@@ -32,7 +32,7 @@ import sys
 import time
 
 from camera_to_base.cameras import Camera
-from camera_to_base.damage_check import DamageCheck
+from camera_to_base.damage_check import BLACK, DamageCheck, REPEATED
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.object_locator import LocatedObject
 from camera_to_base.position_gate import PositionGate
@@ -49,8 +49,7 @@ from scenes import StillCoin  # noqa: E402
 TRUE, WRONG_PX = np.array([400, 300]), 4
 SHARE = 0.3
 UNDAMAGED_COUNT = 20
-REASONS = {'it is black, as with the light off or the lens covered': 'black',
-           'it repeats the last one byte for byte': 'repeated',
+REASONS = {BLACK: 'black', REPEATED: 'repeated',
            'its lower end is that of an earlier one': 'old end',
            'its lower end has one colour': 'flat end',
            'a large part of it has changed at once': 'large change'}

@@ -18,6 +18,7 @@ import time
 from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.camera_pipeline import CameraPipeline
+from camera_to_base.damage_check import BLACK, REPEATED
 from camera_to_base.errors import TopicTypeError
 from camera_to_base.health import Level
 from camera_to_base.position_gate import TOO_LATE, UNCONFIRMED
@@ -29,6 +30,10 @@ _DAMAGED_IN_A_ROW = 10
 # A stream that was just opened, or had stalled, gives old frames for a second or two.
 _OLD_FOR_S = 4.0
 # What to do where the reason itself does not say so.
+_CABLE = 'check its cable and its network, or lower its rate'
+_DAMAGE_CURES = {
+    BLACK: 'switch the light on, and uncover the lens',
+    REPEATED: "restart the camera or its driver; a simulation's driver wants use_sim_time:=true"}
 _CURES = {
     TOO_LATE: ': use smaller pictures or a faster computer, or raise max_frame_age',
     UNCONFIRMED: ": keep hands away, or raise the detector's threshold"}
@@ -56,8 +61,8 @@ def camera_problem(
         return _reader_problem(reader, name)
     if reader is not None and reader.damaged_in_a_row >= _DAMAGED_IN_A_ROW:
         return Problem('damaged', Level.ERROR, (
-            f"camera '{name}' gives damaged pictures, {reader.last_damage}: check its cable and "
-            'its network, or lower its rate'))
+            f"no picture of camera '{name}' can be used, {reader.last_damage}: "
+            f'{_DAMAGE_CURES.get(reader.last_damage, _CABLE)}'))
     if reader is not None and reader.seconds_of_old_frames >= _OLD_FOR_S:
         return Problem('old', Level.ERROR, (
             f"camera '{name}' gives more frames than can be read, so that they are old when they "

@@ -20,6 +20,9 @@ from typing import Optional
 from camera_to_base.frame_blocks import changed_blocks, mean_blocks
 import numpy as np
 
+REPEATED = 'it repeats the last one byte for byte'
+BLACK = 'it is black'
+
 # JPEG's blocks are 8 px high: less than this cannot be lost.
 _TAIL_ROWS = 8
 # FFmpeg decodes into buffers that it uses again: what a JPEG lacks is an earlier frame's.
@@ -59,9 +62,9 @@ class DamageCheck:
         repeated, tail_repeated = self._repetition(frame)
         blocks = mean_blocks(frame)
         if blocks.max() < _BLACK:
-            return 'it is black, as with the light off or the lens covered'
+            return BLACK
         if repeated:
-            return 'it repeats the last one byte for byte'
+            return REPEATED
         if tail_repeated:
             return 'its lower end is that of an earlier one'
         if self._has_lost_its_tail(frame):

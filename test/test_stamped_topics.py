@@ -217,9 +217,12 @@ def test_topic_of_the_pictures_can_be_remapped(ros):
 @pytest.mark.parametrize('is_simulation', [True, False])
 def test_pictures_without_any_noise_are_taken_for_repeated_but_in_a_simulation(
         ros, is_simulation):
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
     _, points, _ = drive(ros, '/image', image_message, '-p', 'source:=topic',
                          '-p', f'use_sim_time:={is_simulation}', noise=1, speed=0)
     assert bool(points) == is_simulation
+    told = [status for status in statuses if 'use_sim_time' in status.message]
+    assert bool(told) != is_simulation
 
 
 def test_camera_driver_that_is_not_there_is_said_in_the_diagnostics(ros):
