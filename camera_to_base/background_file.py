@@ -57,9 +57,9 @@ class BackgroundFile:
                 self._kept = decode_compressed(file.read())
             age_s = time.time() - os.path.getmtime(self._path)
         except OSError as error:
-            raise self._unusable(error.strerror) from error
+            raise InvalidValueError(self._unusable(error.strerror)) from error
         except InvalidValueError as error:
-            raise self._unusable('it holds no whole picture') from error
+            raise InvalidValueError(self._unusable('it holds no whole picture')) from error
         return KeptBackground(self._kept, max(0.0, age_s))
 
     def keep(self, background: Optional[np.ndarray]) -> None:
@@ -72,8 +72,8 @@ class BackgroundFile:
             self._kept = background
             write_picture(self._path, background)
 
-    def _unusable(self, reason: str) -> InvalidValueError:
-        return InvalidValueError(f"cannot read background_file '{self._path}': {reason}")
+    def _unusable(self, reason: str) -> str:
+        return f"cannot read background_file '{self._path}': {reason}"
 
 
 def check_background_path(path: str) -> str:
