@@ -22,6 +22,8 @@ import numpy as np
 # Two frames of which a larger share differs do not agree. A coin that moves changes 1 % of it; a
 # damaged frame or a hand in motion changes more.
 _LARGEST_SHARE = 0.05
+# Nor do two whose brightness differs by a larger share: the exposure settles.
+_LARGEST_STEP = 0.05
 # A camera that warms up begins in the dark. With a background of 10 grey levels the precise
 # detector is right to 0.03 px at full light; with one of 4 it finds hundreds of specks.
 _DARKEST = 8.0
@@ -72,7 +74,10 @@ class BackgroundTaker:
 
 
 def _agree(frame: np.ndarray, other: np.ndarray) -> bool:
-    return frame.shape == other.shape and changed_blocks(
+    if frame.shape != other.shape:
+        return False
+    is_settled = abs(frame.mean() - other.mean()) <= _LARGEST_STEP * frame.mean()
+    return is_settled and changed_blocks(
         mean_blocks(frame), mean_blocks(other)).mean() <= _LARGEST_SHARE
 
 

@@ -120,13 +120,15 @@ class CameraPipeline:
         try:
             sighting = self._see(frame, taken_at)
         except CameraToBaseError as error:
-            self.held_back.note(type(error), str(error))
+            self._note(str(error))
             raise
-        if sighting.beyond_horizon is not None:
-            self.held_back.note(HorizonError, sighting.beyond_horizon)
-        else:
-            self.held_back.note(sighting.held_back, sighting.held_back)
+        self._note(sighting.held_back or sighting.beyond_horizon)
         return sighting
+
+    def _note(self, reason: Optional[str]) -> None:
+        # Background, size and view have sentences of their own.
+        is_told = self.background is None or self.size_problem or self.view_problem
+        self.held_back.note(None if is_told else reason)
 
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
         check_frame(frame)

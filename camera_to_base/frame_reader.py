@@ -14,6 +14,7 @@
 
 """Reads a camera in a thread of its own: the newest frame wins, and a lost camera is sought."""
 
+from contextlib import suppress
 import threading
 import time
 from typing import Callable, NamedTuple, Optional
@@ -88,8 +89,9 @@ class FrameReader(ReaderStatus):
         # A wait without an end could not be interrupted by a signal in older Pythons.
         while not self._first_attempt_over.wait(0.1):
             pass
-        if self.error is not None:
-            raise self.error
+        error = self.error  # the thread may make it None meanwhile
+        if error is not None:
+            raise error
 
     def close(self, timeout: float = _JOIN_S) -> bool:
         """
@@ -129,7 +131,8 @@ class FrameReader(ReaderStatus):
         except Exception as error:
             # Nobody would learn of a thread that dies, and nobody would seek the camera again.
             self._lose(_as_source_error(error))
-            self._camera.release()
+            with suppress(Exception):
+                self._camera.release()
         return count > 0
 
     def _lose(self, error: FrameSourceError) -> None:

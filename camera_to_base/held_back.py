@@ -15,7 +15,7 @@
 """Tells why no position is published though frames come."""
 
 import time
-from typing import Hashable, Optional
+from typing import Optional
 
 # A single frame may be held back: the next one comes.
 _LASTING_S = 1.0
@@ -25,23 +25,17 @@ class HeldBack:
     """
     Books for each frame why no position of it may be published.
 
-    `reason` tells why that has been so for a second, by the frames' own times: a slow camera's
-    next frame may be good. None where one was published since, or for another reason not.
+    `reason` tells why, where that has been so for a second, by the frames' own times: a slow
+    camera's next frame may be good. None where one was published since.
     """
 
     def __init__(self) -> None:
         self.reason: Optional[str] = None
-        self._kind: Optional[Hashable] = None
-        self._since = 0.0
+        self._since: Optional[float] = None
 
-    def note(self, kind: Optional[Hashable], reason: Optional[str]) -> None:
-        """
-        Book one frame.
-
-        :param kind: What stays the same while numbers in the reason change; None where the
-            frame was published.
-        """
+    def note(self, reason: Optional[str]) -> None:
+        """Book one frame; None for one that was published."""
         now = time.monotonic()
-        if kind != self._kind:
-            self._kind, self._since = kind, now
-        self.reason = reason if now - self._since >= _LASTING_S else None
+        self._since = None if reason is None else now if self._since is None else self._since
+        lasts = reason is not None and now - self._since >= _LASTING_S
+        self.reason = reason if lasts else None

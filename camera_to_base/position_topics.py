@@ -30,9 +30,9 @@ from std_msgs.msg import Float64MultiArray, Header
 
 _DEPTH = 10
 # A listener that is discovered late, as after the restart of either side, is first sent the last
-# positions once more; of a live camera none that is older than this. Half of 0.3 s is for the rest
-# of the way.
-_LIFESPAN = Duration(seconds=0.15)
+# positions once more; of a live camera none that is older than this. The rest of 0.3 s is for the
+# rest of the way.
+_LIFESPAN = Duration(seconds=0.1)
 # A listener whose QoS does not match is warned by its own side. The executor looks at every event
 # for every message: those of four publishers took about a tenth of a message's time.
 NO_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)

@@ -86,7 +86,8 @@ class ReaderStatus:
     @property
     def seconds_of_old_frames(self) -> float:
         """For how long no frame has come that was new on arrival, though frames come."""
-        return 0.0 if self._old_since is None else time.monotonic() - self._old_since
+        since = self._old_since  # the reader's thread may make it None meanwhile
+        return 0.0 if since is None else time.monotonic() - since
 
     def _note_frame(self, taken_at: float) -> None:
         self._error, self._last_frame_at = None, taken_at

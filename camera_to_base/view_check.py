@@ -34,7 +34,8 @@ _FLOW_WINDOW, _PYRAMID_LEVELS = (21, 21), (3, 5)
 _THERE_AND_BACK_PX, _AGREE_PX = 1.0, 1.5
 # On noise 5 corners agree by chance, and those of one object do not tell a rotation.
 _LEAST_AGREEING, _LEAST_EXTENT = 16, 0.2
-_LEAST_STRUCTURE = 0.002
+# A single mark tells nothing of the view: whatever is put on it has covered all there is.
+_LEAST_STRUCTURE, _LEAST_SPREAD = 0.002, 0.5
 # How much a place correlates with itself in noise or the dark, and with another place not.
 _SAME_PLACE, _OTHER_PLACE = 0.5, 0.7
 
@@ -73,11 +74,14 @@ class ViewCheck:
         self._faintest = max(_FAINTEST_LEVELS, _NOISE_DEVIATIONS * _noise_in_detail(small))
         self._detail = _detail(small)
         self._picture = self._with_equal_contrast(self._detail)
-        self._corners = _find_corners(self._picture)
         # In a place of less energy noise alone would make a frame differ.
-        self._structure = (np.abs(self._detail) > self._faintest) & (
-            _around(self._detail ** 2) > self._faintest ** 2 / 2)
-        self._has_structure = bool(self._structure.mean() >= _LEAST_STRUCTURE)
+        self._structure = _without_edge((np.abs(self._detail) > self._faintest) & (
+            _around(self._detail ** 2) > self._faintest ** 2 / 2))
+        self._has_structure = bool(
+            self._structure.mean() >= _LEAST_STRUCTURE
+            and np.ptp(np.argwhere(self._structure), axis=0).max()
+            >= _LEAST_SPREAD * max(self._size))
+        self._corners = _find_corners(self._picture, self._structure)
 
     def compare(self, frame: np.ndarray) -> View:
         """
@@ -156,14 +160,24 @@ def _noise_in_detail(picture: np.ndarray) -> float:
     return float(deviation) / (2 * np.sqrt(np.pi) * _NOISE_SIGMA)
 
 
-def _find_corners(picture: np.ndarray) -> np.ndarray:
+def _without_edge(structure: np.ndarray) -> np.ndarray:
+    # Light that changes evenly differs from its mean where that is cut off.
+    inner, width = np.zeros_like(structure), _LIGHT_WIDTH // 2
+    inner[width:-width, width:-width] = structure[width:-width, width:-width]
+    return inner
+
+
+def _find_corners(picture: np.ndarray, structure: np.ndarray) -> np.ndarray:
+    # Corners of noise agree by chance, far away from the others.
+    near = cv2.dilate(structure.astype(np.uint8), np.ones(_FLOW_WINDOW))
     height, width = (-(-length // _CELLS) for length in picture.shape)
     corners: List[np.ndarray] = [np.empty((0, 2), np.float32)]
     for v in range(0, picture.shape[0], height):
         for u in range(0, picture.shape[1], width):
             found = cv2.goodFeaturesToTrack(
                 picture[v:v + height, u:u + width].copy(), _CORNERS_PER_CELL, _CORNER_QUALITY,
-                _CORNER_DISTANCE, blockSize=_CORNER_SIZE)
+                _CORNER_DISTANCE, mask=near[v:v + height, u:u + width].copy(),
+                blockSize=_CORNER_SIZE)
             if found is not None:
                 corners.append(found[:, 0] + np.float32([u, v]))
     return np.concatenate(corners)[:, None]

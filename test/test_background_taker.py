@@ -67,6 +67,11 @@ def test_damaged_frames_are_left_out():
     assert count == 5 and (background == good[2]).all()
 
 
+def test_frames_of_an_exposure_that_settles_do_not_agree():
+    count, background = taken_by(BackgroundTaker(1), map(frame, range(10, 200, 8)))
+    assert background.mean() > 140
+
+
 def test_frames_that_never_agree_are_the_problem_and_one_that_does_ends_it():
     taker = BackgroundTaker(1)
     assert taken_by(taker, map(frame, (100, 130, 160, 190))) == (None, None)

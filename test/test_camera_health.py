@@ -113,6 +113,14 @@ def test_pictures_of_a_slow_camera_that_are_all_beyond_the_horizon_are_told(monk
     assert 'horizon' in scene.problem.sentence
 
 
+def test_reasons_that_take_turns_are_told(monkeypatch):
+    scene = Scene(monkeypatch, ParallelSurface(36.0, 320), max_frame_age_s=0.3)
+    for number in range(30):
+        # A jump is not confirmed; the same place again is, but too late.
+        scene.show(table((60 + 20 * (number // 2 % 10), 100)), age_s=0.4 if number % 2 else 0.1)
+    assert 'no position is published' in scene.problem.sentence
+
+
 def test_stream_whose_frames_are_all_old_is_told_with_the_cure(monkeypatch):
     now = 100.0
     monkeypatch.setattr(time, 'monotonic', lambda: now)

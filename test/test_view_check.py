@@ -61,6 +61,50 @@ def test_nudge_is_told_after_a_hundred_checks_of_an_untouched_camera(surface, di
     assert told('2 deg') == pytest.approx(14.0, abs=0.5)
 
 
+def vignette(depth):
+    v, u = np.mgrid[:480, :640]
+    return (1 - depth * np.hypot(u - 320, v - 240) / 400)[..., None]
+
+
+def white_table(mark=None, width=0, light=1.0):
+    """Draw a white table with one textured mark, the lens darkening the corners."""
+    picture = np.full((480, 640, 3), 200.0)
+    if mark is not None:
+        texture = np.random.default_rng(9).integers(40, 200, (width // 10, width // 10), np.uint8)
+        u, v = mark
+        picture[v:v + width, u:u + width] = cv2.resize(
+            texture, (width, width), interpolation=cv2.INTER_NEAREST)[..., None]
+    return picture * light
+
+
+def seen(picture, random):
+    return np.clip(picture + random.normal(0, 2, picture.shape), 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize('width', [140, 160, 180, 200])
+def test_camera_that_was_not_touched_does_not_count_as_moved_where_all_structure_is_in_one_place(
+        width):
+    random, table = np.random.default_rng(3), white_table((40, 40), width, vignette(0.2))
+    check = ViewCheck(seen(table, random))
+    views = [check.compare(seen(table, random)) for _ in range(40)]
+    assert not [view for view in views if view_problem(view, 3.0, 0.7)]
+
+
+def test_cup_on_the_only_mark_of_a_table_does_not_count_as_another_view():
+    random, table = np.random.default_rng(3), white_table((300, 200), 30)
+    check = ViewCheck(seen(table, random))
+    cv2.circle(table, (315, 215), 60, (60, 60, 60), -1)
+    views = [check.compare(seen(table, random)) for _ in range(40)]
+    assert not [view for view in views if view_problem(view, 3.0, 0.7)]
+
+
+@pytest.mark.parametrize('depth', [0.0, 0.1, 0.2, 0.4])
+def test_light_that_falls_off_to_the_corners_is_no_structure(depth):
+    random, table = np.random.default_rng(3), white_table(light=vignette(depth))
+    check = ViewCheck(seen(table, random))
+    assert not any(check.compare(seen(table, random)).has_structure for _ in range(5))
+
+
 def test_pictures_are_not_written_to(surface):
     random = np.random.default_rng(5)
     pictures = [view_shift.seen(surface, view_shift.MOVES[move], random)
