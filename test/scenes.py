@@ -30,12 +30,6 @@ def coin(rate=20.0):
     return SimulatedBoard(frame_rate=rate).read
 
 
-def still_coin(rate=20.0, empty_s=2.0, noise=2.0, texture=40):
-    """Make a table with a disc at (400, 300) px that is not there at first."""
-    draw, begin = _noisy_table(noise, texture), time.monotonic()
-    return lambda: draw((400, 300) if time.monotonic() - begin > empty_s else None)
-
-
 class StillCoin:
     """
     A table with a disc at (400, 300) px.
@@ -44,15 +38,26 @@ class StillCoin:
         any time.
     """
 
-    def __init__(self, has_disc=False, noise=2.0):
+    def __init__(self, has_disc=False, noise=2.0, texture=40):
         self.has_disc = has_disc
-        self._draw = _noisy_table(noise)
+        self._draw = _noisy_table(noise, texture)
 
     def __call__(self):
         return self._draw(self._centre() if self.has_disc else None)
 
     def _centre(self):
         return 400, 300
+
+
+def still_coin(rate=20.0, empty_s=2.0, noise=2.0, texture=40):
+    """Make a :class:`StillCoin` whose disc is not there at first."""
+    scene, begin = StillCoin(noise=noise, texture=texture), time.monotonic()
+
+    def take_frame():
+        scene.has_disc = time.monotonic() - begin > empty_s
+        return scene()
+
+    return take_frame
 
 
 class Clock(StillCoin):
@@ -70,7 +75,7 @@ def clock_age(u, seen_at):
     return age if age < CLOCK_ROUND_S - 0.3 else age - CLOCK_ROUND_S
 
 
-def _noisy_table(noise, texture=40):
+def _noisy_table(noise, texture):
     # Ready-made noise, taken from another place for each frame, costs a tenth of fresh noise.
     random = np.random.default_rng(1)
     width, height = SIZE
