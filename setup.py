@@ -30,7 +30,7 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    install_requires=['setuptools', 'PyYAML', 'tqdm'],
+    install_requires=['setuptools', 'matplotlib', 'PyYAML', 'scipy', 'tqdm'],
     zip_safe=True,
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',

@@ -31,11 +31,10 @@ from camera_to_base.detection.locator import locate_pixel, LocatedObject, Object
 from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.settings import DetectorSettings, METHODS
-from camera_to_base.detection.shape import polygon_area
 
 __all__ = [
     'AbsoluteDifferenceDetector', 'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame',
     'Detection', 'DetectorSettings', 'locate_on_surface', 'locate_pixel', 'LocatedObject',
-    'mean_blocks', 'METHODS', 'ObjectLocator', 'Pixel', 'Point', 'polygon_area',
+    'mean_blocks', 'METHODS', 'ObjectLocator', 'Pixel', 'Point',
     'PreciseDifferenceDetector', 'random_pixel', 'touches_edge',
 ]
