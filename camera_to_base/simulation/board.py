@@ -98,7 +98,7 @@ class SimulatedBoard:
 
     @property
     def true_point(self) -> Optional[Tuple[float, float]]:
-        """Return x and y of the largest whole object on the last frame, in cm; None without one."""
+        """Return x and y of the largest whole object on the last frame, in cm, or None."""
         whole = [true for true in self.true_objects if true.cut_off < 0 and not true.hidden]
         return max(whole, key=lambda true: true.radius).point if whole else None
 
