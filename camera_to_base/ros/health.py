@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a node tells about itself."""
+"""The health that a node reports."""
 
 from enum import IntEnum
 from typing import Dict, NamedTuple
 
 
 class Level(IntEnum):
-    """How bad it is, in the numbers of diagnostic_msgs/DiagnosticStatus."""
+    """Severity, with the numbers of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -27,7 +27,7 @@ class Level(IntEnum):
 
 
 class Health(NamedTuple):
-    """The state of a node: a level, a sentence that tells what to do, and numbers as texts."""
+    """The state of a node: a level, a sentence with the cure, and numbers as text."""
 
     level: Level
     message: str
