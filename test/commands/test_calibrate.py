@@ -255,6 +255,7 @@ def test_files_are_overwritten_when_told_to_only(run):
     Path('surface.yaml').write_text('mine')
     assert run('board', picture, *BOARD, '-o', 'surface.yaml', '--force')[0] == 0
     assert 'homography' in Path('surface.yaml').read_text()
+    assert Path('surface.yaml.bak').read_text() == 'mine'
 
 
 def flat_picture(name='flat.png', width=640):
@@ -343,6 +344,8 @@ BAD_INPUTS = {
                        "cannot write picture 'none/surface_report.png': there is no folder"),
     'output over the input': (lambda: ('points', table(), '-o', 'points.csv', '--force'),
                               'different files to read and to write'),
+    'a device': (lambda: ('points', table(), '-o', '/dev/null', '--force', '--picture', 'a.png'),
+                 "cannot write '/dev/null': a device or a pipe is there, not a file"),
     'picture of no format': (lambda: ('points', table(), '--picture', 'report.doc'),
                              'must end in .png or .jpg'),
     'no such subcommand': (lambda: ('bored',), "invalid choice: 'bored'"),
