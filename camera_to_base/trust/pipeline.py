@@ -16,7 +16,7 @@
 
 from collections import Counter
 import time
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, Optional, Tuple
 
 from camera_to_base.detection import (
     BackgroundTaker, check_frame, DetectorSettings, LocatedObject, ObjectLocator)
@@ -24,23 +24,9 @@ from camera_to_base.errors import CameraToBaseError, FrameSizeError, HorizonErro
 from camera_to_base.surface import Surface
 from camera_to_base.trust.gate import PositionGate, Sighting
 from camera_to_base.trust.held_back import HeldBack
+from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.view_check import View, view_problem, ViewCheck
 import numpy as np
-
-
-class Limits(NamedTuple):
-    """What a frame, a position or the view must keep to, see the node's parameters."""
-
-    max_frame_age_s: float = 0.3
-    confirm_jump_px: float = 8.0
-    max_shift_px: float = 3.0
-    max_changed_share: float = 0.7
-    check_period_s: float = 2.0
-
-    @property
-    def for_recording(self) -> 'Limits':
-        """The same without the view: no arm follows a recording, which is shown as it is."""
-        return self._replace(max_shift_px=0.0)
 
 
 class CameraPipeline:
@@ -64,17 +50,26 @@ class CameraPipeline:
         self.counts: Counter = Counter()
         self.size_problem: Optional[str] = None
         self.view: Optional[View] = None
-        self.configure(surface, detector, limits)
+        self._surface, self._detector, self._limits = surface, detector, limits
+        self._locator: Optional[ObjectLocator] = None
+        self._checked_at = -np.inf
         self.capture_background(background_frames)
 
     def configure(
         self, surface: Surface, detector: DetectorSettings, limits: Limits
     ) -> None:
-        """Use other settings from the next frame on, with the same background."""
-        self._surface, self._detector, self._limits = surface, detector, limits
-        self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
-        self._locator: Optional[ObjectLocator] = None
-        self._checked_at = -np.inf
+        """
+        Use other settings from the next frame on, with the same background.
+
+        What has not changed goes on as it is: no frame is held back because of it.
+        """
+        if (surface, detector) != (self._surface, self._detector):
+            self._surface, self._detector = surface, detector
+            self._locator = None
+        if limits != self._limits:
+            self._limits = limits
+            self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
+            self._checked_at = -np.inf
 
     def capture_background(self, frame_count: int) -> None:
         """Take the background anew, of the next frames; until then no objects are found."""
