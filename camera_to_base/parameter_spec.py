@@ -108,8 +108,8 @@ class ParameterSpec:
         """
         typed = self._typed(value)
         if not self._allows(typed):
-            raise InvalidValueError(f'parameter {self.name} must be '
-                                    f'{self.constraint_text or "finite"}, got {typed!r}')
+            wanted = self.constraint_text if self.limits or _is_finite(typed) else 'finite'
+            raise InvalidValueError(f'parameter {self.name} must be {wanted}, got {typed!r}')
         return typed
 
     def _typed(self, value: Any) -> Any:
@@ -134,7 +134,7 @@ class ParameterSpec:
         if isinstance(value, str):
             return not self.choices or value in self.choices
         low, high = self.limits or (-math.inf, math.inf)
-        return (math.isfinite(value) and low <= value <= high
+        return (_is_finite(value) and low <= value <= high
                 and not (self.step and (value - low) % self.step))
 
 
@@ -158,6 +158,11 @@ def grouped(values: Values, prefix: str) -> Dict[str, Any]:
     """Give the values whose names have a prefix, by their names without it."""
     return {name[len(prefix):]: value for name, value in values.items()
             if name.startswith(prefix)}
+
+
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, str) or all(map(
+        math.isfinite, value if isinstance(value, list) else [value]))
 
 
 def _numbers(text: str) -> Optional[List[float]]:
