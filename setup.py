@@ -14,14 +14,14 @@
 
 from glob import glob
 
-from setuptools import setup
+from setuptools import find_packages, setup
 
 package_name = 'camera_to_base'
 
 setup(
     name=package_name,
     version='0.1.0',
-    packages=[package_name],
+    packages=find_packages(include=[package_name, f'{package_name}.*']),
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
         (f'share/{package_name}', ['package.xml']),
@@ -39,12 +39,12 @@ setup(
     extras_require={'bags': ['rosbags'], 'test': ['pytest']},
     entry_points={
         'console_scripts': [
-            'calibrate = camera_to_base.calibrate:main',
-            'camera_publisher = camera_to_base.executables:camera_publisher',
-            'locate = camera_to_base.locate:main',
-            'robot_base_publisher = camera_to_base.executables:robot_base_publisher',
+            'calibrate = camera_to_base.commands.calibrate:main',
+            'camera_publisher = camera_to_base.nodes.executables:camera_publisher',
+            'locate = camera_to_base.commands.locate:main',
+            'robot_base_publisher = camera_to_base.nodes.executables:robot_base_publisher',
             'robotic_arm_publishing_subscriber = '
-            'camera_to_base.executables:robot_base_publisher',
+            'camera_to_base.nodes.executables:robot_base_publisher',
         ],
     },
 )

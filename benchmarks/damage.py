@@ -31,17 +31,15 @@ import platform
 import sys
 import time
 
-from camera_to_base.cameras import Camera
-from camera_to_base.damage_check import BLACK, DamageCheck, REPEATED
+from camera_to_base.detection import LocatedObject, PreciseDifferenceDetector
 from camera_to_base.errors import FrameSourceError
-from camera_to_base.object_locator import LocatedObject
-from camera_to_base.position_gate import PositionGate
-from camera_to_base.precise_difference import PreciseDifferenceDetector
+from camera_to_base.sources import Camera
+from camera_to_base.trust import BLACK, DamageCheck, PositionGate, REPEATED
 import cv2
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'test'))
-from damage import DAMAGES  # noqa: E402, I100
+from damaged_frames import DAMAGES  # noqa: E402, I100
 from mjpeg_server import MjpegServer  # noqa: E402
 from rtsp_server import RtspServer  # noqa: E402
 from scenes import StillCoin  # noqa: E402

@@ -30,10 +30,8 @@ import platform
 import sys
 from typing import Dict, List, Optional
 
-from camera_to_base.board_conditions import BoardConditions
-from camera_to_base.detection import Detection, locate_on_surface
-from camera_to_base.shape import polygon_area
-from camera_to_base.simulated_board import SimulatedBoard, TrueObject
+from camera_to_base.detection import Detection, locate_on_surface, polygon_area
+from camera_to_base.simulation import BoardConditions, SimulatedBoard, TrueObject
 import cv2
 from methods import METHODS
 import numpy as np

@@ -16,9 +16,8 @@
 
 from typing import List
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
-from camera_to_base.detection import Box, Detection, Pixel, touches_edge
-from camera_to_base.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection import (
+    AbsoluteDifferenceDetector, Box, Detection, Pixel, PreciseDifferenceDetector, touches_edge)
 import cv2
 import numpy as np
 

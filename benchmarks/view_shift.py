@@ -25,9 +25,8 @@ import argparse
 import json
 import time
 
-from camera_to_base.camera_pipeline import Limits
-from camera_to_base.simulated_board import SimulatedBoard
-from camera_to_base.view_check import ViewCheck
+from camera_to_base.simulation import SimulatedBoard
+from camera_to_base.trust import Limits, ViewCheck
 import cv2
 import numpy as np
 

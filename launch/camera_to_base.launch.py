@@ -28,10 +28,9 @@ import tempfile
 from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.launch_arguments import (
-    argument_warnings, check_frames, driver_parameters, frames, image_input, is_wanted,
-    kept_background, not_installed, transform_arguments)
-from camera_to_base.launch_cameras import Camera, choose_cameras, DRIVERS
+from camera_to_base.launching import (
+    argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
+    image_input, is_wanted, kept_background, not_installed, transform_arguments)
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown

@@ -23,7 +23,8 @@ import os
 import sys
 import time
 
-from camera_to_base import camera_publisher, video_capture
+from camera_to_base.nodes import camera_publisher
+from camera_to_base.sources import capture as video_capture
 
 
 class SlowToGo:

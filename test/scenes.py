@@ -16,7 +16,7 @@
 
 import time
 
-from camera_to_base.simulated_board import SimulatedBoard
+from camera_to_base.simulation.board import SimulatedBoard
 import cv2
 import numpy as np
 

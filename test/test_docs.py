@@ -18,8 +18,8 @@ from pathlib import Path
 import re
 import shlex
 
-from camera_to_base.calibrate_options import parse
-from camera_to_base.camera_parameters import CAMERA_SPECS
+from camera_to_base.commands.calibrate_options import parse
+from camera_to_base.settings.camera import CAMERA_SPECS
 from camera_to_base.transform_parameters import TRANSFORM_SPECS
 import pytest
 

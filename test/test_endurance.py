@@ -24,9 +24,9 @@ import math
 import os
 import time
 
-from camera_to_base import simulation_parameters
-from camera_to_base.camera_publisher import CameraPublisher
-from camera_to_base.simulated_board import SimulatedBoard
+from camera_to_base.nodes.camera_publisher import CameraPublisher
+from camera_to_base.simulation import parameters as simulation_parameters
+from camera_to_base.simulation.board import SimulatedBoard
 from geometry_msgs.msg import PoseArray
 import numpy as np
 import pytest

@@ -22,24 +22,24 @@ from collections import Counter
 import math
 import os
 
-from camera_to_base.absolute_difference import AbsoluteDifferenceDetector
-from camera_to_base.calibration import calibrate_base, calibrate_surface, check_surface
-from camera_to_base.camera_info_file import read_camera_info
-from camera_to_base.camera_parameters import camera_settings, CAMERA_SPECS
-from camera_to_base.camera_pipeline import CameraPipeline, Limits
-from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
-from camera_to_base.damage_check import DamageCheck
-from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
-from camera_to_base.image_decoding import decode_compressed, decode_image, ENCODINGS
-from camera_to_base.matched_points import MatchedPoints
-from camera_to_base.messages import (
-    MOST_POSES, point_from_message, poses_from_message, position_from_message)
-from camera_to_base.parameter_file import parameter_text, read_parameter_file
-from camera_to_base.surface import HomographySurface, ParallelSurface, PolynomialSurface
-from camera_to_base.surface_specs import SURFACE_DEFAULTS
-from camera_to_base.tables import (
+from camera_to_base.calibration.calibration import calibrate_base, calibrate_surface, check_surface
+from camera_to_base.calibration.camera_info import read_camera_info
+from camera_to_base.calibration.tables import (
     PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_pairs, read_points, SIZE_COLUMNS)
+from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
+from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
+from camera_to_base.parameter_file import parameter_text, read_parameter_file
+from camera_to_base.ros.messages import (
+    MOST_POSES, point_from_message, poses_from_message, position_from_message)
+from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
+from camera_to_base.sources.decoding import decode_compressed, decode_image, ENCODINGS
+from camera_to_base.surface.matched_points import MatchedPoints
+from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
+from camera_to_base.surface.specs import SURFACE_DEFAULTS
 from camera_to_base.transform_parameters import transform_node_settings, TRANSFORM_SPECS
+from camera_to_base.trust.damage_check import DamageCheck
+from camera_to_base.trust.pipeline import CameraPipeline, Limits
 import cv2
 from geometry_msgs.msg import Point, PointStamped, Pose, PoseArray, Quaternion
 import numpy as np

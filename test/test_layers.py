@@ -11,9 +11,11 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+"""The order of the rooms, and what each of them may import."""
 
 import ast
 import graphlib
+import importlib
 import os
 from pathlib import Path
 import subprocess
@@ -23,43 +25,16 @@ import camera_to_base
 import pytest
 
 PACKAGE = Path(camera_to_base.__file__).parent
-MODULES = sorted(path.stem for path in PACKAGE.glob('*.py') if path.stem != '__init__')
-# The design's arrows, from left to right: a module imports from its own room or from one
-# before it; nothing imports a node or a command.
-NODES_AND_COMMANDS = {'camera_publisher', 'robot_base_publisher', 'calibrate', 'locate'}
-# What is installed: nothing imports it, and it imports the nodes.
-EXECUTABLES = {'executables'}
-ROOMS = [
-    {'errors', 'health', 'interrupt', 'node_help', 'parameter_spec', 'surface_specs'},
-    {'checks'},
-    {'absolute_difference', 'background', 'board_conditions', 'board_disturbances',
-     'board_drawing', 'board_view', 'cameras', 'coordinate_transform', 'detection', 'distortion',
-     'frame_sources', 'ghosts', 'hull', 'image_decoding', 'precise_difference', 'raised_surface',
-     'shape', 'simulated_board', 'simulated_chessboard', 'surface', 'video_capture', 'yaw'},
-    {'background_taker', 'damage_check', 'detector_settings', 'files', 'frame_blocks', 'freshness',
-     'jump_filter', 'matched_points', 'object_locator', 'overlay', 'reader_status',
-     'surface_parameters', 'view_check'},
-    {'background_file', 'camera_pose', 'figures', 'frame_reader', 'held_back', 'homography_fit',
-     'least_squares', 'picture_keeper', 'polynomial_fit', 'position_gate', 'random_pixels',
-     'recording', 'rigid_fit', 'silence_limit'},
-    {'annotated_video', 'bag_file', 'board', 'board_frame', 'board_squares', 'calibrate_options',
-     'camera_info_file', 'camera_pipeline', 'command_parser', 'parameter_file', 'report_picture',
-     'report_text', 'simulation_parameters', 'still_picture', 'tables', 'top_view'},
-    {'calibration', 'camera_health', 'camera_parameters', 'launch_arguments', 'launch_cameras',
-     'locate_options', 'named_source', 'node_settings', 'position_table', 'sighting_counter',
-     'sweep', 'sweep_picture', 'transform_parameters'},
-    {'heartbeat', 'image_messages', 'lifetime', 'messages', 'parameters'},
-    {'background_keeper', 'background_service', 'debug_images', 'diagnostics', 'frame_feeds',
-     'image_topic', 'name_check', 'position_topics', 'qos_check', 'true_positions'},
-    {'camera_watch'},
-    NODES_AND_COMMANDS,
-    EXECUTABLES,
-]
-# Free of ROS, but it reads YAML or bags, or is the command line.
-COMMAND_LINE = ['bag_file', 'calibrate', 'calibrate_options', 'camera_info_file',
-                'launch_arguments', 'launch_cameras', 'locate', 'locate_options',
-                'node_settings', 'parameter_file']
-PURE = sorted((set.union(*ROOMS[:7]) - {*COMMAND_LINE}) & set(MODULES))
+# A module imports from its own room and from the faces of the rooms before it. The ground floor is
+# the modules beside the rooms.
+GROUND = 'ground'
+ROOMS = [GROUND, 'surface', 'sources', 'simulation', 'detection', 'trust', 'drawing',
+         'calibration', 'settings', 'ros', 'nodes', 'commands', 'launching']
+WITH_ROS = {'ros', 'nodes'}
+NUMPY_AND_OPENCV_ALONE = ['surface', 'simulation', 'detection', 'trust']
+NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]
+# Each is imported within the functions that need it.
+HEAVY = {'matplotlib', 'rosbags', 'scipy', 'tqdm'}
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
        'std_srvs', 'builtin_interfaces'}
 
@@ -76,98 +51,135 @@ class Blocker:
 
 
 sys.meta_path.insert(0, Blocker())
-importlib.import_module(sys.argv[1])
+for name in sys.argv[1:]:
+    importlib.import_module(name)
 """
 
 
-def import_without_ros(module):
+def run_python(*arguments):
     environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
-    return subprocess.run(
-        [sys.executable, '-c', IMPORT_WITHOUT_ROS, f'camera_to_base.{module}'],
-        env=environment, capture_output=True, text=True, timeout=60)
+    return subprocess.run([sys.executable, *arguments], env=environment, capture_output=True,
+                          text=True, timeout=120)
 
 
-def tree_of(module):
-    return ast.parse((PACKAGE / f'{module}.py').read_text())
+class Module:
+
+    def __init__(self, path):
+        self.path = path
+        parts = path.relative_to(PACKAGE).with_suffix('').parts
+        self.room = parts[0] if len(parts) > 1 else GROUND
+        self.name = '.'.join(['camera_to_base', *parts]).removesuffix('.__init__')
+        self.tree = ast.parse(path.read_text())
+
+    def imports(self, nodes=None):
+        for node in nodes or ast.walk(self.tree):
+            if isinstance(node, ast.Import):
+                yield from (alias.name for alias in node.names)
+            elif isinstance(node, ast.ImportFrom):
+                assert node.level == 0, f'{self.name} has a relative import'
+                yield node.module
+
+    def foreign(self, nodes=None):
+        return {name.split('.')[0] for name in self.imports(nodes)} - {'camera_to_base'}
+
+    def own(self):
+        return {name for name in self.imports() if name.startswith('camera_to_base.')}
 
 
-def imports_of(module):
-    """Give the full names that a module imports, wherever in the file it does so."""
-    for node in ast.walk(tree_of(module)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            origin = 'camera_to_base' if node.level else node.module
-            if node.level and node.module:
-                origin += f'.{node.module}'
-            if origin == 'camera_to_base':
-                yield from (f'{origin}.{alias.name}' for alias in node.names)
-            else:
-                yield origin
+MODULES = [Module(path) for path in sorted(PACKAGE.rglob('*.py'))
+           if path != PACKAGE / '__init__.py']
+FACES = {f'camera_to_base.{room}': room for room in ROOMS[1:]}
 
 
-def own_imports_of(module):
-    return {name.split('.')[1] for name in imports_of(module)
-            if name.startswith('camera_to_base.')}
+def room_of(name):
+    parts = name.split('.')
+    return parts[1] if parts[1] in ROOMS else GROUND
 
 
-def foreign_imports_of(module):
-    return {name.split('.')[0] for name in imports_of(module)} - {'camera_to_base'}
+def of_rooms(rooms):
+    return [module for module in MODULES if module.room in rooms]
 
 
-def room_of(module):
-    return next(number for number, room in enumerate(ROOMS) if module in room)
+def test_every_folder_is_a_room_of_the_order():
+    assert {module.room for module in MODULES} == set(ROOMS)
 
 
-@pytest.mark.parametrize('module', PURE + COMMAND_LINE)
-def test_module_without_ros_imports_where_there_is_none(module):
-    child = import_without_ros(module)
-    assert child.returncode == 0, child.stderr
+def test_a_module_imports_nothing_from_a_room_after_its_own():
+    wrong = [(module.name, name) for module in MODULES for name in module.own()
+             if ROOMS.index(room_of(name)) > ROOMS.index(module.room)]
+    assert wrong == []
 
 
-def test_module_of_messages_does_not_import_where_there_is_no_ros():
-    child = import_without_ros('messages')
-    assert child.returncode == 1
-    assert '_msgs is blocked' in child.stderr
+def test_other_rooms_are_entered_through_their_faces():
+    wrong = [(module.name, name) for module in MODULES for name in module.own()
+             if room_of(name) not in (GROUND, module.room) and name not in FACES]
+    assert wrong == []
 
 
-@pytest.mark.parametrize('module', PURE)
-def test_pure_module_imports_numpy_opencv_and_pure_modules_only(module):
-    assert foreign_imports_of(module) <= {'numpy', 'cv2'} | sys.stdlib_module_names
-    assert own_imports_of(module) <= set(PURE)
-
-
-@pytest.mark.parametrize('module', PURE)
-def test_pure_module_neither_logs_nor_prints(module):
-    functions = [node for node in tree_of(module).body
-                 if not (isinstance(node, ast.FunctionDef) and node.name == 'main')]
-    called = {node.func.id for function in functions for node in ast.walk(function)
-              if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
-    assert 'print' not in called
-    assert not foreign_imports_of(module) & {'logging', 'warnings', 'sys'}
-
-
-def test_every_module_has_a_room():
-    assert set(MODULES) <= set.union(*ROOMS)
-
-
-@pytest.mark.parametrize('module', MODULES)
-def test_module_imports_nothing_from_a_room_after_its_own(module):
-    assert [name for name in own_imports_of(module) if room_of(name) > room_of(module)] == []
-
-
-@pytest.mark.parametrize('module', sorted(set(MODULES) - EXECUTABLES))
-def test_nothing_imports_a_node_or_a_command(module):
-    assert not own_imports_of(module) & (NODES_AND_COMMANDS | EXECUTABLES)
+def test_no_module_enters_its_own_room_through_the_face():
+    wrong = [module.name for module in MODULES if f'camera_to_base.{module.room}' in module.own()]
+    assert wrong == []
 
 
 def test_imports_never_go_in_a_circle():
-    imports = {module: own_imports_of(module) for module in MODULES}
+    names = {module.name for module in MODULES}
+    imports = {module.name: module.own() & names for module in MODULES}
     assert len(list(graphlib.TopologicalSorter(imports).static_order())) == len(MODULES)
 
 
-def test_only_the_modules_of_ros_import_ros():
-    assert not set(PURE) & {module for module in MODULES
-                            if foreign_imports_of(module) & ROS}
-    assert foreign_imports_of('messages') & ROS == {'geometry_msgs', 'std_msgs'}
-    assert foreign_imports_of('image_messages') & ROS == {'sensor_msgs', 'std_msgs'}
+@pytest.mark.parametrize('room', ROOMS[1:])
+def test_a_room_says_what_it_is_for_and_names_its_face(room):
+    face = importlib.import_module(f'camera_to_base.{room}')
+    for part in ('In: ', 'Out: ', 'Caller'):
+        assert part in face.__doc__
+    modules = {module.path.stem for module in of_rooms([room])}
+    assert not set(face.__all__) & modules, 'a module hides the name of the face'
+    assert all(hasattr(face, name) for name in face.__all__)
+
+
+def test_ros_is_imported_in_its_rooms_only():
+    wrong = [module.name for module in MODULES
+             if module.room not in WITH_ROS and module.foreign() & ROS]
+    assert wrong == []
+
+
+def test_rooms_without_ros_import_where_there_is_none():
+    names = [module.name for module in MODULES if module.room not in WITH_ROS]
+    child = run_python('-c', IMPORT_WITHOUT_ROS, *names)
+    assert child.returncode == 0, child.stderr
+
+
+def test_a_room_with_ros_does_not_import_where_there_is_none():
+    child = run_python('-c', IMPORT_WITHOUT_ROS, 'camera_to_base.ros.messages')
+    assert child.returncode == 1
+    assert 'is blocked' in child.stderr
+
+
+def test_the_core_imports_numpy_and_opencv_alone():
+    allowed = {'numpy', 'cv2'} | sys.stdlib_module_names
+    wrong = [(module.name, module.foreign() - allowed)
+             for module in of_rooms(NUMPY_AND_OPENCV_ALONE) if module.foreign() - allowed]
+    assert wrong == []
+
+
+def test_heavy_libraries_are_imported_where_they_are_needed():
+    wrong = [(module.name, name) for module in MODULES
+             for name in module.foreign(module.tree.body) & HEAVY]
+    assert wrong == []
+
+
+def test_the_transform_node_starts_without_opencv():
+    child = run_python(
+        '-c', 'import sys; import camera_to_base.nodes.robot_base_publisher; '
+        "sys.exit('cv2' in sys.modules)")
+    assert child.returncode == 0, child.stderr
+
+
+def test_the_core_neither_logs_nor_prints():
+    for module in of_rooms(NEITHER_LOG_NOR_PRINT):
+        functions = [node for node in module.tree.body
+                     if not (isinstance(node, ast.FunctionDef) and node.name == 'main')]
+        called = {node.func.id for function in functions for node in ast.walk(function)
+                  if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
+        assert 'print' not in called, module.name
+        assert not module.foreign() & {'logging', 'warnings', 'sys'}, module.name

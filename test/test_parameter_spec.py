@@ -12,9 +12,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.camera_parameters import CAMERA_SPECS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameter_spec import checked_values, meant_name, ParameterSpec
+from camera_to_base.settings.camera import CAMERA_SPECS
 import pytest
 
 SPECS = [

@@ -19,9 +19,9 @@ import re
 from xml.etree import ElementTree
 
 from ament_index_python.packages import get_package_share_directory
-from camera_to_base.camera_publisher import CameraPublisher
-from camera_to_base.node_help import NODE_HELP
-from camera_to_base.robot_base_publisher import RobotBasePublisher
+from camera_to_base.nodes.camera_publisher import CameraPublisher
+from camera_to_base.nodes.help import NODE_HELP
+from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
 import pytest
 from rclpy.expand_topic_name import expand_topic_name
 

@@ -1,0 +1,37 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Calibration: from measured points to parameters and a report.
+
+In: pictures of a chessboard, tables of points, or pairs of points in both frames. Out: the values
+of `surface.*` or of the transform, their errors in mm, and a picture of them.
+
+Callers: `commands`. A node never imports it.
+"""
+
+from camera_to_base.calibration.board import find_board
+from camera_to_base.calibration.board_frame import board_points
+from camera_to_base.calibration.calibration import (
+    add_camera_pose, calibrate_base, calibrate_surface, Calibration, check_surface)
+from camera_to_base.calibration.camera_info import read_camera_info
+from camera_to_base.calibration.report_drawing import round_step
+from camera_to_base.calibration.report_text import Report, report_lines
+from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
+
+__all__ = [
+    'add_camera_pose', 'board_points', 'calibrate_base', 'calibrate_surface', 'Calibration',
+    'check_surface', 'find_board', 'read_camera_info', 'read_pairs', 'read_points',
+    'refuse_other_size', 'Report', 'report_lines', 'round_step',
+]

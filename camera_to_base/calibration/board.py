@@ -1,0 +1,214 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Find a chessboard's inner corners, in an order that does not depend on chance."""
+
+from dataclasses import dataclass
+from typing import Optional
+
+from camera_to_base.calibration.squares import count_beyond, is_board, square_contrast
+from camera_to_base.checks import whole_number
+from camera_to_base.detection import check_frame
+from camera_to_base.errors import CalibrationError
+import cv2
+import numpy as np
+
+# Half the side of the window in which a corner is refined, as a share of the distance to its
+# nearest neighbour: measured best from 0.25 to 0.3; at 0.4 neighbouring edges get in.
+WINDOW_SHARE = 0.3
+
+# Pictures are searched at this width first: fast, and the finder copes better with few pixels.
+SEARCH_WIDTH = 1000
+
+
+@dataclass(frozen=True)
+class Board:
+    """
+    The inner corners of a chessboard in a picture.
+
+    :param corners: Shape (rows, columns, 2), u and v, in px. The first is the origin, x runs along
+        the rows and y along the columns. See `canonical`.
+    :param second_board: Whether another board of the same size is in the picture; this one is the
+        larger.
+    """
+
+    corners: np.ndarray
+    second_board: bool = False
+
+    @property
+    def pixels(self) -> np.ndarray:
+        """Return the corners row by row, shape (rows * columns, 2), in px."""
+        return self.corners.reshape(-1, 2)
+
+
+def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
+    """
+    Find a chessboard's inner corners to a fraction of a pixel.
+
+    :param image: Shape (h, w, 3), uint8, BGR.
+    :param columns: Inner corners along a row.
+    :param rows: Inner corners along a column.
+    :raises InvalidValueError: If the counts are below 3, or the picture is none.
+    :raises CalibrationError: If there is no board, or one of other counts; the message says which.
+    """
+    check_frame(image, 'picture')
+    columns = whole_number('the count of inner corners along a row', columns, 3, 1000)
+    rows = whole_number('the count of inner corners along a column', rows, 3, 1000)
+    grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+    corners = search(grey, columns, rows)
+    if corners is None:
+        raise CalibrationError(_why_not_found(grey, columns, rows))
+    more_columns, more_rows = count_beyond(grey, corners)
+    if more_columns or more_rows:
+        raise CalibrationError(
+            _other_counts(columns, rows, columns + more_columns, rows + more_rows))
+    other = search(_without(grey, corners), columns, rows, thorough=False)
+    if other is not None and _area(other) > _area(corners):
+        corners = other
+    return Board(canonical(grey, refine(grey, corners)), other is not None)
+
+
+def canonical(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """
+    Order corners so that the same board comes out the same, however it lies.
+
+    1. The camera sees y a quarter turn clockwise from x, as u and v are: z points into the
+       surface.
+    2. Where the counts differ by an odd number, the board has one end with dark corner squares:
+       the origin is the corner at that end that 1. leaves.
+    3. Otherwise turning the board by 180 degrees changes nothing that can be seen (or by 90, where
+       the counts are equal): the origin is the one nearest to the picture's top-left pixel, of
+       those at dark corner squares if only some of them are.
+
+    :param grey: Shape (h, w), uint8.
+    :param corners: Shape (rows, columns, 2), in px, in any order along rows and columns.
+    :returns: Shape (rows, columns, 2), in px.
+    """
+    if _turns_left(corners):
+        corners = corners[:, ::-1]
+    turns = (0, 1, 2, 3) if corners.shape[0] == corners.shape[1] else (0, 2)
+    candidates = [np.rot90(corners, turn) for turn in turns]
+    dark = [square_contrast(grey, candidate) < 0 for candidate in candidates]
+    if any(dark):
+        candidates = [candidate for candidate, at_dark in zip(candidates, dark) if at_dark]
+    return min(candidates, key=lambda candidate: np.linalg.norm(candidate[0, 0]))
+
+
+def refine(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """
+    Move each corner to where the edges around it cross.
+
+    :param grey: Shape (h, w), uint8.
+    :param corners: Shape (rows, columns, 2), in px, a few px off.
+    :returns: Shape (rows, columns, 2), in px.
+    """
+    windows = np.maximum(2, (WINDOW_SHARE * _spacing(corners)).astype(int))
+    refined = np.array(corners, float)
+    criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-4)
+    for window in np.unique(windows):
+        members = windows == window
+        starts = refined[members].reshape(-1, 1, 2).astype(np.float32)
+        side = (int(window), int(window))
+        moved = cv2.cornerSubPix(grey, starts, side, (-1, -1), criteria)
+        refined[members] = moved.reshape(-1, 2)
+    return refined
+
+
+def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True
+           ) -> Optional[np.ndarray]:
+    """
+    Find corners to a pixel: reduced if the picture is large, then as it is.
+
+    :param grey: Shape (h, w), uint8.
+    :param thorough: False looks at the reduced picture only, which takes a tenth of the time.
+    :returns: Shape (rows, columns, 2), in px, or None.
+    """
+    scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
+    for factor in ([scale, 1.0] if thorough and scale < 1 else [scale]):
+        reduced = cv2.resize(grey, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
+        corners = _search_once(reduced, columns, rows)
+        if corners is not None:
+            return (corners + 0.5) / factor - 0.5
+    return None
+
+
+def _search_once(grey, columns, rows):
+    """Search with the finder that is measured to be better, then with the one for blur."""
+    flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
+    found, corners = cv2.findChessboardCorners(grey, (columns, rows), flags=flags)
+    if not found or not is_board(grey, corners.reshape(rows, columns, 2)):
+        flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
+        found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
+    if not found or not is_board(grey, corners.reshape(rows, columns, 2)):
+        return None
+    return corners.reshape(rows, columns, 2).astype(float)
+
+
+def _spacing(corners):
+    """Return each corner's distance to its nearest neighbour, shape (rows, columns), in px."""
+    along_x = np.linalg.norm(np.diff(corners, axis=1), axis=2)
+    along_y = np.linalg.norm(np.diff(corners, axis=0), axis=2)
+    return np.min([np.pad(along_x, ((0, 0), (1, 0)), constant_values=np.inf),
+                   np.pad(along_x, ((0, 0), (0, 1)), constant_values=np.inf),
+                   np.pad(along_y, ((1, 0), (0, 0)), constant_values=np.inf),
+                   np.pad(along_y, ((0, 1), (0, 0)), constant_values=np.inf)], axis=0)
+
+
+def _outline(corners):
+    return np.array([corners[0, 0], corners[0, -1], corners[-1, -1], corners[-1, 0]])
+
+
+def _area(corners):
+    return cv2.contourArea(_outline(corners).astype(np.float32))
+
+
+def _turns_left(corners):
+    return cv2.contourArea(_outline(corners).astype(np.float32), oriented=True) < 0
+
+
+def _without(grey, corners):
+    """Return the picture with the board painted over, its outer squares included."""
+    centre = corners.mean(axis=(0, 1))
+    grown = centre + (_outline(corners) - centre) * (1 + 2 / (min(corners.shape[:2]) - 1))
+    return cv2.fillConvexPoly(grey.copy(), grown.round().astype(np.int32), int(grey.mean()))
+
+
+def _why_not_found(grey, columns, rows):
+    """Look for boards of nearly these counts, to say so if there is one."""
+    scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
+    grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
+    for other in _nearby_counts(columns, rows):
+        found, corners = cv2.findChessboardCorners(grey, other, flags=flags)
+        if found:
+            corners = corners.reshape(other[1], other[0], 2).astype(float)
+            if is_board(grey, corners):
+                more_columns, more_rows = count_beyond(grey, corners)
+                return _other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows)
+    return (
+        f'no chessboard with {columns} x {rows} inner corners found: the whole board must be in '
+        'the picture with a white margin, evenly lit and sharp, and its inner corners counted '
+        'where four squares meet (one less than the squares in each direction)')
+
+
+def _nearby_counts(columns, rows):
+    near = [(columns + x, rows + y) for x in range(-2, 3) for y in range(-2, 3) if x or y]
+    near = [counts for counts in near if min(counts) >= 3]
+    return sorted(near, key=lambda counts: abs(counts[0] - columns) + abs(counts[1] - rows))
+
+
+def _other_counts(columns, rows, found_columns, found_rows):
+    return (
+        f'the board in the picture has {found_columns} x {found_rows} inner corners, not '
+        f'{columns} x {rows}: give --corners {found_columns}x{found_rows}')

@@ -1,0 +1,201 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""From matched points to the nodes' parameters, with a report of how good they are."""
+
+from dataclasses import asdict, dataclass, replace
+from datetime import datetime
+from typing import Any, Dict, Mapping, Optional, Sequence, Union
+
+from camera_to_base.calibration.figures import (
+    coverage, error_figures, ErrorFigures, left_out_errors, surface_errors, tilt, warnings)
+from camera_to_base.calibration.homography_fit import fit_homography, POINTS_FOR_DISTORTION
+from camera_to_base.calibration.polynomial_fit import fit_polynomial
+from camera_to_base.calibration.report_drawing import report_picture
+from camera_to_base.calibration.report_text import figure_lines, Report
+from camera_to_base.calibration.rigid_fit import fit_rigid
+from camera_to_base.calibration.tables import refuse_other_size
+from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.surface import (
+    camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
+    PointPairs, sees_y_clockwise, Surface, SURFACE_DEFAULTS, surface_values)
+import numpy as np
+
+# Corners are found to 0.1 to 0.2 px, and so well do a lens's own intrinsics show them.
+LARGEST_POSE_RMS_PX = 1.0
+# The fit is repeated without each of the points: a thousand take a minute, ten thousand hours.
+_MOST_POINTS = 1000
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """
+    What was computed.
+
+    :param report: The figures and all else that `calibrate --json` prints.
+    :param values: The nodes' parameters, by full name.
+    :param picture: The report picture, shape (h, w, 3), uint8; None where there is none.
+    """
+
+    report: Report
+    values: Mapping[str, Any]
+    picture: Optional[np.ndarray] = None
+
+
+def calibrate_surface(
+    matched: MatchedPoints, image_size: ImageSize, *, source: str, model: str = 'homography',
+    points_are: str = 'row', image: Optional[np.ndarray] = None,
+    lattice: Optional[np.ndarray] = None,
+) -> Calibration:
+    """
+    Fit the surface.
+
+    :param image_size: Width and height of the picture, in px.
+    :param source: What the report says that the points are from.
+    :param model: 'homography' or 'polynomial'.
+    :param points_are: What the report calls a point.
+    :param image: The picture, for the report's; see :func:`report_picture`.
+    :param lattice: The grid to draw; see :func:`report_picture`.
+    :raises CameraToBaseError: If the points do not determine it.
+    """
+    _refuse_too_many(matched)
+    if model == 'homography':
+        fit = fit_homography(matched, image_size)
+        found = {'distortion_coefficient': fit.surface.distortion.coefficient,
+                 'distortion_centre': list(fit.surface.distortion.centre),
+                 'points_for_distortion': POINTS_FOR_DISTORTION,
+                 'tilt_deg': tilt(fit.surface, fit.without)}
+    else:
+        fit = fit_polynomial(matched, image_size)
+        found = {'equations': list(fit.equations),
+                 'r_squared': [fit.y_r_squared, fit.px_per_cm_r_squared]}
+    hull = Hull(matched.pixels)
+    covered = coverage(hull, image_size)
+    figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
+                            left_out_errors(fit.without, matched))
+    report = {**_origin(model, source), 'image_size': list(image_size), **found,
+              **_axes(fit.surface, matched), **_figures(figures, points_are),
+              'coverage': covered, 'warnings': warnings(figures, covered)}
+    picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
+                             lines=figure_lines(report))
+    return Calibration(report, surface_values(fit.surface, hull), picture)
+
+
+def add_camera_pose(
+    calibration: Calibration, matched: MatchedPoints, intrinsics: CameraIntrinsics
+) -> Calibration:
+    """
+    Add where the camera is above the surface.
+
+    :param calibration: Of a surface.
+    :param matched: The points that it was made of.
+    :raises CameraToBaseError: If the intrinsics are of another picture size, or the points do not
+        determine the pose.
+    """
+    report = calibration.report
+    _check_intrinsics_size(intrinsics.image_size, report['image_size'])
+    pose = camera_pose(matched, intrinsics)
+    # To a micrometre, which is less than the figures are good for.
+    found = {'camera_height_cm': round(pose.height_cm, 4),
+             'camera_foot_cm': [round(value, 4) for value in pose.foot_cm]}
+    doubts = [] if pose.rms_px < LARGEST_POSE_RMS_PX else [
+        f'with these intrinsics the points are off by rms {pose.rms_px:.1f} px: are they those of '
+        'this camera, at this zoom and focus?']
+    return replace(
+        calibration,
+        report={**report, **found, 'pose_rms_px': pose.rms_px,
+                'warnings': [*report['warnings'], *doubts]},
+        values={**calibration.values,
+                **{f'surface.{name}': value for name, value in found.items()}})
+
+
+def calibrate_base(pairs: PointPairs, *, source: str) -> Calibration:
+    """
+    Fit the transform from the camera frame to the base frame.
+
+    :param source: What the report says that the pairs are from.
+    :raises CameraToBaseError: If the pairs do not determine it, or none fits them.
+    """
+    _refuse_too_many(pairs)
+    fit = fit_rigid(pairs)
+    left_out = fit.left_out_residuals
+    figures = error_figures(
+        np.linalg.norm(fit.residuals, axis=1), pairs.rows,
+        None if left_out is None else np.linalg.norm(left_out, axis=1))
+    values = {'rotation_deg': list(fit.rotation_deg),
+              'displacement_cm': list(fit.displacement_cm)}
+    report = {**_origin('rigid', source), **values, **_figures(figures, 'row'),
+              'warnings': warnings(figures)}
+    return Calibration(report, values)
+
+
+def check_surface(
+    values: Mapping[str, Any], matched: MatchedPoints, table_size: Optional[ImageSize] = None
+) -> Report:
+    """
+    Tell the error of a surface on points that it was not made of.
+
+    :param values: Its parameters, by full name; those not given have the nodes' defaults.
+    :param table_size: Width and height of the points' picture, in px, if known.
+    :raises CameraToBaseError: If the parameters make no surface, the picture's sizes differ, or a
+        pixel does not look at the surface.
+    """
+    if not any(name.startswith('surface.') for name in values):
+        raise InvalidValueError(
+            'expected the parameters of a surface, as calibrate board and calibrate points write '
+            f'them, got {", ".join(values) or "none"}')
+    # The points lie on the surface, whatever the height of the objects that are to come.
+    values = {**SURFACE_DEFAULTS, **values, 'object_height_cm': 0.0}
+    surface, hull = make_surface(values), make_hull(values)
+    refuse_other_size(table_size, values['surface.image_size'])
+    figures = error_figures(surface_errors(surface, matched), matched.rows)
+    outside = 0 if hull is None else sum(not hull.contains(pixel) for pixel in matched.pixels)
+    return {'model': values['surface.model'], **_figures(figures, 'row'),
+            'outside_hull': outside, 'warnings': []}
+
+
+def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:
+    if list(intrinsics_size) != list(image_size):
+        raise InvalidValueError(
+            'the intrinsics are for pictures of {} x {} px, but this one has {} x {} px: use '
+            'those of its size'.format(*intrinsics_size, *image_size))
+
+
+def _refuse_too_many(points: Union[MatchedPoints, PointPairs]) -> None:
+    if len(points) > _MOST_POINTS:
+        raise CalibrationError(
+            f'{len(points)} points are too many to leave out each of them once: give '
+            f'{_MOST_POINTS} at most, spread over the working area')
+
+
+def _axes(surface: Surface, matched: MatchedPoints) -> Dict[str, Any]:
+    """Tell where the camera frame's origin and axes are in the picture, if it shows them."""
+    length = float(np.ptp(matched.points, axis=0).max())
+    pixels = surface.pixels([[0, 0], [length, 0], [0, length]])
+    if not np.isfinite(pixels).all():
+        return {}
+    origin, x_end, y_end = pixels.round(1).tolist()
+    clockwise = sees_y_clockwise(matched)
+    return {'origin_px': origin, 'x_towards_px': x_end, 'y_towards_px': y_end,
+            'z_points': 'into the surface' if clockwise else 'towards the camera'}
+
+
+def _origin(model: str, source: str) -> Report:
+    return {'model': model, 'source': source,
+            'date': datetime.now().astimezone().isoformat(timespec='seconds')}
+
+
+def _figures(figures: ErrorFigures, points_are: str) -> Report:
+    return {**asdict(figures), 'points_are': points_are}

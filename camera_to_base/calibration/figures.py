@@ -1,0 +1,190 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How good a calibration is, in figures."""
+
+from dataclasses import dataclass
+from typing import Any, Callable, List, Optional, Sequence
+
+from camera_to_base.errors import CalibrationError, HorizonError
+from camera_to_base.surface import HomographySurface, Hull, ImageSize, MatchedPoints, Surface
+import numpy as np
+
+MM_PER_CM = 10
+
+# A tilt is told where leaving points out moves it by less than this.
+TILT_TOLERANCE_DEG = 3.0
+
+
+@dataclass(frozen=True)
+class ErrorFigures:
+    """
+    Distances between where points are and where a calibration puts them.
+
+    :param leave_one_out_rms_mm: Of each point under the calibration from all others; None where
+        the others do not suffice.
+    :param worst_row: The row of the largest error.
+    """
+
+    points: int
+    mean_mm: float
+    rms_mm: float
+    max_mm: float
+    worst_row: int
+    leave_one_out_rms_mm: Optional[float] = None
+
+
+def error_figures(errors_cm: np.ndarray, rows: Sequence[int],
+                  left_out_cm: Optional[np.ndarray] = None) -> ErrorFigures:
+    """
+    Sum up errors.
+
+    :param errors_cm: Shape (n,), the distances.
+    :param rows: The rows of the n points.
+    :param left_out_cm: Shape (n,), each under the calibration without it; None if unknown.
+    """
+    errors = MM_PER_CM * np.asarray(errors_cm, float)
+    left_out = None if left_out_cm is None else MM_PER_CM * root_mean_square(left_out_cm)
+    return ErrorFigures(len(errors), float(errors.mean()), root_mean_square(errors),
+                        float(errors.max()), rows[int(np.argmax(errors))], left_out)
+
+
+def surface_errors(surface: Surface, matched: MatchedPoints) -> np.ndarray:
+    """
+    Return how far off a surface puts each pixel.
+
+    :returns: Shape (n,), in cm.
+    :raises HorizonError: If the surface refuses one of the pixels.
+    """
+    return np.linalg.norm(surface.locate(matched.pixels) - matched.points, axis=1)
+
+
+def left_out_errors(
+    surfaces: Sequence[Optional[Surface]], matched: MatchedPoints
+) -> Optional[np.ndarray]:
+    """
+    Return how far off each point is under the surface that was fitted without it.
+
+    :param surfaces: n surfaces, or None where the other points do not suffice.
+    :returns: Shape (n,), in cm; None if one cannot be told.
+    """
+    if None in surfaces:
+        return None
+    try:
+        located = [surface.locate([pixel])[0] for surface, pixel in zip(surfaces, matched.pixels)]
+    except HorizonError:
+        return None
+    return np.linalg.norm(located - matched.points, axis=1)
+
+
+def leave_one_out(fit: Callable[[np.ndarray], Any], count: int) -> List[Any]:
+    """
+    Fit without each of `count` points in turn.
+
+    :param fit: From the indices of the points kept to whatever is fitted.
+    :returns: What was fitted, or None where the other points do not suffice.
+    """
+    return [_or_none(fit, np.delete(np.arange(count), index)) for index in range(count)]
+
+
+def _or_none(fit, kept):
+    try:
+        return fit(kept)
+    except CalibrationError:
+        return None
+
+
+def root_mean_square(values: np.ndarray) -> float:
+    """
+    Return the root of the mean square.
+
+    :param values: Shape (n,).
+    """
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def coverage(hull: Hull, image_size: ImageSize) -> float:
+    """
+    Return the share of the picture that a hull covers, 0 to 1.
+
+    :param image_size: Width and height, in px.
+    """
+    return hull.area / (image_size[0] * image_size[1])
+
+
+def tilt(
+    surface: HomographySurface, without: Sequence[Optional[HomographySurface]]
+) -> Optional[float]:
+    """
+    Return the angle between the camera's axis and the surface's normal, where it can be told.
+
+    It is told where it is about the same without each of the points: seen almost level, or from
+    few points, the tilt and the focal length hide behind each other.
+
+    :param without: The n surfaces that were fitted without one point each, or None.
+    :returns: In degrees, 0 for a camera that looks straight down; None where it cannot be told.
+    """
+    if None in without or not without:
+        return None
+    value = tilt_of(surface)
+    others = np.array([tilt_of(other) for other in without])
+    # Jackknife: the standard error of a value from its values without each point.
+    deviation = np.sqrt((len(others) - 1) * np.mean((others - others.mean()) ** 2))
+    return value if deviation < TILT_TOLERANCE_DEG else None
+
+
+def tilt_of(surface: HomographySurface) -> float:
+    """
+    Return the tilt under square pixels and a principal point at the centre of the distortion.
+
+    With the surface's axes turned so that only x runs to the horizon, the columns of the
+    homography are as long as each other for one focal length.
+
+    :returns: In degrees; NaN if no focal length fits.
+    """
+    centre = np.array(surface.distortion.centre)
+    pixel_from_surface = np.linalg.inv(surface.surface_from_pixel)
+    columns = pixel_from_surface[:, :2]
+    columns = np.vstack([columns[:2] - centre[:, None] * columns[2], columns[2]])
+    fall = np.linalg.norm(columns[2])
+    if fall == 0:
+        return float('nan')
+    along = columns[2] / fall
+    towards, across = columns @ along, columns @ np.array([-along[1], along[0]])
+    focal_squared = (across[:2] @ across[:2] - towards[:2] @ towards[:2]) / fall ** 2
+    if not focal_squared > 0:
+        return float('nan')
+    scale = np.array([1, 1, np.sqrt(focal_squared)])
+    normal = np.cross(towards * scale, across * scale)
+    return float(np.degrees(np.arccos(abs(normal[2]) / np.linalg.norm(normal))))
+
+
+def warnings(figures: ErrorFigures, covered: Optional[float] = None) -> List[str]:
+    """
+    Say what should keep a user from trusting the figures.
+
+    :param covered: The share of the picture that the points cover, 0 to 1.
+    """
+    found = []
+    left_out = figures.leave_one_out_rms_mm
+    if left_out is None:
+        found.append('there are too few points to tell how well points are located that the fit '
+                     'has not seen: add some')
+    elif left_out > 2 * figures.rms_mm and left_out > 0.01:
+        found.append(f'points that the fit has not seen are off by {left_out:.2f} mm, much more '
+                     f'than the {figures.rms_mm:.2f} mm of those that it has: add points')
+    if covered is not None and covered < 0.1:
+        found.append(f'the points cover only {100 * covered:.0f} % of the picture, and outside of '
+                     'them the figures do not hold: spread them over the working area')
+    return found

@@ -1,0 +1,131 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Fit the transform from the camera frame to the base frame to pairs of points."""
+
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+from camera_to_base.calibration.figures import leave_one_out
+from camera_to_base.errors import CalibrationError
+from camera_to_base.surface import on_one_line, PointPairs
+import numpy as np
+
+# A ruler and a gripper tip are a few millimetres off; more than this is a swapped row or a sign.
+LARGEST_RESIDUAL_CM = 2.0
+
+
+@dataclass(frozen=True)
+class RigidFit:
+    """
+    A rigid transform, as the transform node takes it.
+
+    :param rotation_deg: Roll, pitch and yaw about the fixed axes x, y and z.
+    :param displacement_cm: x, y and z.
+    :param residuals: Shape (n, 3): transformed camera point minus base point, in cm.
+    :param left_out_residuals: Shape (n, 3), each under the transform from all other pairs; None
+        where the others do not suffice.
+    """
+
+    rotation_deg: Tuple[float, float, float]
+    displacement_cm: Tuple[float, float, float]
+    residuals: np.ndarray
+    left_out_residuals: Optional[np.ndarray]
+
+
+def fit_rigid(pairs: PointPairs) -> RigidFit:
+    """
+    Fit a rotation and a displacement by least squares, and refuse pairs that none fits.
+
+    :raises CalibrationError: If there are fewer than three pairs, all on one line, or the largest
+        residual is over 20 mm; the message names the worst row.
+    """
+    everything = np.arange(len(pairs))
+    rotation, displacement = _fit(pairs, everything)
+    residuals = _residuals(pairs, (rotation, displacement), everything)
+    _refuse_misfit(residuals, pairs.rows)
+    folds = leave_one_out(lambda kept: _fit(pairs, kept), len(pairs))
+    left_out = None if None in folds else np.stack(
+        [_residuals(pairs, fold, index) for index, fold in enumerate(folds)])
+    return RigidFit(roll_pitch_yaw(rotation), tuple(displacement.tolist()), residuals, left_out)
+
+
+def _fit(pairs, kept):
+    points, targets = pairs.camera_points[kept], pairs.base_points[kept]
+    if len(kept) < 3:
+        raise CalibrationError(f'{len(kept)} pairs are too few: give at least 3, not on one line')
+    if on_one_line(points) or on_one_line(targets):
+        raise CalibrationError(f'all {len(kept)} pairs lie on one line, which leaves open to what '
+                               'side of it the camera looks: add a pair off that line')
+    return kabsch(points, targets)
+
+
+def _residuals(pairs, transform, indices):
+    rotation, displacement = transform
+    return pairs.camera_points[indices] @ rotation.T + displacement - pairs.base_points[indices]
+
+
+def kabsch(points: np.ndarray, targets: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """
+    Find the proper rotation and the displacement that take points to targets.
+
+    Both may lie in a plane: solved in three dimensions, a plane seen from its back is a rotation
+    by 180 degrees about an axis in it, and not a reflection, which a solution in two dimensions
+    would need.
+
+    Source: S. Umeyama, Least-squares estimation of transformation parameters between two point
+    patterns, IEEE PAMI 13(4), 1991.
+
+    :param points: Shape (n, 3), not on one line.
+    :param targets: Shape (n, 3), in the same unit.
+    :returns: Rotation, shape (3, 3), and displacement, shape (3,).
+    """
+    centre, target_centre = points.mean(axis=0), targets.mean(axis=0)
+    left, _, right = np.linalg.svd((targets - target_centre).T @ (points - centre))
+    proper = np.diag([1, 1, np.sign(np.linalg.det(left) * np.linalg.det(right))])
+    rotation = left @ proper @ right
+    return rotation, target_centre - rotation @ centre
+
+
+def roll_pitch_yaw(rotation: np.ndarray) -> Tuple[float, float, float]:
+    """
+    Write a rotation as Rz(yaw) Ry(pitch) Rx(roll).
+
+    :param rotation: Shape (3, 3), proper.
+    :returns: Roll, pitch and yaw in degrees, -180 < roll, yaw <= 180 and -90 <= pitch <= 90.
+    """
+    level = np.hypot(rotation[0, 0], rotation[1, 0])
+    pitch = np.arctan2(-rotation[2, 0], level)
+    if level > 1e-9:
+        roll = np.arctan2(rotation[2, 1], rotation[2, 2])
+        yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
+    else:  # Pointing along z, roll and yaw turn about the same axis: all of it goes to roll.
+        roll, yaw = np.arctan2(-rotation[1, 2], rotation[1, 1]), 0.0
+    return tuple(_upper_half_open(np.degrees(angle)) for angle in (roll, pitch, yaw))
+
+
+def _upper_half_open(degrees):
+    """Round to 1e-9 degrees, so that -180 + 1e-14 and -0.0 come out as 180 and 0."""
+    rounded = round(float(degrees), 9)
+    return 180.0 if rounded == -180.0 else rounded + 0.0
+
+
+def _refuse_misfit(residuals, rows):
+    errors = np.linalg.norm(residuals, axis=1)
+    worst = int(np.argmax(errors))
+    if errors[worst] > LARGEST_RESIDUAL_CM:
+        raise CalibrationError(
+            f'no rigid transform fits the pairs: row {rows[worst]} is off by '
+            f'{10 * errors[worst]:.0f} mm, allowed are {10 * LARGEST_RESIDUAL_CM:.0f} mm: are its '
+            'numbers swapped, of the wrong sign, or in another unit than cm?')

@@ -1,0 +1,166 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Command: calibrates from a chessboard or a table, and says how good the result is."""
+
+import argparse
+import json
+import os
+import sys
+from typing import Any, Dict, Iterable, List, Optional, Tuple
+
+from camera_to_base.calibration import (
+    add_camera_pose, board_points, calibrate_base, calibrate_surface, Calibration, check_surface,
+    find_board, read_camera_info, read_pairs, read_points, refuse_other_size, Report, report_lines)
+from camera_to_base.commands.calibrate_options import parse
+from camera_to_base.drawing import check_picture_path, encoded_picture
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.files import refuse_existing, refuse_same_file, write_files
+from camera_to_base.parameter_file import parameter_text, read_parameter_file
+from camera_to_base.simulation import SimulatedChessboard
+from camera_to_base.sources import FrameSource, median_frame, open_frame_source, read_picture
+from camera_to_base.surface import MatchedPoints
+import numpy as np
+
+_DEFAULT_SIZE = (640, 480)
+
+
+def main(args: Optional[List[str]] = None) -> int:
+    """Run the command; return its exit code."""
+    try:
+        options = parse(args)
+        report = _COMMANDS[options.command](options)
+    except CameraToBaseError as error:
+        print(f'calibrate: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    print(json.dumps(report) if options.json else '\n'.join(_lines(report)))
+    return 0
+
+
+def _run_board(options: argparse.Namespace) -> Report:
+    columns, rows = options.corners
+    points = board_points(columns, rows, options.square_mm, origin_corner=options.origin_corner,
+                          origin_mm=options.origin_mm, yaw_deg=options.yaw_deg)
+    outputs = _outputs(options, options.picture_file, options.intrinsics)
+    intrinsics = read_camera_info(options.intrinsics) if options.intrinsics else None
+    image, name, source_values = _board_picture(options)
+    board = find_board(image, columns, rows)
+    matched = MatchedPoints(points, board.pixels)
+    calibration = calibrate_surface(
+        matched, (image.shape[1], image.shape[0]), image=image,
+        lattice=points.reshape(rows, columns, 2), points_are='corner',
+        source=f'a chessboard of {columns} x {rows} inner corners, {options.square_mm:g} mm '
+               f'apart, in {name}')
+    if intrinsics is not None:
+        calibration = add_camera_pose(calibration, matched, intrinsics)
+    if board.second_board:
+        calibration.report['warnings'].append(
+            'another such board is in the picture: this is the larger one')
+    return _write(calibration, outputs, source_values)
+
+
+def _run_points(options: argparse.Namespace) -> Report:
+    outputs = _outputs(options, options.table)
+    matched, table_size = read_points(options.table)
+    if options.image_size is not None:
+        refuse_other_size(table_size, options.image_size)
+    image_size = options.image_size or table_size
+    calibration = calibrate_surface(
+        matched, image_size or _DEFAULT_SIZE, source=options.table, model=options.model)
+    if image_size is None:
+        calibration.report['warnings'].append(
+            'taken for granted: the points were measured in a picture of {} x {} px; say it with '
+            '--image-size'.format(*_DEFAULT_SIZE))
+    return _write(calibration, outputs)
+
+
+def _run_base(options: argparse.Namespace) -> Report:
+    outputs = _outputs(options, options.table)
+    calibration = calibrate_base(read_pairs(options.table), source=options.table)
+    if options.surface is None:
+        return _write(calibration, outputs)
+    surface = read_parameter_file(options.surface)
+    return _write(calibration, outputs, surface.values,
+                  ['', f'The surface, from {options.surface}:', *surface.comments])
+
+
+def _run_check(options: argparse.Namespace) -> Report:
+    values = read_parameter_file(options.file).values
+    return {'checked': options.file, **check_surface(values, *read_points(options.table))}
+
+
+_COMMANDS = {'board': _run_board, 'points': _run_points, 'base': _run_base, 'check': _run_check}
+
+
+def _board_picture(options: argparse.Namespace) -> Tuple[np.ndarray, str, Dict[str, Any]]:
+    """Get the picture, what to call it, and the parameters that belong to its source."""
+    if options.camera is None:
+        return read_picture(options.picture_file), options.picture_file, {}
+    source, values = _open_camera(options)
+    try:
+        return median_frame(source), f'camera {options.camera}', values
+    finally:
+        source.release()
+
+
+def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, Any]]:
+    size = options.image_size or _DEFAULT_SIZE
+    if options.camera != 'simulated':
+        return open_frame_source(options.camera, size), {}
+    chessboard = SimulatedChessboard(
+        *options.corners, options.square_mm / 10, image_size=size,
+        tilt_deg=options.simulated_tilt_deg)
+    return chessboard, {'simulated.tilt_deg': options.simulated_tilt_deg}
+
+
+def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
+    """Name the files to write, and check them before any work is done for them."""
+    outputs = [options.output]
+    if 'picture' in options:
+        outputs.append(options.picture or f'{os.path.splitext(options.output)[0]}_report.png')
+    refuse_same_file([*sources, *outputs])
+    for picture in outputs[1:]:
+        check_picture_path(picture)
+    if not options.force:
+        refuse_existing(outputs)
+    return outputs
+
+
+def _write(
+    calibration: Calibration, outputs: List[str], values: Optional[Dict[str, Any]] = None,
+    comments: Iterable[str] = (),
+) -> Report:
+    """Write the parameter file, and the picture if there is one; return the report."""
+    text = parameter_text(
+        {**(values or {}), **calibration.values},
+        ['Written by `calibrate` of camera_to_base.', *report_lines(calibration.report),
+         *comments])
+    contents = {outputs[0]: text.encode()}
+    for path in outputs[1:]:
+        contents[path] = encoded_picture(path, calibration.picture)
+    write_files(contents)
+    return {**calibration.report, **dict(zip(('file', 'picture'), outputs))}
+
+
+def _lines(report: Report) -> List[str]:
+    written = [f'{name}: {report[name]}' for name in ('file', 'picture') if name in report]
+    advice = ['look at the picture before you trust the figures'] if 'picture' in report else []
+    return [*report_lines(report), *written, *advice]
+
+
+if __name__ == '__main__':
+    sys.exit(main())

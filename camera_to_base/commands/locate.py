@@ -1,0 +1,184 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Command: the whole flow on a recording, a camera or a bag, without ROS running."""
+
+import argparse
+from contextlib import ExitStack
+import itertools
+import os
+import sys
+from typing import Iterator, List, Optional, TextIO
+
+from camera_to_base.commands.locate_options import parse
+from camera_to_base.commands.position_table import (
+    csv_header, csv_line, positions, table_header, table_line)
+from camera_to_base.commands.sighting_counter import SightingCounter
+from camera_to_base.commands.sweep import sweep, sweep_lines
+from camera_to_base.commands.sweep_picture import sweep_picture
+from camera_to_base.drawing import AnnotatedVideo, draw_note, draw_objects, write_picture
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.interrupt import Interrupt
+from camera_to_base.settings import CameraSettings, NodeSettings, read_node_settings
+from camera_to_base.sources import (
+    BagFile, is_bag, is_camera, LiveRecording, open_frame_source, PlayedRecording, Recording,
+    TimedFrame)
+from camera_to_base.trust import Sighting
+
+try:
+    from tqdm import tqdm
+except ImportError:
+    tqdm = None  # then there is no progress bar
+
+# One round of the simulated objects.
+_SIMULATED_S = 60
+
+
+def main(args: Optional[List[str]] = None) -> int:
+    """Run the command; return its exit code."""
+    try:
+        options = parse(args)
+        with Interrupt() as interrupt:
+            return _run(options, interrupt)
+    except CameraToBaseError as error:
+        print(f'locate: {error}', file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        # Whoever reads the table has seen enough; Python would complain when it flushes.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:
+        print(f'locate: cannot write any further: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+
+
+def _run(options: argparse.Namespace, interrupt: Interrupt) -> int:
+    settings = read_node_settings(options.params_file, options.namespace)
+    for warning in settings.warnings:
+        print(f'locate: {warning}', file=sys.stderr)
+    recording = _open(options, settings.camera)
+    try:
+        frames = _frames(recording, options.every, interrupt)
+        if options.sweep:
+            _sweep(options, settings.camera, frames)
+        else:
+            _locate(options, settings, recording, frames)
+    finally:
+        recording.release()
+    return 130 if interrupt.came and not recording.is_live else 0
+
+
+def _open(options: argparse.Namespace, settings: CameraSettings) -> Recording:
+    name = options.source
+    if is_bag(name):
+        return BagFile(name, options.topic)
+    if name == 'simulated':
+        board = settings.simulated.board(settings.image_size)
+        count = round(_SIMULATED_S * board.frame_rate)
+        return PlayedRecording(board, count, last=count)
+    source = open_frame_source(name, settings.image_size)
+    if is_camera(name):
+        return LiveRecording(source)
+    return PlayedRecording(source, source.frame_count)
+
+
+def _frames(recording: Recording, every: int, interrupt: Interrupt) -> Iterator[TimedFrame]:
+    """Walk over every Nth frame until Ctrl-C, with a progress bar on a terminal."""
+    count = recording.frame_count
+    frames = itertools.takewhile(
+        lambda _: not interrupt.came, itertools.islice(recording.frames(), 0, None, every))
+    if tqdm is None:
+        return frames
+    return iter(tqdm(frames, total=count and -(-count // every), unit='frame', leave=False,
+                     disable=None))
+
+
+def _sweep(
+    options: argparse.Namespace, settings: CameraSettings, frames: Iterator[TimedFrame]
+) -> None:
+    result = sweep(settings, options.sweep, frames)
+    for counter in result.counters:
+        counter.check_any_used()
+    print('\n'.join(sweep_lines(result)), flush=True)
+    write_picture(options.picture, sweep_picture(result))
+    print(f'picture: {options.picture}', file=sys.stderr)
+
+
+def _locate(
+    options: argparse.Namespace, settings: NodeSettings, recording: Recording,
+    frames: Iterator[TimedFrame],
+) -> None:
+    counter, beyond_reach = SightingCounter(settings.camera, recording.is_live), 0
+    with ExitStack() as files:
+        csv = files.enter_context(_open_csv(options.csv)) if options.csv else None
+        video = None
+        if options.annotated:
+            video = AnnotatedVideo(options.annotated, recording.frame_rate / options.every)
+            files.callback(video.release)
+        _say(table_header(), csv, csv_header())
+        for timed in frames:
+            sighting = counter.see(timed)
+            beyond_reach += _tell(timed, sighting, settings, csv)
+            if video is not None:
+                _annotate(video, timed, sighting, settings.camera)
+    counter.check_any_used()
+    print('\n'.join(counter.summary()), file=sys.stderr)
+    if beyond_reach:
+        print(f'objects beyond reach_cm, without a place in the base frame: {beyond_reach}',
+              file=sys.stderr)
+
+
+def _open_csv(path: str) -> TextIO:
+    try:
+        return open(path, 'w', encoding='utf-8')
+    except OSError as error:
+        raise InvalidValueError(f"cannot write '{path}': {error.strerror}") from error
+
+
+def _tell(
+    timed: TimedFrame, sighting: Sighting, settings: NodeSettings, csv: Optional[TextIO]
+) -> int:
+    """Write the table's lines for a frame; return how many objects are beyond reach."""
+    if sighting.held_back is not None:
+        return 0
+    found = list(positions(timed, sighting.objects, settings.transform))
+    for position in found:
+        _say(table_line(position), csv, csv_line(position))
+    return sum(position.base is None for position in found)
+
+
+def _say(line: str, csv: Optional[TextIO], csv_text: str) -> None:
+    if csv is not None:
+        csv.write(f'{csv_text}\n')
+    # Around the progress bar, where both are on one terminal.
+    (tqdm.write if tqdm else print)(line)
+    sys.stdout.flush()
+
+
+def _annotate(
+    video: AnnotatedVideo, timed: TimedFrame, sighting: Sighting, settings: CameraSettings
+) -> None:
+    try:
+        picture = draw_objects(timed.frame, sighting.objects, settings.debug_label)
+    except CameraToBaseError:
+        return  # a frame that cannot be decoded
+    held_back = '' if sighting.held_back is None else f', left out: {sighting.held_back}'
+    draw_note(picture, f'frame {timed.number}, {timed.stamp_ns / 1e9:.3f} s{held_back}')
+    video.add(picture)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

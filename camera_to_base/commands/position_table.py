@@ -1,0 +1,115 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where objects were found, as lines of a table: for a person, and as CSV."""
+
+import math
+from typing import Iterator, List, NamedTuple, Optional
+
+from camera_to_base.coordinate_transform import Pose
+from camera_to_base.detection import LocatedObject
+from camera_to_base.errors import OutOfReachError
+from camera_to_base.sources import TimedFrame
+from camera_to_base.transform_parameters import TransformSettings
+
+
+class Column(NamedTuple):
+    """
+    One column.
+
+    :param width: In characters, for a person; 0 leaves it to the CSV.
+    :param decimals: For a person.
+    """
+
+    name: str
+    width: int
+    decimals: int
+
+
+COLUMNS = (
+    Column('frame', 6, 0), Column('time_s', 14, 3), Column('object', 6, 0),
+    Column('u_px', 7, 1), Column('v_px', 7, 1),
+    Column('x_cam_cm', 8, 2), Column('y_cam_cm', 8, 2),
+    Column('x_base_cm', 9, 2), Column('y_base_cm', 9, 2), Column('z_base_cm', 0, 2),
+    Column('yaw_base_deg', 12, 1))
+_CSV_DECIMALS = 4
+
+
+class Position(NamedTuple):
+    """
+    Where one object was found.
+
+    :param timed: On which frame.
+    :param number: 1 is the largest of its frame.
+    :param found: On the picture, and in the camera frame.
+    :param base: In the base frame, in cm and rad; None for what lies beyond reach_cm.
+    """
+
+    timed: TimedFrame
+    number: int
+    found: LocatedObject
+    base: Optional[Pose]
+
+    @property
+    def values(self) -> List[Optional[float]]:
+        """One number for each column; None where there is none."""
+        found, base, nothing = self.found, self.base, (None, None, None)
+        # A round object has no direction in either frame.
+        has_yaw = base is not None and found.yaw is not None
+        return [self.timed.number, self.timed.stamp_ns / 1e9, self.number,
+                *found.detection.centre, *found.point, *(nothing if base is None else base[:3]),
+                math.degrees(base.yaw) if has_yaw else None]
+
+
+def positions(
+    timed: TimedFrame, objects: List[LocatedObject], transform: TransformSettings
+) -> Iterator[Position]:
+    """
+    Convert what was found on a frame to the base frame.
+
+    :param objects: The largest first.
+    :raises CameraToBaseError: If a point cannot be converted.
+    """
+    for number, found in enumerate(objects, start=1):
+        try:
+            base = transform.base_pose(Pose(*found.point, 0.0, found.yaw or 0.0))
+        except OutOfReachError:
+            base = None
+        yield Position(timed, number, found, base)
+
+
+def table_header() -> str:
+    """Give the table's first line, for a person."""
+    return '  '.join(column.name.rjust(column.width) for column in COLUMNS if column.width)
+
+
+def table_line(position: Position) -> str:
+    """Give an object's line of the table, for a person."""
+    return '  '.join(
+        ('-' if value is None else f'{value:.{column.decimals}f}').rjust(column.width)
+        for column, value in zip(COLUMNS, position.values) if column.width)
+
+
+def csv_header() -> str:
+    """Give the first line of a CSV file; the columns' names tell the units."""
+    return ','.join(column.name for column in COLUMNS)
+
+
+def csv_line(position: Position) -> str:
+    """Give an object's line of a CSV file; what there is not is empty."""
+    cells = ['' if value is None else f'{value:.{_CSV_DECIMALS if column.decimals else 0}f}'
+             for column, value in zip(COLUMNS, position.values)]
+    # A float cannot hold a time since 1970 to the ns, by which a message's stamp is found again.
+    cells[1] = '{}.{:09d}'.format(*divmod(position.timed.stamp_ns, 10**9))
+    return ','.join(cells)

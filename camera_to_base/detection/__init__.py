@@ -1,0 +1,41 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Detection: which objects a frame shows, and where on the surface they lie.
+
+In: a frame, a background picture of the same size and the parameters `detector.*`. Out: detections
+in px, and located objects in cm, the largest first.
+
+Callers: `trust` and the rooms below. It imports numpy and OpenCV alone; whether a position may be
+published is decided in `trust`.
+"""
+
+from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.background_taker import BackgroundTaker
+from camera_to_base.detection.detection import (
+    Box, check_frame, Detection, locate_on_surface, Pixel, touches_edge)
+from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
+from camera_to_base.detection.locator import locate_pixel, LocatedObject, ObjectLocator, Point
+from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.random_pixels import random_pixel
+from camera_to_base.detection.settings import DetectorSettings, METHODS
+from camera_to_base.detection.shape import polygon_area
+
+__all__ = [
+    'AbsoluteDifferenceDetector', 'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame',
+    'Detection', 'DetectorSettings', 'locate_on_surface', 'locate_pixel', 'LocatedObject',
+    'mean_blocks', 'METHODS', 'ObjectLocator', 'Pixel', 'Point', 'polygon_area',
+    'PreciseDifferenceDetector', 'random_pixel', 'touches_edge',
+]

@@ -1,0 +1,130 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The whole way on one frame: from the picture to points in the camera frame."""
+
+from typing import List, NamedTuple, Optional, Sequence
+
+from camera_to_base.detection.detection import Detection, locate_on_surface
+from camera_to_base.detection.settings import DetectorSettings
+from camera_to_base.detection.yaw import object_yaw, scale_at
+from camera_to_base.errors import HorizonError
+from camera_to_base.surface import Surface
+import numpy as np
+
+# A frame of nothing but noise must not stop who locates objects on it.
+_MOST_OBJECTS = 100
+# The tutorial's closing gnaws at what is not this much wider than its kernel.
+_LEAST_WIDTH = 2.0
+
+
+class Point(NamedTuple):
+    """A position on the work surface, in the camera frame, in cm."""
+
+    x: float
+    y: float
+
+
+class LocatedObject(NamedTuple):
+    """
+    An object: where it is on the picture, and where on the surface.
+
+    :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
+        in (-pi/2, pi/2]; None where it has none (a coin, a square) or none that can be told.
+    """
+
+    detection: Detection
+    point: Point
+    yaw: Optional[float] = None
+
+
+class ObjectLocator:
+    """
+    Locates every object on a frame.
+
+    :param background: The surface without an object, shape (h, w, 3), uint8, BGR.
+    :param surface: Maps pixels to the work surface.
+    :param settings: The detector's.
+    :raises FrameSizeError: If the surface was calibrated for another picture size.
+    :raises InvalidValueError: If the background cannot be used.
+    """
+
+    def __init__(
+        self,
+        background: np.ndarray,
+        surface: Surface,
+        settings: DetectorSettings = DetectorSettings(),
+    ) -> None:
+        self._detector = settings.detector(background)
+        self._surface = surface.for_image_size((background.shape[1], background.shape[0]))
+        self._settings = settings
+        self._least_width = (
+            0.0 if settings.method == 'precise' else _LEAST_WIDTH * settings.closing_size)
+
+    def locate(self, frame: np.ndarray) -> List[LocatedObject]:
+        """
+        Locate the objects that lie on the work surface.
+
+        What is seen beyond the horizon (somebody walks through the room) is no object on the
+        surface and is left out, as is what has not the size that counts.
+
+        :param frame: Shape (h, w, 3), uint8, BGR.
+        :returns: The largest first, at most 100; none is [].
+        :raises HorizonError: If something is seen, but all of it beyond the horizon.
+        :raises FrameSizeError: If the frame's size is not the background's.
+        """
+        objects, beyond = [], None
+        for detection in self._detector.detect(frame)[:_MOST_OBJECTS]:
+            try:
+                located = self._located(detection)
+                if located is not None:
+                    objects.append(located)
+            except HorizonError as error:
+                beyond = beyond or error
+        if beyond is not None and not objects:
+            raise beyond
+        return objects
+
+    def _located(self, detection: Detection) -> Optional[LocatedObject]:
+        point = self._point(detection)
+        cm_per_px = scale_at(self._surface, detection.centre)
+        if not self._counts(detection, cm_per_px):
+            return None
+        yaw = object_yaw(self._surface, detection, cm_per_px, self._least_width)
+        return LocatedObject(detection, point, yaw)
+
+    def _counts(self, detection: Detection, cm_per_px: np.ndarray) -> bool:
+        settings = self._settings
+        if detection.cut_off and settings.method == 'precise' and not settings.publish_cut_off:
+            return False
+        if settings.area is not None and not settings.area.contains(detection.centre):
+            return False
+        area_cm2 = detection.area * abs(np.linalg.det(cm_per_px))
+        return settings.min_area_cm2 <= area_cm2 <= settings.max_area_cm2
+
+    def _point(self, detection: Detection) -> Point:
+        if self._settings.method == 'precise':
+            return Point(*map(float, locate_on_surface(self._surface.locate, detection)))
+        return locate_pixel(self._surface, detection.centre)
+
+
+def locate_pixel(surface: Surface, pixel: Sequence[float]) -> Point:
+    """
+    Map one pixel to the work surface.
+
+    :param pixel: u and v, in px.
+    :raises HorizonError: If the pixel lies on the horizon or beyond it.
+    """
+    x, y = surface.locate([pixel])[0]
+    return Point(float(x), float(y))

@@ -1,0 +1,105 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Which detector finds the objects, and which of them count."""
+
+from dataclasses import dataclass
+from typing import List, Optional, Protocol
+
+from camera_to_base.checks import finite_number
+from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.detection import Detection
+from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.surface import Hull
+import numpy as np
+
+# What each method takes of the settings, beside the limits for the objects' size and place.
+_METHOD_SETTINGS = {
+    'tutorial': ('threshold', 'closing_size', 'median_size'),
+    'precise': ('precise_threshold', 'publish_cut_off'),
+}
+METHODS = tuple(_METHOD_SETTINGS)
+
+
+class Detector(Protocol):
+    """Finds objects by their difference to a background picture."""
+
+    def detect(self, frame: np.ndarray) -> List[Detection]:
+        """
+        Find the objects on a frame.
+
+        :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        :returns: The largest first; none is [].
+        :raises FrameSizeError: If the frame's size is not the background's.
+        """
+
+
+@dataclass(frozen=True)
+class DetectorSettings:
+    """
+    Which detector, and which of its objects count.
+
+    :param method: 'tutorial', to the pixel, or 'precise'.
+    :param threshold: tutorial: grey levels that make a pixel part of an object, 0..255.
+    :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
+    :param median_size: tutorial: edge of the median filter's window, in px, odd.
+    :param precise_threshold: precise: the same as threshold, at the background's light.
+    :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
+    :param max_area_cm2: Larger objects do not count, in cm² on the surface.
+    :param area: Objects outside of it do not count; None for everywhere.
+    :param publish_cut_off: precise: whether an object that touches the picture's edge counts; the
+        tutorial's method takes it for whole.
+    :raises InvalidValueError: If a value cannot be used.
+    """
+
+    method: str = 'precise'
+    threshold: int = 95
+    closing_size: int = 20
+    median_size: int = 5
+    precise_threshold: float = 45.0
+    min_area_cm2: float = 0.0
+    max_area_cm2: float = 1e6
+    publish_cut_off: bool = False
+    area: Optional[Hull] = None
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without a background."""
+        if self.method not in METHODS:
+            raise InvalidValueError(
+                f"detector.method must be one of {', '.join(METHODS)}, got '{self.method}'")
+        AbsoluteDifferenceDetector.check_parameters(
+            self.threshold, self.closing_size, self.median_size)
+        finite_number('precise_threshold', self.precise_threshold, 0, 255)
+        finite_number('min_area_cm2', self.min_area_cm2, 0, 1e6)
+        finite_number('max_area_cm2', self.max_area_cm2, self.min_area_cm2, 1e6)
+
+    @property
+    def without_effect(self) -> List[str]:
+        """Names of settings that were changed, but belong to another method."""
+        return [name for names in _METHOD_SETTINGS.values() for name in names
+                if not self.has_effect(name) and getattr(self, name) != getattr(type(self), name)]
+
+    def has_effect(self, name: str) -> bool:
+        """Tell whether the method in use takes a setting."""
+        return not any(name in names for method, names in _METHOD_SETTINGS.items()
+                       if method != self.method)
+
+    def detector(self, background: np.ndarray) -> Detector:
+        """Make the detector."""
+        if self.method == 'precise':
+            return PreciseDifferenceDetector(background, threshold=self.precise_threshold)
+        return AbsoluteDifferenceDetector(
+            background, threshold=self.threshold, closing_size=self.closing_size,
+            median_size=self.median_size)

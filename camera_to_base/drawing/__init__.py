@@ -1,0 +1,35 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Drawing: pictures of what was found, and files that keep pictures.
+
+In: frames, located objects and labels. Out: annotated pictures and videos, masks, and the file
+that keeps a background for the next start.
+
+Callers: `settings`, `nodes` and `commands`.
+"""
+
+from camera_to_base.drawing.annotated_video import AnnotatedVideo, check_video_path
+from camera_to_base.drawing.background_file import BackgroundFile, check_background_path
+from camera_to_base.drawing.overlay import (
+    base_label, camera_label, check_picture_path, draw_note, draw_objects, encoded_picture, Label,
+    object_mask, write_picture)
+from camera_to_base.drawing.picture_keeper import PictureKeeper
+
+__all__ = [
+    'AnnotatedVideo', 'BackgroundFile', 'base_label', 'camera_label', 'check_background_path',
+    'check_picture_path', 'check_video_path', 'draw_note', 'draw_objects', 'encoded_picture',
+    'Label', 'object_mask', 'PictureKeeper', 'write_picture',
+]

@@ -1,0 +1,161 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Draws on a frame what was found there."""
+
+import math
+import os
+from typing import Callable, Sequence
+
+from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
+from camera_to_base.detection import check_frame, Detection, LocatedObject, Pixel, Point
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.files import check_folder, write_files
+from camera_to_base.surface import ImageSize
+import cv2
+import numpy as np
+
+Label = Callable[[Point], str]
+
+_OUTLINE_COLOUR = (216, 160, 32)
+_BOX_COLOUR = (36, 200, 36)
+_CENTRE_COLOUR = (32, 32, 240)
+_TEXT_COLOUR = (255, 255, 255)
+_PATCH_COLOUR = (40, 40, 40)
+_EMPTY_COLOUR = (208, 208, 208)
+
+
+def camera_label(point: Point) -> str:
+    """Tell a position in the camera frame, as the tutorial's first script does."""
+    return f'x {point.x:.2f}, y {point.y:.2f} cm'
+
+
+def base_label(conversion: CameraToRobotBaseConversion) -> Label:
+    """Make what tells a position in the base frame, as the tutorial's second script does."""
+    def label(point: Point) -> str:
+        x, y, _ = conversion.convert_point(*point)
+        return f'base x {x:.2f}, y {y:.2f} cm'
+    return label
+
+
+def draw_objects(
+    frame: np.ndarray, objects: Sequence[LocatedObject], label: Label = camera_label
+) -> np.ndarray:
+    """
+    Draw each object's outline, box, centre and position, and its direction where it has one.
+
+    :param frame: Shape (h, w, 3), uint8, BGR; it is left as it is.
+    :param label: Makes the text of a position.
+    :returns: A picture of the same shape.
+    """
+    picture = frame.copy()
+    for found in objects:
+        detection, box = found.detection, found.detection.box
+        cv2.polylines(picture, [detection.outline], True, _OUTLINE_COLOUR, 1, cv2.LINE_AA)
+        cv2.rectangle(picture, (box.x, box.y), (box.x + box.width - 1, box.y + box.height - 1),
+                      _BOX_COLOUR, 2)
+        _draw_centre(picture, detection.centre)
+        if found.yaw is not None:
+            _draw_axis(picture, detection)
+        _draw_text(picture, label(found.point), (box.x, box.y - 8))
+    return picture
+
+
+def draw_note(picture: np.ndarray, note: str) -> None:
+    """Write a line into a picture's top-left corner."""
+    _draw_text(picture, note, (8, 20))
+
+
+def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:
+    """
+    Tell what of a frame belongs to objects.
+
+    :param frame: Shape (h, w, 3).
+    :returns: Shape (h, w), uint8, 255 within the objects' outlines, 0 elsewhere.
+    """
+    mask = np.zeros(frame.shape[:2], np.uint8)
+    for found in objects:
+        cv2.fillPoly(mask, [found.detection.outline], 255)
+    return mask
+
+
+def draw_pixel(image_size: ImageSize, pixel: Pixel, point: Point) -> np.ndarray:
+    """
+    Draw a pixel that comes without a frame, and its position, on an empty picture.
+
+    :param image_size: Width and height, in px.
+    :returns: Shape (h, w, 3), uint8, BGR.
+    """
+    picture = np.full((image_size[1], image_size[0], 3), _EMPTY_COLOUR, np.uint8)
+    _draw_centre(picture, pixel)
+    _draw_text(picture, camera_label(point), (round(pixel.u) + 8, round(pixel.v) - 8))
+    return picture
+
+
+def write_picture(path: str, picture: np.ndarray) -> None:
+    """
+    Write a picture file as a whole: whoever looks sees the old one or the new one.
+
+    :param path: Where to; the ending tells the format.
+    :raises InvalidValueError: If it cannot be written.
+    """
+    write_files({path: encoded_picture(path, picture)})
+
+
+def encoded_picture(path: str, picture: np.ndarray) -> bytes:
+    """
+    Make the content of a picture file.
+
+    :param path: Its name; the ending tells the format.
+    :raises InvalidValueError: If the ending is another, or the picture is none.
+    """
+    ending = check_picture_path(path)
+    check_frame(picture, 'picture')
+    return cv2.imencode(ending, picture)[1].tobytes()
+
+
+def check_picture_path(path: str) -> str:
+    """
+    Check that a picture's file name tells its format, and that its folder exists.
+
+    :returns: The ending: '.png' or '.jpg'.
+    :raises InvalidValueError: If it tells another, or there is no such folder.
+    """
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in ('.png', '.jpg'):
+        raise InvalidValueError(f"a picture's name must end in .png or .jpg, got '{path}'")
+    check_folder(path, 'picture')
+    return ending
+
+
+def _draw_centre(picture: np.ndarray, pixel: Pixel) -> None:
+    cv2.circle(picture, (round(pixel.u), round(pixel.v)), 3, _CENTRE_COLOUR, -1)
+
+
+def _draw_axis(picture: np.ndarray, detection: Detection) -> None:
+    (u, v), angle = detection.centre, detection.orientation
+    half = max(detection.box.width, detection.box.height) / 2
+    du, dv = half * math.cos(angle), half * math.sin(angle)
+    cv2.line(picture, (round(u - du), round(v - dv)), (round(u + du), round(v + dv)),
+             _CENTRE_COLOUR, 1, cv2.LINE_AA)
+
+
+def _draw_text(picture: np.ndarray, text: str, corner: Sequence[int]) -> None:
+    # On a patch of its own, and kept inside the picture: readable on anything, at any edge.
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
+    x = max(2, min(corner[0], picture.shape[1] - width - 3))
+    y = max(height + 3, min(corner[1], picture.shape[0] - 5))
+    cv2.rectangle(picture, (x - 2, y - height - 3), (x + width + 2, y + 4), _PATCH_COLOUR, -1)
+    cv2.putText(picture, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.5, _TEXT_COLOUR, 1,
+                cv2.LINE_AA)

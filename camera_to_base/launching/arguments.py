@@ -1,0 +1,197 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the launch file says to the nodes that it starts: topics, frames, transforms, devices."""
+
+import math
+from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
+
+from camera_to_base.checks import finite_numbers
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.launching.cameras import Camera
+from camera_to_base.parameter_file import read_node_parameters
+from camera_to_base.parameter_spec import meant_name, unknown_name_text
+from camera_to_base.settings import CAMERA_SPECS, TOPIC_SOURCES
+from camera_to_base.sources import is_camera
+from camera_to_base.surface import check_image_size
+from camera_to_base.transform_parameters import TRANSFORM_SPECS
+
+# Both drivers publish under this relative name.
+_DRIVER_TOPIC = 'image_raw'
+# What launch and launch_ros keep for themselves among the arguments.
+_OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
+_DEFAULTS = {spec.name: spec.default for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
+
+
+class ImageInput(NamedTuple):
+    """
+    Where the camera node takes frames from.
+
+    :param source: Its parameter.
+    :param remappings: The topic that it subscribes to, and the one that it is to listen to.
+    """
+
+    source: str
+    remappings: List[Tuple[str, str]]
+
+
+class Frames(NamedTuple):
+    """The names of the two coordinate frames of a camera."""
+
+    base: str
+    camera: str
+
+
+def argument_warnings(
+        given: Iterable[str], known: Collection[str], ours_alone: bool) -> List[str]:
+    """
+    Warn of arguments that there are not: launch ignores them, so that a default would hold.
+
+    :param given: The names of all arguments of the launch.
+    :param known: The names of ours.
+    :param ours_alone: Nobody else's are among them; otherwise only what looks misspelt is told.
+    """
+    unknown = [name for name in given if name not in {*known, *_OF_LAUNCH}]
+    meant = {name: meant_name(name, known) for name in unknown}
+    return [unknown_name_text(name, meant[name], 'launch argument') for name in unknown
+            if meant[name] or ours_alone]
+
+
+def is_wanted(name: str, value: str) -> bool:
+    """
+    Read a launch argument that is true or false.
+
+    :raises InvalidValueError: If it is neither.
+    """
+    if value.lower() not in ('true', 'false'):
+        raise InvalidValueError(f"{name} must be true or false, got '{value}'")
+    return value.lower() == 'true'
+
+
+def image_input(camera: Camera) -> ImageInput:
+    """
+    Tell where the camera node takes frames from: an image topic, or its own source.
+
+    A source in the parameter file holds where the launch names none.
+
+    :raises InvalidValueError: If the parameter file cannot be read.
+    """
+    topic = camera.image_topic or (_DRIVER_TOPIC if camera.has_driver else '')
+    if not topic:
+        named = camera.source != _DEFAULTS['source']
+        in_file = _parameters(camera, 'camera_publisher')['source']
+        return ImageInput(camera.source if named else str(in_file), [])
+    if topic.endswith('/compressed'):
+        return ImageInput('compressed_topic', [('image/compressed', topic)])
+    return ImageInput('topic', [('image', topic)])
+
+
+def kept_background(camera: Camera, path: str) -> Dict[str, str]:
+    """
+    Make the parameter that lets a camera node, started again, go on with its background.
+
+    :param path: A .png file of this camera, and of this launch alone.
+    :returns: Empty where the parameter file names a file, or no camera gives the frames.
+    :raises InvalidValueError: If the parameter file cannot be read.
+    """
+    source = image_input(camera).source
+    is_live = source in ('auto', *TOPIC_SOURCES) or is_camera(source)
+    named = 'background_file' in _given_parameters(camera, 'camera_publisher')
+    return {'background_file': path} if is_live and not named else {}
+
+
+def driver_parameters(camera: Camera) -> Dict[str, Any]:
+    """
+    Make a driver's parameters: its device, and pictures of the size that was calibrated.
+
+    :raises InvalidValueError: If the parameter file cannot be read, or has no proper size.
+    """
+    values = _parameters(camera, 'camera_publisher')
+    width, height = check_image_size(values['surface.image_size'])
+    if camera.camera_driver == 'usb_cam':
+        return {'video_device': camera.device, 'image_width': width, 'image_height': height}
+    return {'video_device': camera.device, 'image_size': [width, height]}
+
+
+def frames(camera: Camera) -> Frames:
+    """
+    Tell the names of a camera's frames.
+
+    Cameras in different namespaces share one tree of frames: where the file does not name the
+    camera frame, the namespace is put before its name.
+
+    :raises InvalidValueError: If the parameter file cannot be read.
+    """
+    prefix = f'{camera.namespace}/' if camera.namespace else ''
+    own = {'camera_frame_id': prefix + _DEFAULTS['camera_frame_id'],
+           **_given_parameters(camera, 'camera_publisher')}
+    base = _parameters(camera, 'robot_base_publisher')
+    return Frames(str(base['base_frame_id']), str(own['camera_frame_id']))
+
+
+def check_frames(cameras: List[Camera]) -> None:
+    """
+    Check that one tree of frames can hold all cameras.
+
+    :raises InvalidValueError: If two frames have the same name.
+    """
+    seen: Dict[str, Camera] = {}
+    for camera in cameras:
+        base, own = frames(camera)
+        if own == base:
+            raise InvalidValueError(
+                f"camera_frame_id and base_frame_id are both '{own}': give them different names")
+        if own in seen:
+            raise InvalidValueError(
+                f"the cameras in '{seen[own].namespace}' and '{camera.namespace}' both have the "
+                f"camera_frame_id '{own}': give each its own in its params_file")
+        seen[own] = camera
+
+
+def transform_arguments(camera: Camera) -> List[str]:
+    """
+    Make the command line of tf2_ros's static_transform_publisher.
+
+    It turns about the fixed axes x, y and z, as `rotation_deg` does; it takes rad and m.
+
+    :raises InvalidValueError: If the parameter file cannot be read, or has no such transform.
+    """
+    values = _parameters(camera, 'robot_base_publisher')
+    x, y, z = finite_numbers('displacement_cm', values['displacement_cm'], 3) / 100
+    roll, pitch, yaw = map(math.radians, finite_numbers('rotation_deg', values['rotation_deg'], 3))
+    base, own = frames(camera)
+    return [
+        '--x', f'{x:.12g}', '--y', f'{y:.12g}', '--z', f'{z:.12g}',
+        '--roll', f'{roll:.12g}', '--pitch', f'{pitch:.12g}', '--yaw', f'{yaw:.12g}',
+        '--frame-id', base, '--child-frame-id', own]
+
+
+def not_installed(package: str, argument: str, distribution: str) -> str:
+    """
+    Say that a package is missing, and what to do.
+
+    :param argument: The launch argument that asks for it, as it was written.
+    :param distribution: The ROS distribution, 'jazzy'.
+    """
+    return (f'{argument} needs the package {package}, which is not installed: '
+            f"sudo apt install ros-{distribution}-{package.replace('_', '-')}")
+
+
+def _parameters(camera: Camera, node: str) -> Dict[str, Any]:
+    return {**_DEFAULTS, **_given_parameters(camera, node)}
+
+
+def _given_parameters(camera: Camera, node: str) -> Dict[str, Any]:
+    namespace = f'/{camera.namespace}' if camera.namespace else ''
+    return read_node_parameters(camera.params_file, f'{namespace}/{node}')

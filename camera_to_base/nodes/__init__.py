@@ -1,0 +1,24 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The two nodes, and what only they need.
+
+In: parameters and topics. Out: topics, services and diagnostics; the names are in docs. A node
+only wires; what it calls is in the rooms above.
+
+Callers: the installed executables alone, so that nothing stands in `__all__`.
+"""
+
+__all__ = []

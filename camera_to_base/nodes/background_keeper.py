@@ -1,0 +1,74 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Lets a camera node that is started again go on with the background that it had."""
+
+from camera_to_base.drawing import BackgroundFile
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.settings import CameraSettings
+from camera_to_base.trust import CameraPipeline
+from rclpy.node import Node
+
+
+class BackgroundKeeper:
+    """
+    Reads the background from the parameter's file, and writes each new one there.
+
+    A file that cannot be used stops no node: it is said, and the background is taken anew.
+
+    :param node: Its logger is used.
+    :param pipeline: What takes the background.
+    :param settings: The camera node's.
+    :param is_live: Whether a camera or a topic gives the frames; otherwise there is no file.
+    """
+
+    def __init__(
+        self, node: Node, pipeline: CameraPipeline, settings: CameraSettings, is_live: bool
+    ) -> None:
+        self._logger = node.get_logger()
+        self._pipeline = pipeline
+        self._is_live = is_live
+        self._path = settings.background_file if is_live else ''
+        self._file = BackgroundFile(self._path)
+        # With auto and no camera it is said that positions are random.
+        if settings.background_file and not is_live and settings.source != 'auto':
+            self._logger.warning(
+                f"background_file has no effect with source '{settings.source}': only the "
+                'background of a camera or a topic is kept')
+        self._restore()
+
+    @property
+    def origin(self) -> str:
+        """Say where the background comes from."""
+        if self._pipeline.background is None:
+            good = 'good ' if self._is_live else ''
+            return f'the first {good}one is the background'
+        return (f"the background is that of '{self._path}', taken "
+                f'{self._pipeline.background_age_s:.0f} s ago: ~/capture_background takes it anew')
+
+    def keep(self) -> None:
+        """Write the background if it is a new one."""
+        try:
+            self._file.keep(self._pipeline.background)
+        except CameraToBaseError as error:
+            self._logger.error(f'the background is not kept: {error}')
+
+    def _restore(self) -> None:
+        try:
+            kept = self._file.read()
+        except CameraToBaseError as error:
+            self._logger.warning(f'{error}: the background is taken anew')
+            return
+        if kept is not None:
+            self._pipeline.restore_background(kept.picture, kept.age_s)

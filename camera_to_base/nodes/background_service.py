@@ -1,0 +1,85 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The service that takes the background anew, and answers when it is there."""
+
+from typing import Callable, Optional
+
+from camera_to_base.ros import real_time_timer
+from camera_to_base.trust import CameraPipeline
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+# A background that is not complete after as long as this never will be.
+_TIMEOUT_S = 10.0
+
+
+class BackgroundService:
+    """
+    Offers `~/capture_background`.
+
+    :param node: The node that offers it.
+    :param pipeline: What takes the background.
+    :param frame_count: Tells of how many frames.
+    :param has_frames: Tells whether frames come at all.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        pipeline: CameraPipeline,
+        frame_count: Callable[[], int],
+        has_frames: Callable[[], bool],
+    ) -> None:
+        self._node = node
+        self._pipeline = pipeline
+        self._frame_count = frame_count
+        self._has_frames = has_frames
+        self._captured: Optional[Future] = None
+        # A group of its own: frames come in while it waits for them.
+        node.create_service(Trigger, '~/capture_background', self._on_call,
+                            callback_group=MutuallyExclusiveCallbackGroup())
+
+    def notice_frame(self) -> None:
+        """Answer a waiting caller if the pipeline has its background."""
+        if self._captured is not None and self._pipeline.background is not None:
+            self._captured.set_result(True)
+
+    async def _on_call(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        if not self._has_frames():
+            response.message = 'random pixels have no background: name a camera with source'
+            return response
+        count = self._frame_count()
+        self._pipeline.capture_background(count)
+        response.success = await self._capture()
+        if response.success:
+            height, width = self._pipeline.background.shape[:2]
+            response.message = f'took {width} x {height} px, the median of {count} frame(s)'
+        else:
+            response.message = (f'not {count} good frame(s) in {_TIMEOUT_S:g} s; the next ones '
+                                'become the background')
+        return response
+
+    async def _capture(self) -> bool:
+        self._captured = captured = Future()
+        deadline = real_time_timer(
+            self._node, _TIMEOUT_S, lambda: captured.set_result(False))
+        success = await captured
+        self._captured = None
+        self._node.destroy_timer(deadline)
+        return success

@@ -1,0 +1,92 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tells in the log and the diagnostics how a camera node is."""
+
+from typing import Optional
+
+from camera_to_base.nodes.camera_health import (
+    camera_problem, camera_values, DetectionRate, has_no_structure, Problem)
+from camera_to_base.ros import Diagnostics, Health, Heartbeat, Level, NameCheck
+from camera_to_base.sources import ReaderStatus
+from camera_to_base.trust import CameraPipeline
+from rclpy.node import Node
+
+_PERIOD_S = 0.2
+
+
+class CameraWatch:
+    """
+    Says what has changed in the log, and how all is on /diagnostics.
+
+    :param node: The camera node.
+    :param pipeline: Its pipeline.
+    """
+
+    def __init__(self, node: Node, pipeline: CameraPipeline) -> None:
+        self._logger = node.get_logger()
+        self._pipeline = pipeline
+        self._problem: Optional[Problem] = None
+        self._has_no_structure = False
+        self._detection_rate = DetectionRate()
+        self._reader: Optional[ReaderStatus] = None
+        self._source: Optional[str] = None
+        self._heartbeat = Heartbeat(node)
+        self._diagnostics = Diagnostics(node, self._heartbeat, self._health)
+        NameCheck(node, self._heartbeat)
+
+    def start(self, source: str, reader: Optional[ReaderStatus]) -> None:
+        """
+        Watch where frames come from.
+
+        :param source: Its name.
+        :param reader: None for a source that is no camera.
+        """
+        self._source, self._reader = source, reader
+        self._heartbeat.every(_PERIOD_S, self._watch)
+
+    def _watch(self) -> None:
+        before, self._problem = self._problem, camera_problem(
+            self._reader, self._pipeline, self._source)
+        if _kind(self._problem) != _kind(before):
+            self._tell(self._problem)
+            self._diagnostics.publish()
+        knew, self._has_no_structure = (
+            self._has_no_structure, has_no_structure(self._pipeline.view))
+        if self._has_no_structure and not knew:
+            self._logger.info('the view cannot be checked: the surface has no structure, so that '
+                              'nobody would notice a nudge; put marks into its corners')
+
+    def _tell(self, problem: Optional[Problem]) -> None:
+        # rclpy refuses another severity from the same line.
+        if problem is None:
+            self._logger.info('ready: objects on the surface are published')
+        elif problem.level is Level.ERROR:
+            self._logger.error(problem.sentence)
+        else:
+            self._logger.info(problem.sentence)
+
+    def _health(self) -> Health:
+        values = {'source': self._source or 'random',
+                  **camera_values(self._reader, self._pipeline),
+                  **self._detection_rate.values(self._pipeline)}
+        if self._source is None:
+            return Health(Level.WARN, 'positions are random: name a camera with source', values)
+        if self._problem is not None:
+            return Health(self._problem.level, self._problem.sentence, values)
+        return Health(Level.OK, 'objects on the surface are published', values)
+
+
+def _kind(problem: Optional[Problem]) -> Optional[str]:
+    return None if problem is None else problem.kind

@@ -1,0 +1,77 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Publishes pictures of what a camera node sees, while somebody looks at them."""
+
+from typing import Callable
+
+from camera_to_base.drawing import draw_note, draw_objects, Label, object_mask
+from camera_to_base.nodes.image_messages import image_message, jpeg_message
+from camera_to_base.trust import Sighting
+import numpy as np
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
+
+
+class DebugImages:
+    """
+    Publishes the frame with all that was found on it, and the mask of the objects.
+
+    Nothing is drawn or encoded for a topic that nobody listens to. Reliable, so that listeners of
+    either kind are served; of depth 1, for nobody wants to see old pictures.
+
+    :param node: The node that publishes.
+    """
+
+    def __init__(self, node: Node) -> None:
+        def publisher(message_type: type, topic: str) -> Publisher:
+            return node.create_publisher(
+                message_type, topic, QoSProfile(depth=1),
+                qos_overriding_options=QoSOverridingOptions.with_default_policies())
+
+        self._image = publisher(Image, 'debug_image')
+        self._jpeg = publisher(CompressedImage, 'debug_image/compressed')
+        self._mask = publisher(Image, 'mask')
+
+    def publish(
+        self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label
+    ) -> None:
+        """
+        Publish what somebody listens to.
+
+        :param frame: Shape (h, w, 3), uint8, BGR.
+        :param sighting: What was found on it.
+        :param note: A line for the picture's corner: the state of the background, of the node.
+        :param label: Makes the text of a position.
+        """
+        if _has_listener(self._image) or _has_listener(self._jpeg):
+            picture = draw_objects(frame, sighting.objects, label)
+            draw_note(picture, note)
+            _publish(self._image, lambda: image_message(header, picture))
+            _publish(self._jpeg, lambda: jpeg_message(header, picture))
+        _publish(self._mask, lambda: image_message(
+            header, object_mask(frame, sighting.objects)))
+
+
+def _has_listener(publisher: Publisher) -> bool:
+    return publisher.get_subscription_count() > 0
+
+
+def _publish(publisher: Publisher, make_message: Callable[[], object]) -> None:
+    if _has_listener(publisher):
+        publisher.publish(make_message())

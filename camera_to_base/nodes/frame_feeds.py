@@ -1,0 +1,117 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How frames come to a node: at their recording's rate, or whenever a camera has one."""
+
+import time
+from typing import Callable, Optional
+
+from builtin_interfaces.msg import Time
+from camera_to_base.ros import real_time_timer
+from camera_to_base.sources import FrameReader, FrameSource
+from camera_to_base.trust import DamageCheck
+import numpy as np
+from rclpy.node import Node
+from rclpy.time import Time as RosTime
+
+# Takes a frame, when it was taken by time.monotonic() (None for one that waits for its reader),
+# and the same as a ROS time.
+OnFrame = Callable[[np.ndarray, Optional[float], Time], None]
+
+_START_PERIOD_S = 0.1
+
+
+class TimedFeed:
+    """
+    Reads a recording, or the simulated board, at its own rate.
+
+    :param node: The node whose executor reads.
+    :param source: What is read.
+    :param on_frame: Called for each frame.
+    :param may_start: The first frame is not read before it tells True.
+    :param on_end: Called once, when the recording has ended.
+    """
+
+    reader = None
+
+    def __init__(
+        self,
+        node: Node,
+        source: FrameSource,
+        on_frame: OnFrame,
+        may_start: Callable[[], bool],
+        on_end: Callable[[], None],
+    ) -> None:
+        self._node, self._source = node, source
+        self._on_frame, self._may_start, self._on_end = on_frame, may_start, on_end
+        self._timer = real_time_timer(node, _START_PERIOD_S, self._on_start_timer)
+
+    def close(self) -> None:
+        """Give the source back."""
+        self._source.release()
+
+    def _on_start_timer(self) -> None:
+        if self._may_start():
+            self._node.destroy_timer(self._timer)
+            self._timer = real_time_timer(
+                self._node, 1 / self._source.frame_rate, self._on_timer)
+
+    def _on_timer(self) -> None:
+        frame = self._source.read()
+        if frame is None:
+            self._timer.cancel()
+            self._on_end()
+        else:
+            self._on_frame(frame, None, self._node.get_clock().now().to_msg())
+
+
+class CameraFeed:
+    """
+    Takes the newest frame of a camera whenever there is one.
+
+    :param node: The node whose executor takes them.
+    :param camera: See :class:`FrameReader`.
+    :param on_frame: Called for each frame.
+    :param may_lag: See :class:`FrameReader`.
+    :param wait: Whether a camera that is not there is waited for.
+    :raises FrameSourceError: If it is not there, and not waited for.
+    """
+
+    def __init__(
+        self, node: Node, camera: FrameSource, on_frame: OnFrame, may_lag: bool, wait: bool
+    ) -> None:
+        self._node, self._on_frame = node, on_frame
+        new_frame = node.create_guard_condition(self._on_new_frame)
+        self.reader = FrameReader(camera, new_frame.trigger, DamageCheck().reason, may_lag)
+        try:
+            if not wait:
+                self.reader.wait_for_first_attempt()
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End the reader, which gives the camera back."""
+        self.reader.close()
+
+    def _on_new_frame(self) -> None:
+        taken = self.reader.take()
+        if taken is not None:
+            self._on_frame(taken.image, taken.taken_at, self._ros_time(taken.taken_at))
+
+    def _ros_time(self, taken_at: float) -> Time:
+        age_ns = int((time.monotonic() - taken_at) * 1e9)
+        now = self._node.get_clock().now()
+        # The time of a simulation that has just begun is less than the frame's age.
+        return RosTime(nanoseconds=max(0, now.nanoseconds - age_ns)).to_msg()

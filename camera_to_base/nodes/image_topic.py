@@ -1,0 +1,151 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Receives the pictures of any camera driver from a topic: the newest waiting one is used."""
+
+import time
+from typing import Any, Callable, Dict, Optional, Union
+
+from builtin_interfaces.msg import Time
+from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicTypeError
+from camera_to_base.sources import (
+    frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderState,
+    ReaderStatus, SilenceLimit)
+import numpy as np
+from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.qos import qos_policy_name_from_kind, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from sensor_msgs.msg import CompressedImage, Image
+
+
+class ImageTopic(ReaderStatus):
+    """
+    Makes frames of the pictures on the topic `image`, or `image/compressed`.
+
+    A picture that cannot be used is logged and counted; the next one may be better.
+
+    :param node: Subscribes and logs.
+    :param on_frame: Called with each good frame, of shape (h, w, 3), uint8, BGR; when it came, in
+        s of time.monotonic(); and the driver's stamp.
+    :param damage: Tells for each frame why it cannot be believed, or None.
+    :param compressed: Subscribe to `image/compressed`.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        on_frame: Callable[[np.ndarray, float, Time], None],
+        damage: Callable[[np.ndarray], Optional[str]] = lambda frame: None,
+        compressed: bool = False,
+    ) -> None:
+        super().__init__()
+        self._node = node
+        self._on_frame = on_frame
+        self._damage = damage
+        self._decode = frame_from_compressed_message if compressed else frame_from_image_message
+        self._silence_limit = SilenceLimit()
+        self._refused_at = -LOST_AFTER_S
+        self._mismatch: Optional[FrameSourceError] = None
+        self._last_number: Optional[int] = None
+        # As sensor data, except that no picture ever waits behind another.
+        self._subscription = node.create_subscription(
+            CompressedImage if compressed else Image,
+            'image/compressed' if compressed else 'image', self._on_message,
+            QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT),
+            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch),
+            qos_overriding_options=QoSOverridingOptions([QoSPolicyKind.RELIABILITY]))
+        self.topic_name: str = self._subscription.topic_name
+
+    @property
+    def reader(self) -> ReaderStatus:
+        """Give what knows how the camera does: as a feed, it is its own reader."""
+        return self
+
+    @property
+    def error(self) -> Optional[FrameSourceError]:
+        """Tell why no frame has come for a while; None while frames come."""
+        if self.seconds_without_frame <= self.longest_silence_s:
+            return None
+        refused_lately = time.monotonic() - self._refused_at <= LOST_AFTER_S
+        return self._error if refused_lately else self._cause_of_silence()
+
+    @property
+    def longest_silence_s(self) -> float:
+        """See :class:`ReaderStatus`; a driver may publish less than one picture a second."""
+        return self._silence_limit.seconds
+
+    def close(self) -> None:
+        """Receive no more pictures."""
+        self._node.destroy_subscription(self._subscription)
+
+    def _on_message(self, message: Union[Image, CompressedImage], info: Dict[str, Any]) -> None:
+        arrived_at = _arrived_at(info)
+        self._count_replaced(info)
+        try:
+            frame = self._decode(message)
+        except InvalidValueError as error:
+            self._refuse(error)
+            return
+        self._count(reconnects=self.state is ReaderState.LOST)
+        self._note_frame(arrived_at)
+        self._silence_limit.note(arrived_at)
+        damage = self._damage(frame)
+        self._note_damage(damage)
+        if damage is None:
+            self._on_frame(frame, arrived_at, message.header.stamp)
+
+    def _count_replaced(self, info: Dict[str, Any]) -> None:
+        # Not every middleware numbers what a publisher sends; another publisher begins anew.
+        number, last = info.get('publication_sequence_number'), self._last_number
+        if number is not None and last is not None and number > last:
+            self._count(overwritten=number - last - 1)
+        self._last_number = number
+
+    def _refuse(self, error: InvalidValueError) -> None:
+        self._note_damage(str(error))
+        self._refused_at = time.monotonic()
+        self._error = FrameSourceError(f'cannot use the picture on {self.topic_name}: {error}')
+        self._node.get_logger().error(str(self._error), throttle_duration_sec=5.0)
+
+    def _on_mismatch(self, event: QoSRequestedIncompatibleQoSInfo) -> None:
+        policy = qos_policy_name_from_kind(event.last_policy_kind).lower()
+        self._mismatch = FrameSourceError(
+            f'cannot receive what is published on {self.topic_name}: its {policy} does not match; '
+            f'set the parameter qos_overrides.{self.topic_name}.subscription.{policy} as the '
+            f"publisher has it, see 'ros2 topic info -v {self.topic_name}'")
+        self._node.get_logger().error(str(self._mismatch))
+
+    def _cause_of_silence(self) -> FrameSourceError:
+        silence = f'no picture on {self.topic_name}'
+        if self._subscription.get_publisher_count():
+            return FrameSourceError(
+                f'{silence}, though a camera driver publishes there: is its camera plugged in?')
+        wanted = f'sensor_msgs/msg/{self._subscription.msg_type.__name__}'
+        types = {info.topic_type
+                 for info in self._node.get_publishers_info_by_topic(self.topic_name)}
+        if types - {wanted}:
+            return TopicTypeError(
+                f'{silence}: it carries {", ".join(sorted(types))}, not {wanted}; choose the '
+                'source that fits, topic or compressed_topic')
+        if types and self._mismatch is not None:
+            return self._mismatch
+        return FrameSourceError(f'{silence}: is the camera driver running?')
+
+
+def _arrived_at(info: Dict[str, Any]) -> float:
+    # A picture waits for as long as the node is busy. Not every middleware tells since when.
+    now = time.time_ns()
+    waited_ns = max(0, now - (info.get('received_timestamp') or now))
+    return time.monotonic() - waited_ns / 1e9

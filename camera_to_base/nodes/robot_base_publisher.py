@@ -1,0 +1,150 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Node: applies the homogeneous matrix to each position that the camera node publishes."""
+
+from collections import Counter
+from contextlib import contextmanager
+from typing import Callable, Iterator, List, Optional
+
+from camera_to_base.coordinate_transform import Pose
+from camera_to_base.errors import CameraToBaseError, OutOfReachError
+from camera_to_base.ros import (
+    Diagnostics, Health, Heartbeat, Level, NameCheck, NodeParameters, point_from_message,
+    poses_from_message, position_from_message, PositionTopics, qos_mismatch, run, whole_or_gone)
+from camera_to_base.transform_parameters import (
+    transform_node_settings, TRANSFORM_SPECS, TransformSettings)
+from geometry_msgs.msg import PointStamped, PoseArray
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
+from std_msgs.msg import Float64MultiArray, Header
+
+# Every event of a subscription costs every message: see qos_mismatch.
+_NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
+_POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
+
+
+class RobotBasePublisher(Node):
+    """Subscribes to positions in the camera frame, publishes them in the base frame."""
+
+    def __init__(self, **node_options) -> None:
+        super().__init__('robot_base_publisher', **node_options)
+        with whole_or_gone(self):
+            self._node_parameters = NodeParameters(self, TRANSFORM_SPECS, transform_node_settings)
+            self._received_count = self._published_count = 0
+            self._dropped: Counter = Counter()
+            self._dropped_before = 0
+            self._topics = PositionTopics(
+                self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame')
+            heartbeat = Heartbeat(self)
+            Diagnostics(self, heartbeat, self._health)
+            NameCheck(self, heartbeat)
+            # Last: what comes before the node spins is published late.
+            self._inputs = [
+                self._subscribe(PoseArray, _OBJECTS, self._on_objects),
+                self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point),
+                self._subscribe(Float64MultiArray, _POSITION, self._on_position)]
+            self.get_logger().info(f'publishing on {self._topics.name} what comes on '
+                                   f'{self.resolve_topic_name(_POSITION)}')
+
+    @property
+    def dropped_count(self) -> int:
+        """How many positions were none, or out of reach, and were dropped."""
+        return sum(self._dropped.values())
+
+    @property
+    def _settings(self) -> TransformSettings:
+        return self._node_parameters.current
+
+    def _subscribe(self, message_type: type, topic: str, callback: Callable) -> Subscription:
+        return self.create_subscription(
+            message_type, topic, callback, 10, event_callbacks=_NO_EVENTS,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
+
+    def _on_position(self, message: Float64MultiArray) -> None:
+        with self._dropping_what_is_wrong(_POSITION):
+            x, y, _ = self._settings.base_point(*position_from_message(message))
+            self._topics.publish_position(x, y)
+            self._published_count += 1
+
+    def _on_point(self, message: PointStamped) -> None:
+        with self._dropping_what_is_wrong(f'{_POSITION}/point'):
+            point = self._settings.base_point(*point_from_message(message))
+            self._topics.publish_point(self._header(message.header), *point)
+            self._published_count += 1
+
+    def _on_objects(self, message: PoseArray) -> None:
+        with self._dropping_what_is_wrong(_OBJECTS):
+            camera_poses = poses_from_message(message)
+            base_poses = self._within_reach(camera_poses)
+            # An empty array says that the surface is empty.
+            if base_poses or not camera_poses:
+                self._topics.publish_objects(self._header(message.header), base_poses)
+                self._published_count += 1
+
+    def _within_reach(self, camera_poses: List[Pose]) -> List[Pose]:
+        base_poses = []
+        for pose in camera_poses:
+            try:
+                base_poses.append(self._settings.base_pose(pose))
+            except OutOfReachError as error:
+                self._drop(_OBJECTS, error)
+        return base_poses
+
+    def _header(self, camera_header: Header) -> Header:
+        # The stamp is the time at which the frame was taken: whoever follows can tell the delay.
+        return Header(stamp=camera_header.stamp, frame_id=self._settings.base_frame_id)
+
+    @contextmanager
+    def _dropping_what_is_wrong(self, topic: str) -> Iterator[None]:
+        self._received_count += 1
+        try:
+            yield
+        except CameraToBaseError as error:
+            self._drop(topic, error)
+
+    def _drop(self, topic: str, error: CameraToBaseError) -> None:
+        out_of_reach = isinstance(error, OutOfReachError)
+        self._dropped['out of reach' if out_of_reach else 'no position'] += 1
+        self.get_logger().warning(
+            f'dropped a position on the topic {topic}: {error} '
+            f'({self.dropped_count} dropped so far)', throttle_duration_sec=5.0)
+
+    def _health(self) -> Health:
+        values = {'source': self.resolve_topic_name(_POSITION),
+                  'messages in': str(self._received_count),
+                  'messages out': str(self._published_count)}
+        values.update((f'dropped: {reason}', str(count))
+                      for reason, count in sorted(self._dropped.items()))
+        newly, self._dropped_before = (
+            self.dropped_count - self._dropped_before, self.dropped_count)
+        if newly:
+            return Health(Level.WARN, (
+                f'{newly} position(s) dropped in the last second: see who else publishes on '
+                f'{_POSITION}, and check reach_cm'), values)
+        mismatch = qos_mismatch(self, self._inputs)
+        if mismatch is not None:
+            self.get_logger().warning(mismatch, once=True)
+            return Health(Level.WARN, mismatch, values)
+        # rclpy asks for a name as it is, not as it was remapped.
+        if not self.count_publishers(values['source']):
+            return Health(Level.WARN, 'nobody publishes positions: start camera_publisher', values)
+        return Health(Level.OK, 'positions are transformed', values)
+
+
+def main(args: Optional[List[str]] = None) -> int:
+    """Run the node until it is told to end."""
+    return run('robot_base_publisher', RobotBasePublisher, args)

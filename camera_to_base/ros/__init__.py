@@ -1,0 +1,41 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+ROS: messages, topics, timers, parameters and the life of a process, as ROS has them.
+
+In: positions, pictures and health as the other rooms have them. Out: messages and publishers, and
+the other way round.
+
+Callers: `nodes`, and commands that listen to a running node. It does not import OpenCV: the
+transform node starts without it.
+"""
+
+from camera_to_base.ros.diagnostics import Diagnostics
+from camera_to_base.ros.health import Health, Level
+from camera_to_base.ros.heartbeat import Heartbeat, real_time_timer
+from camera_to_base.ros.lifetime import run, whole_or_gone
+from camera_to_base.ros.messages import (
+    point_from_message, poses_from_message, poses_message, position_from_message, position_message)
+from camera_to_base.ros.name_check import NameCheck
+from camera_to_base.ros.parameters import NodeParameters
+from camera_to_base.ros.position_topics import PositionTopics
+from camera_to_base.ros.qos_check import qos_mismatch
+
+__all__ = [
+    'Diagnostics', 'Health', 'Heartbeat', 'Level', 'NameCheck', 'NodeParameters',
+    'point_from_message', 'poses_from_message', 'poses_message', 'position_from_message',
+    'position_message', 'PositionTopics', 'qos_mismatch', 'real_time_timer', 'run',
+    'whole_or_gone',
+]

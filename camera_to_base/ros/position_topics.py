@@ -1,0 +1,97 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Publishes positions in one frame: on the tutorial's topic, and stamped, in metres."""
+
+import time
+from typing import Iterable
+
+from camera_to_base.coordinate_transform import Pose
+from camera_to_base.ros.messages import point_message, poses_message, position_message
+from geometry_msgs.msg import PointStamped, PoseArray
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from std_msgs.msg import Float64MultiArray, Header
+
+_DEPTH = 10
+# A listener that is discovered late, as after the restart of either side, is first sent the last
+# positions once more; of a live camera none that is older than this. The rest of 0.3 s is for the
+# rest of the way.
+_LIFESPAN = Duration(seconds=0.1)
+# A listener whose QoS does not match is warned by its own side. The executor looks at every event
+# for every message: those of four publishers took about a tenth of a message's time.
+NO_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
+
+
+class PositionTopics:
+    """
+    The three topics on which a node publishes positions.
+
+    :param node: The node that publishes.
+    :param position: Name of the tutorial's topic; the same object's point is beside it.
+    :param objects: Name of the topic of all objects.
+    :param live: Whether a position is of no use any more when the next ones have come.
+    """
+
+    def __init__(self, node: Node, position: str, objects: str, live: bool = False) -> None:
+        self._position = _publisher(node, Float64MultiArray, position, live)
+        self._point = _publisher(node, PointStamped, f'{position}/point', live)
+        self._objects = _publisher(node, PoseArray, objects, live)
+
+    @property
+    def name(self) -> str:
+        """Name of the tutorial's topic, as it is after remapping."""
+        return self._position.topic_name
+
+    @property
+    def listener_count(self) -> int:
+        """How many listen to that of the three topics which has the most listeners."""
+        return max(publisher.get_subscription_count()
+                   for publisher in (self._position, self._point, self._objects))
+
+    def publish_position(self, x: float, y: float) -> None:
+        """Publish a position, in cm, on the tutorial's topic."""
+        self._position.publish(position_message(x, y))
+
+    def publish_point(self, header: Header, x: float, y: float, z: float = 0.0) -> None:
+        """Publish a position, in cm, as a stamped point."""
+        self._point.publish(point_message(header, x, y, z))
+
+    def publish_objects(self, header: Header, poses: Iterable[Pose]) -> None:
+        """Publish all objects of a frame, the largest first, also where there are none."""
+        self._objects.publish(poses_message(header, poses))
+
+    def wait_until_received(self, seconds: float) -> None:
+        """
+        Wait until all listeners have what was published.
+
+        :param seconds: For so long at most; Ctrl-C is heard meanwhile.
+        """
+        waiting = [self._position, self._point, self._objects]
+        until = time.monotonic() + seconds
+        while waiting and time.monotonic() < until:
+            waiting = [publisher for publisher in waiting
+                       if not publisher.wait_for_all_acked(Duration(seconds=0.1))]
+
+
+def _publisher(node: Node, message_type: type, topic: str, live: bool) -> Publisher:
+    # rclpy writes what parameters override into the profile: each publisher needs one of its own.
+    qos = QoSProfile(depth=_DEPTH, lifespan=_LIFESPAN) if live else QoSProfile(depth=_DEPTH)
+    return node.create_publisher(
+        message_type, topic, qos, event_callbacks=NO_EVENTS,
+        qos_overriding_options=QoSOverridingOptions.with_default_policies())

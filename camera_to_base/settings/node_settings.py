@@ -1,0 +1,75 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The settings that both nodes would have of a parameter file, without the nodes."""
+
+from typing import Any, Dict, List, NamedTuple, Optional
+
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameter_file import node_namespaces, read_node_parameters
+from camera_to_base.parameter_spec import checked_values, meant_name, unknown_name_text
+from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS, CameraSettings
+from camera_to_base.transform_parameters import (
+    transform_node_settings, TRANSFORM_SPECS, TransformSettings)
+
+_CAMERA_NODE, _TRANSFORM_NODE = 'camera_publisher', 'robot_base_publisher'
+# Every node of ROS has these.
+_ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
+
+
+class NodeSettings(NamedTuple):
+    """
+    What both nodes take from their parameters.
+
+    :param warnings: Sentences on names that no parameter has.
+    """
+
+    camera: CameraSettings
+    transform: TransformSettings
+    warnings: List[str]
+
+
+def read_node_settings(path: Optional[str], namespace: Optional[str] = None) -> NodeSettings:
+    """
+    Read what both nodes would take from a parameter file.
+
+    :param path: The file; None for the defaults.
+    :param namespace: The nodes'; None for the one that the file names, or none.
+    :raises CameraToBaseError: If there is no such file, or a value cannot be used.
+    """
+    given: Dict[str, Dict[str, Any]] = {_CAMERA_NODE: {}, _TRANSFORM_NODE: {}}
+    if path is not None:
+        prefix = _namespace(path, namespace)
+        given = {node: read_node_parameters(path, f'{prefix}/{node}') for node in given}
+    return NodeSettings(
+        camera_settings(checked_values(CAMERA_SPECS, given[_CAMERA_NODE])),
+        transform_node_settings(checked_values(TRANSFORM_SPECS, given[_TRANSFORM_NODE])),
+        _warnings({**given[_CAMERA_NODE], **given[_TRANSFORM_NODE]}))
+
+
+def _namespace(path: str, wanted: Optional[str]) -> str:
+    if wanted is not None:
+        return f'/{wanted.strip("/")}'.rstrip('/')
+    found = node_namespaces(path, (_CAMERA_NODE, _TRANSFORM_NODE))
+    if len(found) > 1:
+        raise InvalidValueError(
+            f"'{path}' has parameters for nodes in several namespaces: choose one with "
+            f'--namespace: {", ".join(name or "/" for name in found)}')
+    return found[0] if found else ''
+
+
+def _warnings(given: Dict[str, Any]) -> List[str]:
+    known = {spec.name for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
+    return [unknown_name_text(name, meant_name(name, known)) for name in given
+            if name not in known and not name.startswith(_ROS_NAMES)]

@@ -1,0 +1,69 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the simulated board looks like: the table, and the objects on it."""
+
+from camera_to_base.simulation.conditions import BoardConditions
+from camera_to_base.simulation.view import BoardView, Oval
+import cv2
+import numpy as np
+
+# Differences of blue, green and red to the grey level: nothing real is quite grey.
+_TABLE_TINT = np.array([-6.0, 0.0, 6.0], np.float32)
+_OBJECT_TINT = np.array([-8.0, 0.0, 10.0], np.float32)
+# Faint lines every few cm let the eye see the tilt; no detector sees them.
+_GRID_CM, _GRID_DEPTH = 4.5, 10.0
+
+
+def draw_table(view: BoardView, conditions: BoardConditions, seed: int) -> np.ndarray:
+    """
+    Draw the table without an object.
+
+    :param seed: Makes the texture.
+    :returns: Shape (h, w, 3), float32, BGR.
+    """
+    everything = slice(0, view.height), slice(0, view.width)
+    offset = (view.points(*everything) + _GRID_CM / 2) % _GRID_CM - _GRID_CM / 2
+    line = np.clip(1 - np.abs(offset).min(axis=2) / view.cm_per_px, 0, 1)
+    level = conditions.table_level - _GRID_DEPTH * line
+    if conditions.texture > 0:
+        grain = np.random.default_rng((seed, 0, 0)).standard_normal(level.shape, dtype=np.float32)
+        grain = cv2.GaussianBlur(grain, (0, 0), 3.0)
+        level += grain * (conditions.texture / grain.std())
+    return level[:, :, None].astype(np.float32) + _TABLE_TINT
+
+
+def draw_oval(
+    picture: np.ndarray, oval: Oval, view: BoardView, conditions: BoardConditions
+) -> None:
+    """
+    Draw an object.
+
+    :param picture: Shape (h, w, 3), float32, BGR; it is changed.
+    """
+    rows, columns = view.window(view.ellipse(oval))
+    window = picture[rows, columns]
+    if window.size == 0:
+        return
+    coverage = view.coverage(oval, rows, columns)
+    if conditions.highlight:
+        coverage -= view.coverage(_highlight(oval), rows, columns)
+    colour = conditions.table_level - conditions.contrast + _OBJECT_TINT
+    window += coverage[:, :, None].astype(np.float32) * (colour - window)
+
+
+def _highlight(oval: Oval) -> Oval:
+    x, y = oval.point
+    offset, radius = 0.3 * oval.half_width, 0.35 * oval.half_width
+    return Oval((x - offset, y - offset), radius, radius, 0.0)

@@ -1,0 +1,41 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Sources: where frames come from.
+
+In: the name of a device, a stream, a file or a bag. Out: frames of shape (h, w, 3), uint8, BGR,
+each with the time at which it was taken, and what is known about a source that gives none.
+
+Callers: `drawing`, `calibration` and the rooms below them. Nothing here detects or judges objects.
+"""
+
+from camera_to_base.sources.bag_file import BagFile, is_bag
+from camera_to_base.sources.cameras import Camera, first_camera, is_camera, is_stream
+from camera_to_base.sources.decoding import (
+    decode_compressed, frame_from_compressed_message, frame_from_image_message)
+from camera_to_base.sources.reader import FrameReader, is_reader_hanging
+from camera_to_base.sources.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
+from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
+from camera_to_base.sources.silence_limit import SilenceLimit
+from camera_to_base.sources.still_picture import median_frame, read_picture
+from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
+
+__all__ = [
+    'BagFile', 'Camera', 'decode_compressed', 'first_camera', 'frame_from_compressed_message',
+    'frame_from_image_message', 'FrameReader', 'FrameSource', 'is_bag', 'is_camera',
+    'is_reader_hanging', 'is_stream', 'LiveRecording', 'LOST_AFTER_S', 'median_frame',
+    'open_frame_source', 'PlayedRecording', 'read_picture', 'ReaderState', 'ReaderStatus',
+    'Recording', 'SilenceLimit', 'TimedFrame', 'VideoFile',
+]

@@ -1,0 +1,134 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Cameras: devices of this machine, and streams from the network."""
+
+import glob
+import math
+import os
+import re
+from typing import Optional
+
+from camera_to_base.errors import FrameSourceError
+from camera_to_base.sources.capture import open_device, open_stream
+from camera_to_base.surface import ImageSize
+import cv2
+import numpy as np
+
+# OpenCV raises an error of its own for a larger one.
+_LARGEST_INDEX = 2**31 - 1
+
+
+class Camera:
+    """
+    A camera: a device of this machine, or a stream from the network.
+
+    :param name: An index ('0'), a device path ('/dev/video0') or a stream's URL.
+    :param image_size: The picture size to ask a device for whenever it is opened; it may give
+        another.
+    :param open_now: Otherwise the first read opens it, in the thread that reads.
+    :raises FrameSourceError: If it cannot be opened.
+    """
+
+    frame_rate = 0.0
+
+    def __init__(
+        self, name: str, image_size: ImageSize = (640, 480), open_now: bool = True
+    ) -> None:
+        self.name = name
+        self.image_size = image_size
+        self._capture = self._open_capture() if open_now else None
+
+    def read(self) -> np.ndarray:
+        """
+        Wait for the next frame, see `FrameSource.read`; a camera has no end.
+
+        After a frame that did not come, the next call opens the camera anew.
+        """
+        if self._capture is None:
+            self._capture = self._open_capture()
+        try:
+            good, frame = self._capture.read()
+        except cv2.error:
+            good = False  # a USB camera may give an empty JPEG, which V4L2 decodes unchecked
+        if not good:
+            self.release()
+            raise FrameSourceError(
+                f"camera '{self.name}' gives no frame: was it unplugged or switched off?")
+        return frame
+
+    def release(self) -> None:
+        """Give the device back."""
+        if self._capture is not None:
+            self._capture.release()
+            self._capture = None
+
+    def _open_capture(self) -> cv2.VideoCapture:
+        if is_stream(self.name):
+            capture = open_stream(self.name)
+        else:
+            capture = open_device(_device_index(self.name))
+        if capture is None:
+            raise FrameSourceError(
+                f"cannot open camera '{self.name}': is it plugged in, reachable, and free?")
+        if not is_stream(self.name):
+            capture.set(cv2.CAP_PROP_FRAME_WIDTH, self.image_size[0])
+            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self.image_size[1])
+        return capture
+
+
+def is_stream(name: str) -> bool:
+    """Tell whether a source's name is a URL."""
+    return '://' in name
+
+
+def is_camera(name: str) -> bool:
+    """Tell whether a source's name is that of a camera: an index, a device path or a URL."""
+    return name.isdecimal() or name.startswith('/dev/') or is_stream(name)
+
+
+def first_camera(image_size: ImageSize = (640, 480)) -> Optional[Camera]:
+    """
+    Open the first attached camera that gives a frame.
+
+    One camera may show up as several devices, of which only one gives frames.
+
+    :param image_size: The picture size to ask for, in px.
+    :returns: None where no camera is attached.
+    """
+    for path in sorted(glob.glob('/dev/video*'), key=_device_number):
+        try:
+            camera = Camera(path, image_size)
+        except FrameSourceError:
+            continue
+        try:
+            camera.read()
+            return camera
+        except FrameSourceError:
+            camera.release()
+    return None
+
+
+def _device_number(path: str) -> float:
+    number = re.search(r'(\d+)$', path)
+    return float(number.group()) if number else math.inf
+
+
+def _device_index(name: str) -> int:
+    # OpenCV 4.6 opens a V4L2 device by its index only; /dev/v4l/by-id/... are links to one.
+    number = float(name) if name.isdecimal() else _device_number(os.path.realpath(name))
+    if number > _LARGEST_INDEX:
+        raise FrameSourceError(
+            f"cannot open camera '{name}': expected a device's number, or /dev/video and a number")
+    return int(number)

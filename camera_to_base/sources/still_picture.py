@@ -1,0 +1,64 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""One picture to calibrate with: from a file, or the median of several frames."""
+
+import os
+
+from camera_to_base.errors import FrameSourceError, InvalidValueError
+from camera_to_base.sources.video_file import FrameSource
+import cv2
+import numpy as np
+
+# A camera's exposure settles within its first frames.
+WARM_UP_FRAMES = 10
+# An odd number: the median of each pixel is one of its values. Noise falls to about 0.4 of it.
+FRAMES = 9
+
+
+def read_picture(path: str) -> np.ndarray:
+    """
+    Read a picture file.
+
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises InvalidValueError: If there is none, or it is no picture.
+    """
+    # Read here and not by OpenCV, which would write a warning of its own for what we raise.
+    try:
+        content = np.fromfile(os.path.expanduser(path), np.uint8)
+    except OSError as error:
+        raise InvalidValueError(f"cannot read picture '{path}': {error.strerror}") from error
+    picture = cv2.imdecode(content, cv2.IMREAD_COLOR) if content.size else None
+    if picture is None:
+        raise InvalidValueError(
+            f"cannot read picture '{path}': it is no picture that OpenCV knows")
+    return picture
+
+
+def median_frame(source: FrameSource) -> np.ndarray:
+    """
+    Take the median of several frames: less noise, and no hand that passes by.
+
+    :returns: Shape (h, w, 3), uint8, BGR.
+    :raises FrameSourceError: If the source gives no frame.
+    """
+    is_camera = source.frame_rate == 0
+    for _ in range(WARM_UP_FRAMES if is_camera else 0):
+        source.read()
+    frames = [source.read() for _ in range(FRAMES)]
+    frames = [frame for frame in frames if frame is not None]
+    if not frames:
+        raise FrameSourceError('the source has ended before its first frame: name another')
+    return np.median(frames, axis=0).astype(np.uint8)

@@ -1,0 +1,98 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where frames come from: a camera, a video file, the simulated board."""
+
+import os
+from typing import Optional, Protocol
+
+from camera_to_base.errors import FrameSourceError
+from camera_to_base.sources.cameras import Camera, is_camera
+from camera_to_base.sources.capture import open_file
+from camera_to_base.surface import ImageSize
+import cv2
+import numpy as np
+
+# A video file that does not tell its rate plays at this many frames per second.
+_DEFAULT_FRAME_RATE = 30.0
+
+
+class FrameSource(Protocol):
+    """
+    Gives one frame after another.
+
+    `frame_rate` is how often a reader should come for one, in Hz; 0 where `read` itself waits
+    until the camera has one.
+    """
+
+    frame_rate: float
+
+    def read(self) -> Optional[np.ndarray]:
+        """
+        Give the next frame.
+
+        :returns: Shape (h, w, 3), uint8, BGR; None at the end of a recording.
+        :raises FrameSourceError: If there should be a frame, but none came.
+        """
+
+    def release(self) -> None:
+        """Give the device or file back; no frame can be read afterwards."""
+
+
+class VideoFile:
+    """
+    A recording, played once, at its own rate.
+
+    :param path: The file.
+    :raises FrameSourceError: If it does not exist or holds no video.
+    """
+
+    def __init__(self, path: str) -> None:
+        if not os.path.isfile(path):
+            found = 'it is a folder' if os.path.isdir(path) else 'there is no such file'
+            raise FrameSourceError(f"cannot open video '{path}': {found}")
+        self._capture = open_file(path)
+        if self._capture is None:
+            raise FrameSourceError(
+                f"cannot open video '{path}': it is no video that OpenCV can read")
+        rate = self._capture.get(cv2.CAP_PROP_FPS)
+        self.frame_rate = rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE
+
+    @property
+    def frame_count(self) -> Optional[int]:
+        """How many frames the file says that it has; None where it does not."""
+        count = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        return int(count) if count > 0 else None
+
+    def read(self) -> Optional[np.ndarray]:
+        """Give the next frame, see :meth:`FrameSource.read`."""
+        good, frame = self._capture.read()
+        return frame if good else None
+
+    def release(self) -> None:
+        """Close the file."""
+        self._capture.release()
+
+
+def open_frame_source(name: str, image_size: ImageSize = (640, 480)) -> FrameSource:
+    """
+    Open a camera or a video file by its name.
+
+    :param name: A device index or path, a stream's URL, or a video file.
+    :param image_size: The picture size to ask a device for, in px.
+    :raises FrameSourceError: If it cannot be opened.
+    """
+    if is_camera(name):
+        return Camera(name, image_size)
+    return VideoFile(os.path.expanduser(name))

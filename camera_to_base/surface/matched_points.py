@@ -1,0 +1,179 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Points whose position is known on the surface and in the picture, checked once."""
+
+from dataclasses import dataclass
+from typing import Sequence, Tuple
+
+from camera_to_base.checks import finite_numbers
+from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.surface.models import ImageSize
+import numpy as np
+
+# Points whose spread across a line is below this share of their spread along it lie on one line:
+# for a table that is 300 px wide, 0.3 px.
+LINE_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class MatchedPoints:
+    """
+    Positions on the surface with the pixels that show them.
+
+    :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+    :param pixels: Shape (n, 2), columns u and v, in px.
+    :param rows: What messages call the n points; 1 to n by default.
+    :raises InvalidValueError: If shapes do not match, a value is not finite, or a point is there
+        twice.
+    """
+
+    points: np.ndarray
+    pixels: np.ndarray
+    rows: Tuple[int, ...] = ()
+
+    def __post_init__(self):
+        for name in ('points', 'pixels'):
+            object.__setattr__(self, name, _frozen(name, getattr(self, name), 2))
+        if len(self.points) != len(self.pixels):
+            raise InvalidValueError(f'expected as many points as pixels, got {len(self.points)} '
+                                    f'points and {len(self.pixels)} pixels')
+        object.__setattr__(self, 'rows', _checked_rows(self.rows, len(self.points)))
+        refuse_duplicates(self.points, self.rows, 'position (x, y)')
+        refuse_duplicates(self.pixels, self.rows, 'pixel (u, v)')
+
+    def __len__(self):
+        return len(self.points)
+
+    def take(self, indices: Sequence[int]) -> 'MatchedPoints':
+        """Return some of the points."""
+        rows = tuple(self.rows[index] for index in indices)
+        return MatchedPoints(self.points[indices], self.pixels[indices], rows)
+
+
+@dataclass(frozen=True)
+class PointPairs:
+    """
+    Points that the camera saw and the robot touched.
+
+    :param camera_points: Shape (n, 3), in cm, in the camera frame.
+    :param base_points: Shape (n, 3), in cm, in the base frame.
+    :param rows: What messages call the n pairs; 1 to n by default.
+    :raises InvalidValueError: If shapes do not match, a value is not finite, or a point is there
+        twice.
+    """
+
+    camera_points: np.ndarray
+    base_points: np.ndarray
+    rows: Tuple[int, ...] = ()
+
+    def __post_init__(self):
+        for name in ('camera_points', 'base_points'):
+            object.__setattr__(self, name, _frozen(name, getattr(self, name), 3))
+        if len(self.camera_points) != len(self.base_points):
+            raise InvalidValueError(
+                f'expected pairs, got {len(self.camera_points)} points in the camera frame and '
+                f'{len(self.base_points)} in the base frame')
+        object.__setattr__(self, 'rows', _checked_rows(self.rows, len(self.base_points)))
+        refuse_duplicates(self.camera_points, self.rows, 'camera point')
+        refuse_duplicates(self.base_points, self.rows, 'base point')
+
+    def __len__(self):
+        return len(self.base_points)
+
+
+def check_inside(matched: MatchedPoints, image_size: ImageSize) -> None:
+    """
+    Refuse pixels that a picture of this size does not have.
+
+    :param image_size: Width and height, in px.
+    :raises InvalidValueError: Naming the first row that lies outside.
+    """
+    width, height = image_size
+    # A click on the picture's rim may be half a pixel outside the last pixel's centre.
+    inside = ((matched.pixels >= -0.5) & (matched.pixels <= np.array([width, height]) - 0.5))
+    outside = ~inside.all(axis=1)
+    if outside.any():
+        index = int(np.argmax(outside))
+        u, v = matched.pixels[index]
+        raise InvalidValueError(
+            f'row {matched.rows[index]}: pixel ({u:g}, {v:g}) lies outside a picture of '
+            f'{width} x {height} px: is that the size of the picture it was measured in?')
+
+
+def check_spread(matched: MatchedPoints) -> None:
+    """
+    Refuse points that leave a homography open: fewer than four, or all (but one) on one line.
+
+    :raises CalibrationError: Saying which it is.
+    """
+    if len(matched) < 4:
+        raise CalibrationError(f'{len(matched)} points are too few: give at least 4, no three of '
+                               'them on one line, and 8 or more to correct the lens')
+    for values, where in ((matched.points, 'surface'), (matched.pixels, 'picture')):
+        if on_one_line(values):
+            raise CalibrationError(f'all {len(values)} points lie on one line of the {where}: '
+                                   'add points to both sides of it')
+        alone = _others_on_one_line(values)
+        if alone.any():
+            raise CalibrationError(
+                f'all points but row {matched.rows[int(np.argmax(alone))]} lie on one line of the '
+                f'{where}: add a second point off that line')
+
+
+def on_one_line(values: np.ndarray) -> bool:
+    """
+    Tell whether points lie on one line, or on one point.
+
+    :param values: Shape (n, d).
+    """
+    spread = np.linalg.svd(values - values.mean(axis=0), compute_uv=False)
+    return bool(spread[1] <= LINE_TOLERANCE * spread[0])
+
+
+def _others_on_one_line(values):
+    """Tell for each of n points (n, 2) whether all others lie on one line."""
+    count, offsets = len(values), values - values.mean(axis=0)
+    # The scatter of the others, about their own mean, from that of all: one pass for all n.
+    scatter = offsets.T @ offsets - count / (count - 1) * offsets[:, :, None] * offsets[:, None]
+    least, most = np.linalg.eigvalsh(scatter).T
+    return least <= LINE_TOLERANCE ** 2 * most
+
+
+def refuse_duplicates(values: np.ndarray, rows: Tuple[int, ...], name: str) -> None:
+    """
+    Refuse values that are there twice.
+
+    :param values: Shape (n, d).
+    :raises InvalidValueError: Naming the two rows and the value.
+    """
+    seen = {}
+    for row, value in zip(rows, map(tuple, values.tolist())):
+        if value in seen:
+            shown = ', '.join(f'{number:g}' for number in value)
+            raise InvalidValueError(f'rows {seen[value]} and {row} have the same {name} '
+                                    f'({shown}): remove one of them')
+        seen[value] = row
+
+
+def _frozen(name, values, width):
+    numbers = finite_numbers(name, values, -1, width)
+    numbers.setflags(write=False)
+    return numbers
+
+
+def _checked_rows(rows, count):
+    if rows and len(rows) != count:
+        raise InvalidValueError(f'expected {count} row names, got {len(rows)}')
+    return tuple(rows) or tuple(range(1, count + 1))

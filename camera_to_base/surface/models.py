@@ -1,0 +1,245 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""From a pixel to the work surface: three models of how a camera looks at it."""
+
+from typing import Optional, Protocol, Sequence, Tuple
+
+from camera_to_base.checks import finite_number, finite_numbers, whole_number
+from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.surface.distortion import RadialDistortion
+import numpy as np
+
+# A pixel whose ray meets the surface a hundred times farther away than the picture's centre
+# covers ten thousand times the length: what it says of a position is nothing.
+_HORIZON = 0.01
+
+ImageSize = Tuple[int, int]
+
+
+class Surface(Protocol):
+    """Maps pixels to the work surface."""
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """
+        Map pixels to the work surface.
+
+        :param pixels: Shape (n, 2), columns u and v, in px.
+        :returns: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :raises HorizonError: If a pixel lies near the horizon or beyond it.
+        :raises InvalidValueError: If the shape is another, or a number is not finite.
+        """
+
+    def for_image_size(self, image_size: ImageSize) -> 'Surface':
+        """
+        Give the model for pictures of a size.
+
+        :param image_size: Width and height, in px.
+        :raises FrameSizeError: If the model does not hold for that size.
+        """
+
+
+class ParallelSurface:
+    """
+    The camera's lens is parallel to the surface: one factor from px to cm.
+
+    The field of view stays as wide when the picture has more pixels, so the same width in cm
+    serves every picture size.
+
+    :param width_cm: What the picture's width sees of the surface, in cm.
+    :param image_width: The picture's width, in px.
+    """
+
+    def __init__(self, width_cm: float = 36.0, image_width: int = 640) -> None:
+        self._width_cm = finite_number('width_cm', width_cm, 1e-3, 1e6)
+        self._image_width = whole_number('image_width', image_width, 1, 10000)
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the work surface, see :meth:`Surface.locate`; there is no horizon."""
+        pixels = finite_numbers('pixels', pixels, -1, 2)
+        with np.errstate(over='ignore'):
+            return _points(pixels * (self._width_cm / self._image_width))
+
+    def for_image_size(self, image_size: ImageSize) -> 'ParallelSurface':
+        """Give the model for pictures of a size: the same width in cm, in as many pixels."""
+        return ParallelSurface(self._width_cm, image_size[0])
+
+
+class PolynomialSurface:
+    """
+    The tutorial's model of a tilted camera: two quadratics and a centre line.
+
+    y = y_of_v(v), px per cm = px_per_cm_of_y(y), x = (u - centre_u) / px per cm.
+
+    :param y_of_v: Coefficients of v², v and 1, for y in cm.
+    :param px_per_cm_of_y: Coefficients of y², y and 1, for the scale in px/cm.
+    :param centre_u: u of the line x = 0, in px.
+    :param image_size: Width and height of the pictures it was measured on, in px.
+    """
+
+    def __init__(
+        self,
+        y_of_v: Sequence[float] = (0.00006, -0.0833, 25.848),
+        px_per_cm_of_y: Sequence[float] = (0.0625, -1.6393, 29.071),
+        centre_u: float = 292.0,
+        image_size: ImageSize = (640, 480),
+    ) -> None:
+        self.y_of_v = finite_numbers('y_of_v', y_of_v, 3)
+        self.px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
+        self.centre_u = float(finite_numbers('centre_u', centre_u))
+        self.image_size = check_image_size(image_size)
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the work surface, see :meth:`Surface.locate`."""
+        u, v = finite_numbers('pixels', pixels, -1, 2).T
+        with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
+            y = np.polyval(self.y_of_v, v)
+            px_per_cm = np.polyval(self.px_per_cm_of_y, y)
+            _refuse_beyond_horizon(np.column_stack([u, v]), px_per_cm > 0)
+            return _points(np.column_stack([(u - self.centre_u) / px_per_cm, y]))
+
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points of the work surface to pixels, for drawing.
+
+        Of the two rows that show a y it takes the one on the parabola's side where v = 0 lies.
+
+        :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :returns: Shape (n, 2), columns u and v, in px; NaN for a point without a pixel.
+        """
+        x, y = finite_numbers('points', points, -1, 2).T
+        a, b, c = self.y_of_v[0], self.y_of_v[1], self.y_of_v[2] - y
+        root = b * b - 4 * a * c
+        px_per_cm = np.polyval(self.px_per_cm_of_y, y)
+        seen = (root >= 0) & (px_per_cm > 0)
+        # The root that stays where a vanishes, as textbooks have it for a straight line.
+        v = 2 * c / (-b - np.copysign(np.sqrt(np.where(seen, root, np.nan)), b))
+        return np.column_stack([np.where(seen, self.centre_u + x * px_per_cm, np.nan), v])
+
+    def for_image_size(self, image_size: ImageSize) -> 'PolynomialSurface':
+        """Give the model for pictures of a size: only the one it was measured on."""
+        _check_same_size(image_size, self.image_size)
+        return self
+
+
+class HomographySurface:
+    """
+    A pinhole camera at any tilt: undistort in closed form, then a projective map to the surface.
+
+    Source: Hartley and Zisserman, Multiple View Geometry, 2nd edition, section 2.3.
+
+    The picture's centre must look at the surface: it tells which side of the horizon is seen.
+
+    :param surface_from_pixel: Shape (3, 3), px to cm: (x w, y w, w) = matrix @ (u, v, 1).
+    :param image_size: Width and height of the pictures it was measured on, in px.
+    :param distortion: The lens; None for one without distortion.
+    """
+
+    def __init__(
+        self,
+        surface_from_pixel: np.ndarray,
+        image_size: ImageSize = (640, 480),
+        distortion: Optional[RadialDistortion] = None,
+    ) -> None:
+        matrix = finite_numbers('surface_from_pixel', surface_from_pixel, 3, 3)
+        self.image_size = check_image_size(image_size)
+        self.distortion = distortion or RadialDistortion.of_picture(self.image_size)
+        centre = self.distortion.undistort(np.array([self.image_size]) / 2)
+        with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
+            centre_depth = homogeneous(matrix, centre)[0, 2]
+            usable = abs(centre_depth) > 1e-6 * np.abs(matrix[2]).max() and _has_inverse(matrix)
+        if not usable:
+            raise InvalidValueError(
+                "surface_from_pixel must be a homography with an inverse, and the picture's "
+                f'centre must not lie on its horizon, got {matrix.tolist()}')
+        self.surface_from_pixel = matrix / centre_depth
+        self.surface_from_pixel.setflags(write=False)
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the work surface, see :meth:`Surface.locate`."""
+        pixels = finite_numbers('pixels', pixels, -1, 2)
+        with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
+            scaled = homogeneous(self.surface_from_pixel, self.distortion.undistort(pixels))
+            nearness = scaled[:, 2]
+            _refuse_beyond_horizon(pixels, nearness > _HORIZON)
+            return _points(scaled[:, :2] / nearness[:, None])
+
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points of the work surface to pixels, for drawing.
+
+        :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :returns: Shape (n, 2), columns u and v, in px; NaN for a point without a pixel.
+        """
+        points = finite_numbers('points', points, -1, 2)
+        scaled = homogeneous(np.linalg.inv(self.surface_from_pixel), points)
+        # This is 1 / nearness of the pixel that shows the point.
+        distance = scaled[:, 2:]
+        seen = (distance > 0) & (distance < 1 / _HORIZON)
+        return self.distortion.distort(scaled[:, :2] / np.where(seen, distance, np.nan))
+
+    def for_image_size(self, image_size: ImageSize) -> 'HomographySurface':
+        """Give the model for pictures of a size: only the one it was measured on."""
+        _check_same_size(image_size, self.image_size)
+        return self
+
+
+def homogeneous(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """
+    Apply a homography and leave the result homogeneous.
+
+    :param matrix: Shape (3, 3).
+    :param points: Shape (n, 2).
+    :returns: Shape (n, 3).
+    """
+    return points @ matrix[:, :2].T + matrix[:, 2]
+
+
+def check_image_size(image_size: Sequence[int]) -> ImageSize:
+    """
+    Check a picture size.
+
+    :returns: Width and height, in px.
+    :raises InvalidValueError: If it is not two whole numbers from 1.
+    """
+    width, height = finite_numbers('image_size', image_size, 2)
+    return (whole_number("image_size's width", width, 1, 10000),
+            whole_number("image_size's height", height, 1, 10000))
+
+
+def _check_same_size(image_size: ImageSize, calibrated_size: ImageSize) -> None:
+    if tuple(image_size) != calibrated_size:
+        raise FrameSizeError(
+            f'the frame is {image_size[0]} x {image_size[1]} px, but the surface was calibrated '
+            f'for {calibrated_size[0]} x {calibrated_size[1]} px: set the camera to that size, '
+            'or calibrate again')
+
+
+def _refuse_beyond_horizon(pixels: np.ndarray, on_surface: np.ndarray) -> None:
+    if not on_surface.all():
+        u, v = pixels[~on_surface][0]
+        raise HorizonError(
+            f'pixel ({u:g}, {v:g}) does not look at the work surface: it lies near the horizon or '
+            'beyond it; tilt the camera down, or check the calibration')
+
+
+def _points(points: np.ndarray) -> np.ndarray:
+    # Finite pixels can still overflow on their way.
+    return finite_numbers('the points that the pixels look at', points, -1, 2)
+
+
+def _has_inverse(matrix: np.ndarray) -> bool:
+    # Rows in px and in cm differ by orders of magnitude: compare after each is made a unit.
+    norms = np.linalg.norm(matrix, axis=1, keepdims=True)
+    return bool((norms > 0).all()) and abs(np.linalg.det(matrix / norms)) > 1e-15

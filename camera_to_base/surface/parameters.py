@@ -1,0 +1,119 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""From the parameters that describe a calibration to the surface and the area it holds for."""
+
+from typing import Any, Dict, Mapping, Optional, Union
+
+from camera_to_base.checks import finite_number, finite_numbers
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.surface.distortion import RadialDistortion
+from camera_to_base.surface.hull import Hull
+from camera_to_base.surface.models import (
+    check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
+from camera_to_base.surface.raised import RaisedSurface
+from camera_to_base.surface.specs import SURFACE_MODELS
+import numpy as np
+
+
+def make_surface(values: Mapping[str, Any]) -> Surface:
+    """
+    Make the surface of its parameters, for the height of the objects on it.
+
+    :param values: By their full names, 'surface.model' and so on.
+    :raises InvalidValueError: If they describe none, or do not say where the camera is although
+        the objects have a height.
+    """
+    surface = _flat_surface(values)
+    object_height_cm = finite_number('object_height_cm', values['object_height_cm'], 0, 1e4)
+    camera_height_cm = finite_number(
+        'surface.camera_height_cm', values['surface.camera_height_cm'], 0, 1e5)
+    foot_cm = finite_numbers('surface.camera_foot_cm', values['surface.camera_foot_cm'], -1)
+    if len(foot_cm) not in (0, 2):
+        raise InvalidValueError(
+            f'surface.camera_foot_cm must be x and y, or empty, got {len(foot_cm)} numbers')
+    if object_height_cm == 0:
+        return surface
+    if camera_height_cm == 0:
+        raise InvalidValueError(_where_is_the_camera('surface.camera_height_cm'))
+    if len(foot_cm) == 0 and values['surface.model'] != 'parallel':
+        raise InvalidValueError(_where_is_the_camera('surface.camera_foot_cm'))
+    return RaisedSurface(surface, object_height_cm, camera_height_cm,
+                         foot_cm if len(foot_cm) else None, values['surface.image_size'])
+
+
+def _where_is_the_camera(name: str) -> str:
+    return (f'object_height_cm needs {name}: measure and set it, or let `calibrate board` with '
+            '--intrinsics find it')
+
+
+def _flat_surface(values: Mapping[str, Any]) -> Surface:
+    model = values['surface.model']
+    image_size = check_image_size(values['surface.image_size'])
+    if model == 'parallel':
+        return ParallelSurface(values['surface.parallel.width_cm'], image_size[0])
+    if model == 'polynomial':
+        return PolynomialSurface(
+            values['surface.polynomial.y_of_v'], values['surface.polynomial.px_per_cm_of_y'],
+            values['surface.polynomial.centre_u'], image_size)
+    if model == 'homography':
+        return _homography_surface(values, image_size)
+    raise InvalidValueError(
+        f'surface.model must be one of {", ".join(SURFACE_MODELS)}, got \'{model}\'')
+
+
+def make_hull(values: Mapping[str, Any]) -> Optional[Hull]:
+    """
+    Make the area that the calibration was measured in; None where it is not known.
+
+    :param values: 'surface.hull' is u and v of one corner after the other, in px, or empty.
+    :raises InvalidValueError: If it is no area.
+    """
+    numbers = finite_numbers('surface.hull', values['surface.hull'], -1)
+    if len(numbers) % 2:
+        raise InvalidValueError(
+            f'surface.hull must be pairs of u and v, got {len(numbers)} numbers')
+    return Hull(numbers.reshape(-1, 2)) if len(numbers) else None
+
+
+def surface_values(
+    surface: Union[HomographySurface, PolynomialSurface], hull: Hull
+) -> Dict[str, Any]:
+    """
+    Give the parameters that :func:`make_surface` and :func:`make_hull` make the same of.
+
+    The hull is rounded to hundredths of a px, the rest is exact.
+    """
+    values = {'surface.image_size': list(surface.image_size),
+              'surface.hull': np.round(hull.corners, 2).ravel().tolist()}
+    if isinstance(surface, PolynomialSurface):
+        return {'surface.model': 'polynomial', **values,
+                'surface.polynomial.y_of_v': surface.y_of_v.tolist(),
+                'surface.polynomial.px_per_cm_of_y': surface.px_per_cm_of_y.tolist(),
+                'surface.polynomial.centre_u': surface.centre_u}
+    matrix = surface.surface_from_pixel.ravel().tolist()
+    return {'surface.model': 'homography', **values,
+            'surface.homography.surface_from_pixel': matrix,
+            'surface.homography.distortion_coefficient': surface.distortion.coefficient,
+            'surface.homography.distortion_centre': list(surface.distortion.centre)}
+
+
+def _homography_surface(values: Mapping[str, Any], image_size: ImageSize) -> HomographySurface:
+    matrix = finite_numbers('surface.homography.surface_from_pixel',
+                            values['surface.homography.surface_from_pixel'], 9).reshape(3, 3)
+    distortion = RadialDistortion.of_picture(
+        image_size, values['surface.homography.distortion_coefficient'],
+        values['surface.homography.distortion_centre'])
+    return HomographySurface(matrix, image_size, distortion)

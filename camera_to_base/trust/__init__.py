@@ -1,0 +1,33 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Trust: whether the positions of a frame may be published.
+
+In: frames as they come. Out: one sighting for each frame, with its objects, or with the reason why
+none of them may be published. Checks for damage, a moved view, jumps and age; the pipeline asks
+them in order.
+
+Callers: `nodes` and `commands`. It imports numpy and OpenCV alone.
+"""
+
+from camera_to_base.trust.damage_check import BLACK, DamageCheck, REPEATED
+from camera_to_base.trust.gate import PositionGate, Sighting, TOO_LATE, UNCONFIRMED
+from camera_to_base.trust.pipeline import CameraPipeline, Limits
+from camera_to_base.trust.view_check import View, ViewCheck
+
+__all__ = [
+    'BLACK', 'CameraPipeline', 'DamageCheck', 'Limits', 'PositionGate', 'REPEATED', 'Sighting',
+    'TOO_LATE', 'UNCONFIRMED', 'View', 'ViewCheck',
+]

@@ -1,0 +1,138 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the precise detector promises."""
+
+from dataclasses import asdict
+import math
+
+from camera_to_base.detection.detection import locate_on_surface
+from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.errors import FrameSizeError, InvalidValueError
+from camera_to_base.simulation.board import SimulatedBoard
+from camera_to_base.simulation.conditions import BoardConditions
+import cv2
+import numpy as np
+import pytest
+
+
+def table(level=200, size=(240, 320)):
+    noise = np.random.default_rng(1).normal(level, 2, (*size, 3))
+    return np.clip(np.rint(noise), 0, 255).astype(np.uint8)
+
+
+def with_ellipse(picture, centre, axes, angle_deg=0.0, level=60):
+    picture = picture.copy()
+    cv2.ellipse(picture, centre, axes, angle_deg, 0, 360, (level,) * 3, cv2.FILLED)
+    return picture
+
+
+def test_table_without_an_object_gives_nothing():
+    assert PreciseDifferenceDetector(table()).detect(table()) == []
+
+
+@pytest.mark.parametrize('tilt_deg', [0.0, 40.0])
+@pytest.mark.parametrize('conditions', [
+    BoardConditions(noise=10), BoardConditions(light_drift=-60), BoardConditions(texture=12),
+    BoardConditions(table_level=50, contrast=-130), BoardConditions(highlight=True),
+    BoardConditions(diameters_cm=(1.24,)), BoardConditions(contrast=70)])
+def test_centre_is_right_to_a_tenth_of_a_pixel(conditions, tilt_deg):
+    board = SimulatedBoard(**asdict(conditions), tilt_deg=tilt_deg, frame_rate=0.5)
+    detector = PreciseDifferenceDetector(board.read())
+    for _ in range(15):
+        detections = detector.detect(board.read())
+        assert len(detections) == 1
+        assert math.dist(detections[0].centre, board.true_objects[0].pixel) < 0.1
+
+
+def test_tilt_is_corrected_on_the_surface():
+    board = SimulatedBoard(tilt_deg=40.0, frame_rate=0.5)
+    to_surface = board.surface_from_pixel
+
+    def locate(pixels):
+        return cv2.perspectiveTransform(pixels[None], to_surface)[0]
+
+    detector = PreciseDifferenceDetector(board.read())
+    for _ in range(15):
+        detection, = detector.detect(board.read())
+        point = locate_on_surface(locate, detection)
+        assert math.dist(point, board.true_objects[0].point) < 0.003
+
+
+def test_object_that_lies_still_stays_an_object():
+    detector = PreciseDifferenceDetector(table())
+    frame = with_ellipse(table(), (150, 120), (20, 20))
+    first = detector.detect(frame)
+    for _ in range(50):
+        assert detector.detect(frame) == first
+
+
+def test_darker_lamp_is_no_object():
+    frame = cv2.convertScaleAbs(table(), alpha=0.7)
+    assert PreciseDifferenceDetector(table()).detect(frame) == []
+
+
+@pytest.mark.parametrize('step', [6, 15, 60])
+def test_object_of_the_first_frame_is_found_once_it_moves(step):
+    detector = PreciseDifferenceDetector(with_ellipse(table(), (100, 120), (20, 20)))
+    for u in range(100 + step, 220, step):
+        detection, = detector.detect(with_ellipse(table(), (u, 120), (20, 20)))
+        assert math.dist(detection.centre, (u, 120)) < 0.3
+
+
+def test_object_of_the_first_frame_that_is_taken_away_leaves_no_ghost():
+    detector = PreciseDifferenceDetector(with_ellipse(table(), (100, 120), (20, 20)))
+    assert detector.detect(table()) == []
+
+
+def test_object_on_a_printed_square_stays_an_object():
+    printed = table()
+    printed[90:150, 70:130] = 120
+    detector = PreciseDifferenceDetector(printed)
+    for centre in (100, 120), (75, 120), (130, 95):
+        for _ in range(3):
+            detection, = detector.detect(with_ellipse(printed, centre, (20, 20), level=30))
+            assert math.dist(detection.centre, centre) < 0.5
+
+
+def test_object_at_the_edge_is_marked_as_cut_off():
+    detector = PreciseDifferenceDetector(table())
+    assert detector.detect(with_ellipse(table(), (5, 120), (20, 20)))[0].cut_off
+    assert not detector.detect(with_ellipse(table(), (60, 120), (20, 20)))[0].cut_off
+
+
+@pytest.mark.parametrize('angle_deg', [-60.0, 0.0, 35.0, 90.0])
+def test_orientation_and_elongation_are_those_of_the_object(angle_deg):
+    frame = with_ellipse(table(), (150, 120), (40, 20), angle_deg)
+    detection, = PreciseDifferenceDetector(table()).detect(frame)
+    turn = math.degrees(detection.orientation) - angle_deg
+    assert abs((turn + 90) % 180 - 90) < 1
+    assert detection.elongation == pytest.approx(2.0, abs=0.1)
+
+
+def test_largest_comes_first():
+    frame = with_ellipse(with_ellipse(table(), (60, 60), (8, 8)), (200, 120), (20, 20))
+    areas = [detection.area for detection in PreciseDifferenceDetector(table()).detect(frame)]
+    assert len(areas) == 2 and areas[0] > areas[1]
+
+
+def test_frame_of_another_size_is_refused():
+    with pytest.raises(FrameSizeError, match='320 x 240'):
+        PreciseDifferenceDetector(table()).detect(table(size=(120, 160)))
+
+
+@pytest.mark.parametrize('settings', [{'threshold': -1}, {'threshold': 256}, {'min_area': 0}])
+def test_value_out_of_its_range_is_refused(settings):
+    with pytest.raises(InvalidValueError):
+        PreciseDifferenceDetector(table(), **settings)

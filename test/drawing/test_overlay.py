@@ -1,0 +1,217 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
+from camera_to_base.detection.absolute_difference import Box, Detection, Pixel
+from camera_to_base.detection.locator import LocatedObject, Point
+from camera_to_base.drawing.overlay import (
+    base_label, check_picture_path, draw_note, draw_objects, draw_pixel, object_mask,
+    write_picture)
+from camera_to_base.errors import InvalidValueError
+import cv2
+import numpy as np
+import pytest
+
+GREY = 100
+
+
+def grey_frame(width=640, height=480):
+    return np.full((height, width, 3), GREY, np.uint8)
+
+
+def located(box, point=(19.5, 13.75)):
+    centre = Pixel(box[0] + box[2] // 2, box[1] + box[3] // 2)
+    outline = np.zeros((1, 2), np.int32)
+    detection = Detection(Box(*box), centre, float(box[2] * box[3]), outline, False)
+    return LocatedObject(detection, Point(*point))
+
+
+def changed(picture):
+    return (picture != GREY).any(axis=2)
+
+
+@pytest.fixture
+def texts(monkeypatch):
+    drawn, put_text = [], cv2.putText
+
+    def record(picture, text, corner, font, scale, colour, thickness, *others):
+        (width, height), below = cv2.getTextSize(text, font, scale, thickness)
+        drawn.append((text, corner[0], corner[1] - height, width, height + below))
+        return put_text(picture, text, corner, font, scale, colour, thickness, *others)
+
+    monkeypatch.setattr(cv2, 'putText', record)
+    return drawn
+
+
+def test_box_is_drawn_around_the_object():
+    drawn = changed(draw_objects(grey_frame(), [located((200, 150, 60, 40))]))
+    assert drawn[150, 200:260].all() and drawn[189, 200:260].all()
+    assert drawn[150:190, 200].all() and drawn[150:190, 259].all()
+
+
+def test_centre_is_drawn_and_the_rest_of_the_object_stays_visible():
+    drawn = changed(draw_objects(grey_frame(), [located((200, 150, 60, 40))]))
+    inside = drawn[152:188, 202:258]
+    rows, columns = np.nonzero(inside)
+    assert drawn[170, 230]
+    assert (rows.mean() + 152, columns.mean() + 202) == pytest.approx((170, 230), abs=0.01)
+    assert 0 < inside.mean() < 0.05
+
+
+def test_rest_of_the_frame_is_left_as_it_is():
+    drawn = changed(draw_objects(grey_frame(), [located((200, 150, 60, 40))]))
+    drawn[120:195, 190:400] = False
+    assert not drawn.any()
+
+
+def test_text_tells_the_position_in_cm(texts):
+    draw_objects(grey_frame(), [located((200, 150, 60, 40), (19.504, -13.75))])
+    assert [text for text, *_ in texts] == ['x 19.50, y -13.75 cm']
+
+
+def test_every_object_is_drawn(texts):
+    boxes = [(50, 100, 40, 40), (300, 300, 60, 30), (500, 60, 20, 80)]
+    drawn = changed(draw_objects(
+        grey_frame(), [located(box, (x, 0)) for x, box in enumerate(boxes)]))
+    assert all(drawn[y, x] and drawn[y + h // 2, x + w // 2] for x, y, w, h in boxes)
+    assert [text for text, *_ in texts] == [f'x {x}.00, y 0.00 cm' for x in range(3)]
+
+
+@pytest.mark.parametrize('x', [0, 300, 636])
+@pytest.mark.parametrize('y', [0, 240, 476])
+def test_text_stays_inside_the_picture(texts, x, y):
+    draw_objects(grey_frame(), [located((x, y, 4, 4), (-100.25, -200.75))])
+    (_, left, top, width, height), = texts
+    assert 0 <= left and left + width <= 640
+    assert 0 <= top and top + height <= 480
+
+
+def test_frame_is_left_as_it_is():
+    frame = grey_frame()
+    draw_objects(frame, [located((200, 150, 60, 40))])
+    assert not changed(frame).any()
+
+
+def test_frame_without_objects_comes_back_as_a_copy():
+    frame = grey_frame()
+    picture = draw_objects(frame, [])
+    np.testing.assert_array_equal(picture, frame)
+    assert not np.shares_memory(picture, frame)
+
+
+@pytest.mark.parametrize('width, height', [(1, 1), (5, 3), (40, 400), (640, 2)])
+def test_picture_may_be_smaller_than_the_text(width, height):
+    picture = draw_objects(grey_frame(width, height), [located((0, 0, width, height))])
+    assert picture.shape == (height, width, 3)
+
+
+def test_frame_need_not_be_contiguous():
+    frame = grey_frame(1280, 960)[::2, ::-2]
+    np.testing.assert_array_equal(
+        draw_objects(frame, [located((200, 150, 60, 40))]),
+        draw_objects(grey_frame(), [located((200, 150, 60, 40))]))
+
+
+def test_pixel_without_a_frame_is_drawn_on_an_empty_picture(texts):
+    picture = draw_pixel((640, 480), Pixel(390, 275), Point(19.5, 13.75))
+    empty = picture[0, 0]
+    assert picture.shape == (480, 640, 3) and picture.dtype == np.uint8
+    assert (picture[275, 390] != empty).any()
+    assert (picture[300:] == empty).all() and (picture[:, :380] == empty).all()
+    assert [text for text, *_ in texts] == ['x 19.50, y 13.75 cm']
+
+
+def test_pixel_is_drawn_at_the_nearest_whole_one():
+    np.testing.assert_array_equal(
+        draw_pixel((64, 48), Pixel(30.6, 20.4), Point(1.0, 2.0)),
+        draw_pixel((64, 48), Pixel(31, 20), Point(1.0, 2.0)))
+
+
+def test_written_picture_is_read_back_as_it_was(tmp_path):
+    picture = draw_objects(grey_frame(), [located((200, 150, 60, 40))])
+    write_picture(str(tmp_path / 'picture.png'), picture)
+    np.testing.assert_array_equal(cv2.imread(str(tmp_path / 'picture.png')), picture)
+
+
+def test_written_photograph_is_read_back_nearly_as_it_was(tmp_path):
+    write_picture(str(tmp_path / 'picture.JPG'), grey_frame())
+    read = cv2.imread(str(tmp_path / 'picture.JPG'))
+    np.testing.assert_allclose(read.astype(int), grey_frame(), rtol=0, atol=3)
+
+
+def test_picture_takes_the_place_of_the_last_one_and_leaves_nothing_else(tmp_path):
+    path = tmp_path / 'picture.png'
+    write_picture(str(path), grey_frame())
+    write_picture(str(path), grey_frame(8, 6))
+    assert cv2.imread(str(path)).shape == (6, 8, 3)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_picture_in_a_folder_that_does_not_exist_is_refused(tmp_path):
+    path = str(tmp_path / 'none' / 'picture.png')
+    with pytest.raises(InvalidValueError, match=f'{path}.*there is no folder'):
+        write_picture(path, grey_frame())
+
+
+@pytest.mark.parametrize('name, ending', [
+    ('a.png', '.png'), ('a.jpg', '.jpg'), ('A.PNG', '.png'), ('b/c.d/a.b.Jpg', '.jpg')])
+def test_ending_of_a_pictures_name_tells_its_format(tmp_path, name, ending):
+    (tmp_path / 'b' / 'c.d').mkdir(parents=True)
+    assert check_picture_path(str(tmp_path / name)) == ending
+
+
+@pytest.mark.parametrize('name', ['', 'picture', 'picture.bmp', 'picture.png.txt', 'a.png/b'])
+def test_picture_with_another_ending_is_refused(tmp_path, name):
+    with pytest.raises(InvalidValueError, match='.png or .jpg'):
+        check_picture_path(name)
+    with pytest.raises(InvalidValueError, match='.png or .jpg'):
+        write_picture(str(tmp_path / name), grey_frame())
+    assert list(tmp_path.iterdir()) == []
+
+
+def bar(angle, yaw):
+    """Make a bar of 100 x 20 px about (300, 200), turned by an angle."""
+    corners = cv2.boxPoints(((300, 200), (100, 20), np.degrees(angle))).round().astype(np.int32)
+    box = Box(*cv2.boundingRect(corners))
+    return LocatedObject(
+        Detection(box, Pixel(300, 200), 2000.0, corners, False), Point(1.0, 2.0), yaw)
+
+
+def test_outline_is_drawn_around_the_object():
+    found = bar(0.5, None)
+    drawn = changed(draw_objects(grey_frame(), [found]))
+    assert all(drawn[v, u] for u, v in found.detection.outline)
+
+
+def test_direction_is_drawn_for_an_object_that_has_one():
+    u, v = 300 + round(30 * np.cos(0.5)), 200 + round(30 * np.sin(0.5))
+    assert changed(draw_objects(grey_frame(), [bar(0.5, 0.5)]))[v - 1:v + 2, u].any()
+    assert not changed(draw_objects(grey_frame(), [bar(0.5, None)]))[v - 1:v + 2, u].any()
+
+
+def test_base_label_tells_the_position_in_the_base_frame():
+    label = base_label(CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0))
+    assert label(Point(19.5, 13.75)) == 'base x 1.70, y 10.65 cm'
+
+
+def test_mask_is_what_lies_within_the_outlines():
+    mask = object_mask(grey_frame(), [bar(0.5, None)])
+    assert mask.shape == (480, 640) and set(np.unique(mask)) == {0, 255}
+    assert np.count_nonzero(mask) == pytest.approx(2000, rel=0.1)
+
+
+def test_note_stands_in_the_corner(texts):
+    draw_note(grey_frame(), 'background taken 3 s ago')
+    (text, x, y, _, _), = texts
+    assert text == 'background taken 3 s ago' and x < 20 and y < 20

@@ -1,0 +1,61 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from camera_to_base.errors import FrameSourceError
+from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
+from camera_to_base.settings.named_source import open_named_source
+from camera_to_base.simulation.board import SimulatedBoard
+from camera_to_base.sources.cameras import Camera
+from camera_to_base.sources.video_file import VideoFile
+from captures import Device, write_levels
+import cv2
+import pytest
+
+
+def open_source(name):
+    values = {spec.name: spec.default for spec in CAMERA_SPECS}
+    return open_named_source(camera_settings({**values, 'source': name}))
+
+
+@pytest.mark.parametrize('name', ['random', 'topic', 'compressed_topic'])
+def test_no_frame_is_read_for_random_pixels_and_topics(name):
+    assert open_source(name) is None
+
+
+def test_simulated_is_the_simulated_board():
+    assert isinstance(open_source('simulated'), SimulatedBoard)
+
+
+def test_file_is_opened_at_once(tmp_path):
+    assert isinstance(open_source(write_levels(str(tmp_path / 'levels.avi'))), VideoFile)
+
+
+def test_file_that_does_not_exist_is_refused():
+    with pytest.raises(FrameSourceError, match='no such file'):
+        open_source('/does/not/exist.avi')
+
+
+@pytest.mark.parametrize('name', ['7', '/dev/video7'])
+def test_camera_is_opened_by_its_first_read(monkeypatch, name):
+    monkeypatch.setattr(cv2, 'VideoCapture', Device)
+    monkeypatch.setattr(Device, 'opened', [])
+    camera = open_source(name)
+    assert isinstance(camera, Camera) and not Device.opened
+    camera.read()
+    assert len(Device.opened) == 1
+
+
+def test_auto_is_no_source_where_no_camera_is_attached(monkeypatch):
+    monkeypatch.setattr('glob.glob', lambda pattern: [])
+    assert open_source('auto') is None

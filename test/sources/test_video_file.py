@@ -1,0 +1,99 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from camera_to_base.errors import FrameSourceError
+from camera_to_base.sources.video_file import open_frame_source, VideoFile
+from captures import Device, LEVELS, read_levels, write_levels
+import cv2
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def video(tmp_path):
+    return write_levels(str(tmp_path / 'levels.avi'))
+
+
+def test_video_is_read_once_to_its_end(video):
+    source = VideoFile(video)
+    assert read_levels(source, len(LEVELS)) == pytest.approx(LEVELS, abs=3)
+    assert source.read() is None
+    assert source.read() is None
+
+
+def test_frames_of_a_video_are_colour_pictures(video):
+    frame = VideoFile(video).read()
+    assert frame.shape == (48, 64, 3) and frame.dtype == np.uint8
+
+
+def test_video_plays_at_its_own_rate(video):
+    assert VideoFile(video).frame_rate == pytest.approx(12.5)
+
+
+@pytest.mark.parametrize('rate', [0.0, -1.0, 90000.0, float('nan')])
+def test_video_without_a_likely_rate_plays_at_30_hz(video, monkeypatch, rate):
+    monkeypatch.setattr(cv2, 'VideoCapture', Device)
+    monkeypatch.setattr(Device, 'rate', rate)
+    assert VideoFile(video).frame_rate == 30.0
+
+
+def test_released_video_gives_no_more_frames(video):
+    source = VideoFile(video)
+    source.read()
+    source.release()
+    assert source.read() is None
+
+
+def test_same_video_can_be_opened_twice(video):
+    first, second = VideoFile(video), VideoFile(video)
+    read_levels(first, 3)
+    assert read_levels(second, 1) == pytest.approx(LEVELS[:1], abs=3)
+    assert read_levels(first, 1) == pytest.approx(LEVELS[3:4], abs=3)
+
+
+def test_video_is_opened_by_its_name(video):
+    assert isinstance(open_frame_source(video), VideoFile)
+
+
+def test_tilde_is_the_home_folder(video, tmp_path, monkeypatch):
+    monkeypatch.setenv('HOME', str(tmp_path))
+    assert open_frame_source('~/levels.avi').read() is not None
+
+
+def test_video_that_does_not_exist_is_refused(tmp_path):
+    path = str(tmp_path / 'none.avi')
+    with pytest.raises(FrameSourceError, match=f'{path}.*no such file'):
+        open_frame_source(path)
+
+
+@pytest.mark.parametrize(
+    'content', [b'', b'hello\n', bytes(range(256)) * 20], ids=['empty', 'text', 'bytes'])
+@pytest.mark.parametrize('name', ['text.txt', 'video.avi', 'video'])
+def test_file_that_is_no_video_is_refused(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(FrameSourceError, match=f'{path}.*no video'):
+        open_frame_source(str(path))
+
+
+def test_folder_is_refused(tmp_path):
+    with pytest.raises(FrameSourceError, match=f"cannot open video '{tmp_path}'"):
+        open_frame_source(str(tmp_path))
+
+
+@pytest.mark.parametrize('name', ['', '-1', 'simulate'])
+def test_name_of_nothing_is_refused(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FrameSourceError, match=f"cannot open video '{name}'"):
+        open_frame_source(name)

@@ -1,0 +1,172 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import os
+import time
+
+from camera_to_base.errors import FrameSizeError
+from camera_to_base.surface.models import ParallelSurface
+from camera_to_base.trust.gate import Sighting
+from camera_to_base.trust.pipeline import CameraPipeline, Limits
+import cv2
+import numpy as np
+import pytest
+
+# ENDURANCE=1000000 makes a longer run.
+FRAMES = int(os.environ.get('ENDURANCE', '10000'))
+AT_ONCE = Limits(confirm_jump_px=0.0, check_period_s=0.0)
+
+
+def table(move=(0, 0), disc=None, size=(640, 480)):
+    random = np.random.default_rng(1)
+    field = cv2.GaussianBlur(random.normal(0, 60, (size[1] + 80, size[0] + 80)), (0, 0), 4)
+    grey = np.clip(190 + field, 110, 250).astype(np.uint8)
+    left, top = 40 - move[0], 40 - move[1]
+    frame = cv2.merge([grey[top:top + size[1], left:left + size[0]]] * 3)
+    if disc is not None:
+        cv2.circle(frame, disc, 22, (30, 30, 30), -1)
+    return frame
+
+
+def pipeline(limits=AT_ONCE, background_frames=1):
+    return CameraPipeline(
+        ParallelSurface(36.0, 640), limits=limits, background_frames=background_frames)
+
+
+def published(camera, frame, taken_at=None):
+    sighting = camera.process(frame, taken_at)
+    return sighting.objects if sighting.held_back is None else []
+
+
+def test_first_frame_is_the_background_and_an_object_is_located():
+    camera = pipeline()
+    assert not published(camera, table())
+    located, = camera.process(table(disc=(320, 240))).objects
+    assert located.point == pytest.approx((18.0, 13.5), abs=0.12)
+
+
+def test_background_is_the_median_of_as_many_frames_as_were_asked_for():
+    camera = pipeline(background_frames=3)
+    for disc in ((100, 100), (300, 300), None):
+        assert camera.background is None
+        assert not published(camera, table(disc=disc))
+    assert (camera.background == table()).all()
+
+
+def test_no_object_is_believed_while_the_view_has_moved_and_it_is_again_when_it_is_back():
+    camera = pipeline()
+    camera.process(table())
+    assert published(camera, table(disc=(320, 240)))
+    assert not published(camera, table(move=(6, 0), disc=(320, 240)))
+    assert '6.' in camera.view_problem or '5.9' in camera.view_problem
+    assert published(camera, table(disc=(320, 240)))
+    assert camera.view_problem is None
+
+
+def test_background_taken_anew_makes_a_moved_view_the_right_one():
+    camera = pipeline()
+    camera.process(table())
+    assert not published(camera, table(move=(6, 0), disc=(320, 240)))
+    camera.capture_background(1)
+    assert not published(camera, table(move=(6, 0)))
+    assert published(camera, table(move=(6, 0), disc=(320, 240)))
+
+
+def test_view_is_compared_with_a_restored_background_from_the_first_frame_on():
+    camera = pipeline(AT_ONCE._replace(check_period_s=60.0))
+    camera.restore_background(table(), age_s=10.0)
+    assert camera.background_age_s == pytest.approx(10.0, abs=1.0)
+    assert not published(camera, table(move=(6, 0), disc=(320, 240)))
+    camera.restore_background(table(), age_s=10.0)
+    assert published(camera, table(disc=(320, 240)))
+
+
+def test_background_of_a_camera_is_confirmed_and_that_of_a_file_is_its_first_frame():
+    camera, recording, lost = pipeline(), pipeline(), table()
+    lost[240:] = 255
+    for frame in (lost, table(), table()):
+        camera.process(frame, time.monotonic())
+        recording.process(frame)
+    assert (camera.background == table()).all()
+    assert (recording.background == lost).all()
+
+
+def test_check_of_the_view_can_be_switched_off():
+    camera = pipeline(AT_ONCE._replace(max_shift_px=0.0))
+    camera.process(table())
+    assert published(camera, table(move=(6, 0), disc=(320, 240)))
+
+
+def test_frame_of_another_size_is_an_error_until_the_old_size_is_back():
+    camera = pipeline()
+    camera.process(table())
+    with pytest.raises(FrameSizeError):
+        camera.process(table(size=(320, 240)))
+    assert '320 x 240' in camera.size_problem
+    assert published(camera, table(disc=(320, 240)))
+    assert camera.size_problem is None
+
+
+def test_position_from_an_old_frame_is_held_back():
+    camera = pipeline(AT_ONCE._replace(max_shift_px=0.0))
+    camera.process(table())
+    assert not published(camera, table(disc=(320, 240)), time.monotonic() - 0.31)
+    assert published(camera, table(disc=(320, 240)), time.monotonic() - 0.1)
+    assert camera.counts['frames held back: detection took too long'] == 1
+
+
+def test_position_that_jumps_is_confirmed_for_cameras_only():
+    camera = pipeline(Limits())
+    camera.process(table())
+    assert not published(camera, table(disc=(320, 240)), time.monotonic())
+    assert published(camera, table(disc=(320, 240)), time.monotonic())
+    assert pipeline_of_a_file_finds_at_once()
+
+
+def pipeline_of_a_file_finds_at_once():
+    recording = pipeline(Limits())
+    recording.process(table())
+    return published(recording, table(disc=(320, 240)))
+
+
+def test_empty_surface_is_told_from_one_that_cannot_be_told():
+    camera = pipeline(background_frames=2)
+    assert camera.process(table()) == Sighting([], 'the background is being taken')
+    assert camera.process(table()) == Sighting([])
+    sighting = camera.process(table(move=(6, 0), disc=(320, 240)))
+    assert sighting.objects and sighting.held_back == 'the view has moved'
+
+
+def test_empty_surface_of_a_camera_is_confirmed_by_a_second_frame():
+    camera = pipeline(Limits())
+    camera.process(table())
+    now = time.monotonic
+    assert camera.process(table(), now()).held_back == 'not confirmed by a second frame'
+    assert camera.process(table(), now()) == Sighting([])
+
+
+def test_memory_does_not_grow_with_the_frames(tell):
+    camera = pipeline(Limits(check_period_s=0.5))
+    frames = [table(size=(64, 48)), table(disc=(30, 20), size=(64, 48))]
+
+    def process(count):
+        for number in range(count):
+            camera.process(frames[number % 2], time.monotonic())
+        with open('/proc/self/statm') as file:
+            return int(file.read().split()[1]) * 4096
+
+    before = process(3000)
+    growth = process(FRAMES) - before
+    tell(f'{FRAMES} frames through the pipeline: it grew by {growth} bytes after the first 3000')
+    assert growth < (5_000_000 if FRAMES > 100_000 else 1_000_000)
