@@ -27,7 +27,7 @@ _PERIOD_S = 1.0
 
 class Diagnostics:
     """
-    Publishes what a function tells about a node.
+    Publishes what a function tells about a node; the kind of its reason is the value `reason`.
 
     :param node: The node; its full name is the status's.
     :param heartbeat: The node's.
@@ -46,11 +46,12 @@ class Diagnostics:
     def publish(self) -> None:
         """Publish at once."""
         health = self._collect()
+        values = {'reason': health.reason.kind, **health.values}
         message = DiagnosticArray(status=[DiagnosticStatus(
-            level=bytes([health.level]),
+            level=bytes([health.reason.level]),
             name=self._node.get_fully_qualified_name(),
-            message=health.message,
+            message=health.reason.sentence,
             hardware_id=health.values.get('source', ''),
-            values=[KeyValue(key=key, value=value) for key, value in health.values.items()])])
+            values=[KeyValue(key=key, value=value) for key, value in values.items()])])
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)

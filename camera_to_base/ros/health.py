@@ -14,21 +14,13 @@
 
 """What a node tells about itself."""
 
-from enum import IntEnum
 from typing import Dict, NamedTuple
 
-
-class Level(IntEnum):
-    """How bad it is, in the numbers of diagnostic_msgs/DiagnosticStatus."""
-
-    OK = 0
-    WARN = 1
-    ERROR = 2
+from camera_to_base.reason import Reason
 
 
 class Health(NamedTuple):
-    """The state of a node: a level, a sentence that tells what to do, and numbers as texts."""
+    """The state of a node: why it publishes nothing, or that all is well; numbers as texts."""
 
-    level: Level
-    message: str
+    reason: Reason
     values: Dict[str, str]
