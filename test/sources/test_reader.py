@@ -36,8 +36,7 @@ both_servers = pytest.mark.parametrize('server_class', [MjpegServer, RtspServer]
 END_WHILE_IT_HANGS = """
 import sys
 import time
-from camera_to_base.cameras import Camera
-from camera_to_base.frame_reader import FrameReader
+from camera_to_base.sources import Camera, FrameReader
 import scenes
 
 ODD = Reason('odd', Level.ERROR, 'its first level is odd')
