@@ -29,7 +29,7 @@ from camera_to_base.commands.sweep import sweep, sweep_lines
 from camera_to_base.commands.sweep_picture import sweep_picture
 from camera_to_base.drawing import AnnotatedVideo, draw_note, draw_objects, write_picture
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.interrupt import Interrupt
+from camera_to_base.interrupt import Interrupt, serve_signals
 from camera_to_base.settings import CameraSettings, NodeSettings, read_node_settings
 from camera_to_base.sources import (
     BagFile, is_bag, is_camera, LiveRecording, open_frame_source, PlayedRecording, Recording,
@@ -48,6 +48,7 @@ _SIMULATED_S = 60
 def main(args: Optional[List[str]] = None) -> int:
     """Run the command; return its exit code."""
     try:
+        serve_signals()
         options = parse(args)
         with Interrupt() as interrupt:
             return _run(options, interrupt)

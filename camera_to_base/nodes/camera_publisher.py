@@ -29,8 +29,9 @@ from camera_to_base.nodes.camera_watch import CameraWatch
 from camera_to_base.nodes.debug_images import DebugImages
 from camera_to_base.nodes.frame_feeds import CameraFeed, TimedFeed
 from camera_to_base.nodes.image_topic import ImageTopic
+from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.nodes.true_positions import TruePositions
-from camera_to_base.ros import NodeParameters, PositionTopics, real_time_timer, run, whole_or_gone
+from camera_to_base.ros import NodeParameters, PositionTopics, real_time_timer
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source, TOPIC_SOURCES)
 from camera_to_base.simulation import SimulatedBoard

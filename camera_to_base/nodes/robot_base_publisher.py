@@ -20,10 +20,11 @@ from typing import Callable, Iterator, List, Optional
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import CameraToBaseError, OutOfReachError
+from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import (
     Diagnostics, Health, Heartbeat, NameCheck, NodeParameters, point_from_message,
-    poses_from_message, position_from_message, PositionTopics, qos_mismatch, run, whole_or_gone)
+    poses_from_message, position_from_message, PositionTopics, qos_mismatch)
 from camera_to_base.transform_parameters import (
     transform_node_settings, TRANSFORM_SPECS, TransformSettings)
 from geometry_msgs.msg import PointStamped, PoseArray

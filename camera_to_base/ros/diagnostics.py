@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishes a node's health on /diagnostics: once a second, and whenever it has changed."""
+"""Publishes a node's health on /diagnostics: once a second, and at once when it changes."""
 
 from typing import Callable
 
@@ -27,10 +27,10 @@ _PERIOD_S = 1.0
 
 class Diagnostics:
     """
-    Publishes what a function tells about a node; the kind of its reason is the value `reason`.
+    Publishes the health that a function returns, with its reason's kind as the value `reason`.
 
-    :param node: The node; its full name is the status's.
-    :param heartbeat: The node's.
+    :param node: The node; the status has its full name.
+    :param heartbeat: The node's timer.
     :param collect: Called for each message.
     """
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a node tells about itself."""
+"""The health that a node reports."""
 
 from typing import Dict, NamedTuple
 
@@ -20,7 +20,7 @@ from camera_to_base.reason import Reason
 
 
 class Health(NamedTuple):
-    """The state of a node: why it publishes nothing, or that all is well; numbers as texts."""
+    """The state of a node: why it publishes nothing or that all is well, and numbers as text."""
 
     reason: Reason
     values: Dict[str, str]

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Declares and checks a node's parameters; hands out frozen values."""
+"""Declares and checks a node's parameters, and holds them as one frozen value."""
 
 from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar
 
@@ -28,7 +28,7 @@ T = TypeVar('T')
 
 class NodeParameters(Generic[T]):
     """
-    A node's parameters as one frozen value that is replaced as a whole.
+    A node's parameters as one frozen value, which is replaced as a whole.
 
     :param node: The node that declares them.
     :param specs: What to declare.

@@ -30,7 +30,6 @@ from rtsp_server import RtspServer
 import scenes
 
 ODD = Reason('odd', Level.ERROR, 'its first level is odd')
-
 both_servers = pytest.mark.parametrize('server_class', [MjpegServer, RtspServer])
 
 END_WHILE_IT_HANGS = """
@@ -38,8 +37,6 @@ import sys
 import time
 from camera_to_base.sources import Camera, FrameReader
 import scenes
-
-ODD = Reason('odd', Level.ERROR, 'its first level is odd')
 import mjpeg_server
 import rtsp_server
 
