@@ -174,7 +174,7 @@ def test_first_frames_are_the_background_as_in_the_node(run):
     write_video('disc.avi', [None, (60, 60), None, *PATH])
     code, _, error = run('disc.avi', '--csv', 'out.csv', '--params-file',
                          parameters('background_frames: 3'))
-    assert code == 0 and 'frames held back: 2 (the background is being taken)' in error
+    assert code == 0 and 'frames held back: 2 (background_missing,' in error
     assert [row['frame'] for row in rows()] == list(range(3, 23))
 
 
@@ -250,8 +250,8 @@ def test_ctrl_c_ends_a_camera_with_0_and_all_that_was_found(run, monkeypatch):
     assert code == 0 and camera.released
     # As the node publishes it: what a second frame has not confirmed is held back.
     assert [row['frame'] for row in rows()] == list(range(2, 20))
-    assert 'frames held back: 1 (the background is being taken)' in error
-    assert 'frames held back: 1 (not confirmed by a second frame)' in error
+    assert 'frames held back: 1 (background_missing,' in error
+    assert 'frames held back: 1 (unconfirmed,' in error
     assert len(output.splitlines()) == 1 + len(rows())
     assert cv2.VideoCapture('seen.mp4').get(cv2.CAP_PROP_FRAME_COUNT) >= 20
     assert 'with an object' in error
