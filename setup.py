@@ -13,10 +13,13 @@
 # limitations under the License.
 
 from glob import glob
+import sys
 
 from setuptools import find_packages, setup
 
 package_name = 'camera_to_base'
+# A signal while Python itself starts is kept until `interrupt.serve_signals` serves it.
+interpreter = f'/usr/bin/env -S --block-signal=INT,TERM {sys.executable}'
 
 setup(
     name=package_name,
@@ -30,8 +33,9 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    install_requires=['setuptools', 'PyYAML', 'tqdm'],
+    install_requires=['setuptools', 'matplotlib', 'PyYAML', 'scipy', 'tqdm'],
     zip_safe=True,
+    options={'build_scripts': {'executable': interpreter}},
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
     description="Objects that a camera sees on a surface, as points in the robot's base frame.",

@@ -52,6 +52,8 @@ hypothesis = pytest.importorskip('hypothesis')
 from hypothesis import given, settings, strategies as st  # noqa: E402, I100
 from hypothesis.extra import numpy as arrays  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 CASES = int(os.environ.get('FUZZ_CASES', '150'))
 counts = Counter()
 

@@ -29,6 +29,7 @@ from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.files import refuse_existing, refuse_same_file, write_files
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
+from camera_to_base.interrupt import serve_signals
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
 from camera_to_base.simulation import SimulatedChessboard
 from camera_to_base.sources import FrameSource, median_frame, open_frame_source, read_picture
@@ -39,6 +40,7 @@ import numpy as np
 def main(args: Optional[List[str]] = None) -> int:
     """Run the command; return its exit code."""
     try:
+        serve_signals()
         options = parse(args)
         report = _COMMANDS[options.command](options)
     except CameraToBaseError as error:

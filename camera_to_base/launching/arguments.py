@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the launch file says to the nodes that it starts: topics, frames, transforms, devices."""
+"""Arguments of the processes that the launch file starts: topics, frames, transforms, devices."""
 
 import math
 from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
@@ -28,7 +28,7 @@ from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 # Both drivers publish under this relative name.
 _DRIVER_TOPIC = 'image_raw'
-# What launch and launch_ros keep for themselves among the arguments.
+# Arguments that launch and launch_ros use themselves.
 _OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
 _SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
 
@@ -55,11 +55,12 @@ class Frames(NamedTuple):
 def argument_warnings(
         given: Iterable[str], known: Collection[str], ours_alone: bool) -> List[str]:
     """
-    Warn of arguments that there are not: launch ignores them, so that a default would hold.
+    Warn of unknown arguments, which launch ignores: a default would be used instead.
 
     :param given: The names of all arguments of the launch.
     :param known: The names of ours.
-    :param ours_alone: Nobody else's are among them; otherwise only what looks misspelt is told.
+    :param ours_alone: Whether all arguments are meant for this launch file; otherwise only names
+        that look misspelt are reported.
     """
     unknown = [name for name in given if name not in {*known, *_OF_LAUNCH}]
     meant = {name: misspelt_name(name, known) for name in unknown}
@@ -80,9 +81,9 @@ def is_wanted(name: str, value: str) -> bool:
 
 def image_input(camera: Camera) -> ImageInput:
     """
-    Tell where the camera node takes frames from: an image topic, or its own source.
+    Return where the camera node takes frames from: an image topic, or its own source.
 
-    A source in the parameter file holds where the launch names none.
+    Without a launch argument, the source of the parameter file is used.
 
     :raises InvalidValueError: If the parameter file cannot be read.
     """
@@ -98,9 +99,9 @@ def image_input(camera: Camera) -> ImageInput:
 
 def kept_background(camera: Camera, path: str) -> Dict[str, str]:
     """
-    Make the parameter that lets a camera node, started again, go on with its background.
+    Make the parameter with which a restarted camera node keeps its background.
 
-    :param path: A .png file of this camera, and of this launch alone.
+    :param path: A .png file for this camera and this launch.
     :returns: Empty where the parameter file names a file, or no camera gives the frames.
     :raises InvalidValueError: If the parameter file cannot be read.
     """
@@ -112,7 +113,7 @@ def kept_background(camera: Camera, path: str) -> Dict[str, str]:
 
 def driver_parameters(camera: Camera) -> Dict[str, Any]:
     """
-    Make a driver's parameters: its device, and pictures of the size that was calibrated.
+    Make a driver's parameters: its device, and the picture size of the calibration.
 
     :raises InvalidValueError: If the parameter file cannot be read, or has no proper size.
     """
@@ -124,10 +125,10 @@ def driver_parameters(camera: Camera) -> Dict[str, Any]:
 
 def frames(camera: Camera) -> Frames:
     """
-    Tell the names of a camera's frames.
+    Return the names of a camera's coordinate frames.
 
-    Cameras in different namespaces share one tree of frames: where the file does not name the
-    camera frame, the namespace is put before its name.
+    Cameras in different namespaces share one tf tree. If the file does not name the camera frame,
+    its name gets the namespace as a prefix.
 
     :raises InvalidValueError: If the parameter file cannot be read.
     """
@@ -139,7 +140,7 @@ def frames(camera: Camera) -> Frames:
 
 def check_frames(cameras: List[Camera]) -> None:
     """
-    Check that one tree of frames can hold all cameras.
+    Check that the frame names of all cameras differ.
 
     :raises InvalidValueError: If two frames have the same name.
     """

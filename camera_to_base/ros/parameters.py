@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Declares and checks a node's parameters; hands out frozen values."""
+"""Declares and checks a node's parameters, and holds them as one frozen value."""
 
 import sys
 from typing import Any, Callable, Collection, Dict, Generic, List, Optional, Tuple, TypeVar
@@ -33,7 +33,7 @@ _NOT_GIVEN = '\0'
 
 class NodeParameters(Generic[T]):
     """
-    A node's parameters as one frozen value that is replaced as a whole.
+    A node's parameters as one frozen value, which is replaced as a whole.
 
     :param node: The node that declares them.
     :param specs: What to declare; each value is checked by its spec, here and nowhere else.

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A work surface with objects moving over it, rendered: a frame source that knows the truth."""
+"""A rendered work surface with moving objects: a frame source with known true positions."""
 
 import math
 from typing import List, NamedTuple, Optional, Tuple
@@ -33,12 +33,12 @@ _YAW_STEP_DEG = 50.0
 
 class TrueObject(NamedTuple):
     """
-    An object as it is.
+    The true state of an object.
 
     :param point: Where its centre is on the surface, x and y, in cm, in the camera frame.
     :param pixel: The centroid of its picture, u and v, in px.
-    :param radius: That of a disc as large as its picture, in px.
-    :param cut_off: By how many px it is beyond the picture's edge; negative where it is inside.
+    :param radius: Radius of a disc of the same area in the picture, in px.
+    :param cut_off: Distance by which it exceeds the picture's edge, in px; negative inside.
     :param hidden: Whether a hand covers or touches it.
     :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
         in (-pi/2, pi/2]; None for a round one.
@@ -61,8 +61,8 @@ class SimulatedBoard:
     :param image_size: Width and height, in px.
     :param width_cm: What the picture's width sees of the surface at tilt 0, in cm.
     :param tilt_deg: 0 looks straight down; up to 60, in degrees.
-    :param seed: Makes noise and texture; the same seed gives the same frames.
-    :param frame_rate: Frames per second of the objects' time.
+    :param seed: Seed of noise and texture; the same seed gives the same frames.
+    :param frame_rate: Frames per second of simulated time.
     :param conditions: Light, noise, objects: the fields of :class:`BoardConditions`.
     :raises InvalidValueError: If a value cannot be used.
     :raises HorizonError: If the picture would reach the horizon.
@@ -99,13 +99,13 @@ class SimulatedBoard:
 
     @property
     def true_point(self) -> Optional[Tuple[float, float]]:
-        """Tell the largest whole object's x and y on the last frame, in cm; None without one."""
+        """Return x and y of the largest whole object on the last frame, in cm, or None."""
         whole = [true for true in self.true_objects if true.cut_off < 0 and not true.hidden]
         return max(whole, key=lambda true: true.radius).point if whole else None
 
     def read(self) -> np.ndarray:
         """
-        Render the next frame; from then on `true_objects` are the objects on it.
+        Render the next frame, and set `true_objects` to the objects on it.
 
         :returns: Shape (h, w, 3), uint8, BGR.
         """
@@ -125,10 +125,10 @@ class SimulatedBoard:
 
     def object_point(self, number: int, index: int = 0) -> Tuple[float, float]:
         """
-        Tell where an object is.
+        Return the position of an object.
 
         :param number: The frame's, from 0.
-        :param index: The object's; each has a part of the board to itself, they never meet.
+        :param index: The object's; each object has its own part of the board, so they never meet.
         :returns: x and y, in cm, in the camera frame.
         """
         part = self._rounds(number)

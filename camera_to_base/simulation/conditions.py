@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The bad days that the simulated board can have."""
+"""Light, noise and objects of the simulated board."""
 
 from dataclasses import dataclass
 from typing import Sequence
@@ -23,19 +23,18 @@ from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
 @dataclass(frozen=True)
 class BoardConditions:
     """
-    What kind of day the board has: nothing but a little noise, unless told.
+    Conditions of the simulated board; by default, only a little noise.
 
     :param noise: Standard deviation of the sensor's noise, in grey levels.
-    :param light_drift: What the table loses (negative) or gains in one round, in grey levels.
+    :param light_drift: Change of the table's brightness in one round, in grey levels.
     :param exposure_step: The factor by which the camera's exposure jumps, in every other
         quarter of a round.
-    :param shadow: What a soft shadow that wanders over the board takes away, in grey levels.
+    :param shadow: Depth of a soft shadow that moves over the board, in grey levels.
     :param hands: How often a hand reaches into the picture in one round.
     :param table_level: The table's brightness, in grey levels.
-    :param contrast: Objects are that much darker than the table (lighter, where negative).
-    :param diameters_cm: One for each object.
-    :param elongation: Objects are ovals that much longer than wide, the diameter being their
-        length; 1 for coins.
+    :param contrast: Objects are darker than the table by this; lighter if it is negative.
+    :param diameters_cm: The diameter of each object.
+    :param elongation: Length / width of the objects, whose length is the diameter; 1 for coins.
     :param yaw_deg: The direction of the first oval's length, from x towards y, in degrees; each
         further one is turned by 50 degrees more.
     :param highlight: Whether objects have a spot that looks like the table.

@@ -23,8 +23,8 @@ from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.specs import SURFACE_DEFAULTS
 import numpy as np
 
-# A pixel whose ray meets the surface a hundred times farther away than the picture's centre
-# covers ten thousand times the length: what it says of a position is nothing.
+# A pixel whose ray meets the surface a hundred times farther away than the centre's covers ten
+# thousand times the length along the ray: it says nothing about a position.
 _HORIZON = 0.01
 
 
@@ -76,7 +76,7 @@ class ParallelSurface:
             return _points(pixels * (self._width_cm / self._image_width))
 
     def for_image_size(self, image_size: ImageSize) -> 'ParallelSurface':
-        """Give the model for pictures of a size: the same width in cm, in as many pixels."""
+        """Give the model for pictures of a size: the same width in cm, in that many pixels."""
         return ParallelSurface(self._width_cm, image_size[0])
 
 
@@ -117,7 +117,7 @@ class PolynomialSurface:
         """
         Map points of the work surface to pixels, for drawing.
 
-        Of the two rows that show a y it takes the one on the parabola's side where v = 0 lies.
+        Two rows have the same y; the result is the one on the side of the parabola with v = 0.
 
         :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
         :returns: Shape (n, 2), columns u and v, in px; NaN for a point without a pixel.
@@ -127,7 +127,7 @@ class PolynomialSurface:
         root = b * b - 4 * a * c
         px_per_cm = np.polyval(self.px_per_cm_of_y, y)
         seen = (root >= 0) & (px_per_cm > 0)
-        # The root that stays where a vanishes, as textbooks have it for a straight line.
+        # The root that stays finite where a vanishes (the numerically stable form).
         v = 2 * c / (-b - np.copysign(np.sqrt(np.where(seen, root, np.nan)), b))
         return np.column_stack([np.where(seen, self.centre_u + x * px_per_cm, np.nan), v])
 

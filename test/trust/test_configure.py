@@ -41,7 +41,7 @@ def picture(disc=(300, 200)):
 def see(pipeline, frame):
     """Give the objects that may be published, or None where nothing may."""
     sighting = pipeline.process(frame, time.monotonic())
-    return sighting.objects if sighting.held_back is None else None
+    return sighting.objects if sighting.reason is None else None
 
 
 @pytest.fixture
