@@ -71,7 +71,7 @@ def given_warnings(
              and section.stands_for(node) for name in section.values}
             for several in (True, False))
         shared = for_all - for_one - set(given_arguments(arguments).names)
-    known = {*own, *(others or ())}
+    known = [*own, *(others or ())]
     return [
         *(warning for path in files for warning in file_warnings(path, node)),
         *name_warnings([name for name in given if name not in shared], known),

@@ -85,7 +85,7 @@ class ParameterSpec:
 
     def converted(self, value: Any) -> Any:
         """Make a double of an int and a text of a device index, as a user would expect."""
-        if self.takes_any_list and value is None:
+        if isinstance(self.default, list) and value is None:
             return []  # what rcl makes of an empty list in a file
         if isinstance(value, (array.array, tuple)):
             value = list(value)  # as which a client's numbers come
@@ -119,7 +119,8 @@ class ParameterSpec:
             raise InvalidValueError(
                 f'parameter {self.name} must be of type {self.kind}, got a whole number of more '
                 'than 300 digits')
-        if not (kind_of(typed) == self.kind or self.takes_any_list and typed == []):
+        is_empty_list = typed == [] and (self.takes_any_list or self.lengths)
+        if not (kind_of(typed) == self.kind or is_empty_list):
             raise InvalidValueError(f'parameter {self.name} must be of type {self.kind}, '
                                     f'got {typed!r} of type {kind_of(typed)}')
         return typed

@@ -77,7 +77,9 @@ def test_what_a_value_must_be_is_one_text(options, text):
 @pytest.mark.parametrize('spec, value, said', [
     (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), [1, 10], 'each 1 to 9, got'),
     (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), [1], 'must be 2 numbers, each'),
-    (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), [], 'of type list of integer'),
+    (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), [], 'must be 2 numbers, each'),
+    (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), None, 'must be 2 numbers, each'),
+    (ParameterSpec('lengths', [1], ''), [], 'of type list of integer'),
     (ParameterSpec('axis', [1.0], ''), [float('inf')], 'axis must be finite, got'),
     (ParameterSpec('hull', [], '', unit='px'), [float('nan')], 'hull must be finite, got'),
     (ParameterSpec('hull', [], ''), ['left'], 'hull must be of type list of double'),
