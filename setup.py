@@ -30,13 +30,18 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    install_requires=['setuptools', 'PyYAML', 'tqdm'],
+    python_requires='>=3.10',
+    install_requires=['numpy', 'opencv-python-headless', 'PyYAML', 'tqdm'],
     zip_safe=True,
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
     description="Objects that a camera sees on a surface, as points in the robot's base frame.",
     license='Apache-2.0',
-    extras_require={'bags': ['rosbags'], 'test': ['pytest']},
+    extras_require={
+        'bags': ['rosbags'],
+        'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
+        'test': ['hypothesis', 'pytest'],
+    },
     entry_points={
         'console_scripts': [
             'calibrate = camera_to_base.commands.calibrate:main',
