@@ -13,10 +13,13 @@
 # limitations under the License.
 
 from glob import glob
+import sys
 
 from setuptools import find_packages, setup
 
 package_name = 'camera_to_base'
+# A signal while Python itself starts is kept until `interrupt.serve_signals` serves it.
+interpreter = f'/usr/bin/env -S --block-signal=INT,TERM {sys.executable}'
 
 setup(
     name=package_name,
@@ -31,8 +34,9 @@ setup(
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
-    install_requires=['numpy', 'opencv-python-headless', 'PyYAML', 'tqdm'],
+    install_requires=['matplotlib', 'numpy', 'opencv-python-headless', 'PyYAML', 'scipy', 'tqdm'],
     zip_safe=True,
+    options={'build_scripts': {'executable': interpreter}},
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
     description="Objects that a camera sees on a surface, as points in the robot's base frame.",

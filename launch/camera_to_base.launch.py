@@ -13,9 +13,9 @@
 # limitations under the License.
 
 """
-Starts both nodes with one parameter file, and what else is asked for.
+Starts both nodes with one parameter file, and optional drivers, tf and RViz.
 
-Who dies is started again; a node that cannot start ends the launch.
+A node that dies is restarted; a node that cannot start ends the launch.
 """
 
 import atexit
@@ -81,7 +81,7 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def _warn(context, names):
-    # Where another launch file includes this one, that one's arguments are given, too.
+    # If another launch file includes this one, its arguments are among the given ones.
     ours_alone = {'camera_to_base', 'camera_to_base.launch.py'} <= set(sys.argv)
     for warning in argument_warnings(context.launch_configurations, names, ours_alone):
         get_logger('camera_to_base').warning(warning)

@@ -16,13 +16,14 @@
 
 import math
 import os
+import textwrap
 from typing import Callable, Sequence
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import check_frame, Detection, LocatedObject, Pixel, Point
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder, write_files
-from camera_to_base.surface import ImageSize
+from camera_to_base.image_size import ImageSize
 import cv2
 import numpy as np
 
@@ -34,6 +35,8 @@ _CENTRE_COLOUR = (32, 32, 240)
 _TEXT_COLOUR = (255, 255, 255)
 _PATCH_COLOUR = (40, 40, 40)
 _EMPTY_COLOUR = (208, 208, 208)
+# What a letter takes on average, and a line with its patch, in px.
+_LETTER_WIDTH, _LINE_HEIGHT = 9, 20
 
 
 def camera_label(point: Point) -> str:
@@ -73,8 +76,10 @@ def draw_objects(
 
 
 def draw_note(picture: np.ndarray, note: str) -> None:
-    """Write a line into a picture's top-left corner."""
-    _draw_text(picture, note, (8, 20))
+    """Write a text into a picture's top-left corner, in as many lines as it needs."""
+    letters = max(10, (picture.shape[1] - 16) // _LETTER_WIDTH)
+    for number, line in enumerate(textwrap.wrap(note, letters)):
+        _draw_text(picture, line, (8, 20 + _LINE_HEIGHT * number))
 
 
 def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which cameras the launch file starts: the one of its arguments, or those of a list in YAML."""
+"""The cameras that the launch file starts: one from its arguments, or a list from a YAML file."""
 
 import os
 import re
@@ -32,8 +32,8 @@ class Camera(NamedTuple):
     One camera: its nodes share a namespace and a parameter file.
 
     :param params_file: Path of the parameter file.
-    :param source: What the camera node's parameter says; with a driver, the driver's device.
-    :param namespace: Where nodes and topics are; empty for the root.
+    :param source: The camera node's parameter `source`; with a driver, the driver's device.
+    :param namespace: Namespace of nodes and topics; empty for the root.
     :param image_topic: The topic that frames come from, or empty.
     :param camera_driver: The driver that is started, or 'none'.
     """
@@ -51,7 +51,7 @@ class Camera(NamedTuple):
 
     @property
     def device(self) -> str:
-        """Path of the device that a driver opens; the first one where none is named."""
+        """Path of the device that a driver opens; by default the first one."""
         if self.source == 'auto':
             return '/dev/video0'
         return f'/dev/video{self.source}' if self.source.isdigit() else self.source
@@ -62,8 +62,8 @@ def choose_cameras(list_file: str, camera: Camera, default: Camera) -> List[Came
     Choose the cameras of a launch.
 
     :param list_file: Path of a list of cameras, or empty.
-    :param camera: What the other launch arguments say.
-    :param default: What they say where none is given.
+    :param camera: The camera that the other launch arguments describe.
+    :param default: The same with all arguments left at their defaults.
     :raises InvalidValueError: If a camera cannot be started as it is described.
     """
     if not list_file:

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-ROS: messages, topics, timers, parameters and the life of a process, as ROS has them.
+ROS: messages, topics, timers, diagnostics and parameters, as ROS has them.
 
 In: positions, pictures and health as the other rooms have them. Out: messages and publishers, and
 the other way round.
@@ -23,9 +23,8 @@ transform node starts without it.
 """
 
 from camera_to_base.ros.diagnostics import Diagnostics
-from camera_to_base.ros.health import Health, Level
+from camera_to_base.ros.health import Health
 from camera_to_base.ros.heartbeat import Heartbeat, real_time_timer
-from camera_to_base.ros.lifetime import run, whole_or_gone
 from camera_to_base.ros.messages import (
     point_from_message, poses_from_message, poses_message, position_from_message, position_message)
 from camera_to_base.ros.name_check import NameCheck
@@ -34,8 +33,7 @@ from camera_to_base.ros.position_topics import PositionTopics
 from camera_to_base.ros.qos_check import qos_mismatch
 
 __all__ = [
-    'Diagnostics', 'Health', 'Heartbeat', 'Level', 'NameCheck', 'NodeParameters',
-    'point_from_message', 'poses_from_message', 'poses_message', 'position_from_message',
-    'position_message', 'PositionTopics', 'qos_mismatch', 'real_time_timer', 'run',
-    'whole_or_gone',
+    'Diagnostics', 'Health', 'Heartbeat', 'NameCheck', 'NodeParameters', 'point_from_message',
+    'poses_from_message', 'poses_message', 'position_from_message', 'position_message',
+    'PositionTopics', 'qos_mismatch', 'real_time_timer',
 ]

@@ -12,23 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a node tells about itself."""
+"""The health that a node reports."""
 
-from enum import IntEnum
 from typing import Dict, NamedTuple
 
-
-class Level(IntEnum):
-    """How bad it is, in the numbers of diagnostic_msgs/DiagnosticStatus."""
-
-    OK = 0
-    WARN = 1
-    ERROR = 2
+from camera_to_base.reason import Reason
 
 
 class Health(NamedTuple):
-    """The state of a node: a level, a sentence that tells what to do, and numbers as texts."""
+    """The state of a node: why it publishes nothing or that all is well, and numbers as text."""
 
-    level: Level
-    message: str
+    reason: Reason
     values: Dict[str, str]

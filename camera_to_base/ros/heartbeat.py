@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One timer for all that a node does every now and then."""
+"""One timer for all periodic tasks of a node."""
 
 from typing import Callable, List, Tuple
 
@@ -24,17 +24,17 @@ _PERIOD_S = 0.2
 
 
 def real_time_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Timer:
-    """Make a timer that keeps real time, whatever time the simulation of a robot has."""
+    """Make a timer that runs on the steady clock, also where `use_sim_time` is true."""
     return node.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
 class Heartbeat:
     """
-    Calls tasks again and again, in real time, from one timer.
+    Calls periodic tasks on the steady clock, from one timer.
 
-    The executor looks at each timer for each message, so that every timer costs every message.
-    The heartbeat also wakes the executor, which otherwise learns of a signal with the next
-    message only.
+    The executor checks every timer for every message, so each further timer slows all messages.
+    The heartbeat also wakes the executor; without it, a signal takes effect with the next message
+    only.
     """
 
     def __init__(self, node: Node) -> None:

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The only place where ROS messages become numbers and numbers become messages.
+Conversion between ROS messages and numbers, in this module alone.
 
 Pictures are in `nodes.image_messages`: a process without pictures does not load OpenCV.
 """
@@ -26,11 +26,12 @@ from camera_to_base.errors import InvalidValueError
 from geometry_msgs.msg import Point, PointStamped, Pose as PoseMessage, PoseArray, Quaternion
 from std_msgs.msg import Float64MultiArray, Header
 
-# A position has two numbers, or a few more; a message of thousands was meant for another topic.
+# A position has two numbers, or a few more; a message with thousands belongs to another topic.
 MOST_NUMBERS = 16
 MOST_POSES = 1000
 _CM_PER_M = 100.0
-# A quaternion that is this far from a rotation about z, or from length 1, is something else.
+# A quaternion that differs by more than this from a rotation about z, or from length 1, is
+# refused.
 _QUATERNION_TOLERANCE = 1e-3
 
 
@@ -48,7 +49,7 @@ def position_from_message(message: Float64MultiArray) -> Tuple[float, float]:
     """
     Read a message of either tutorial topic.
 
-    Numbers after the first two are left alone, as the tutorial leaves them.
+    Numbers after the first two are ignored, as in the tutorial.
 
     :returns: x and y, in cm.
     :raises InvalidValueError: If it does not start with two finite numbers, or has far too many.

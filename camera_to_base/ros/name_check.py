@@ -12,20 +12,20 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Says where a node's name is taken: whatever it publishes comes twice then."""
+"""Warns of a second node with the same name: its topics would carry two publishers' messages."""
 
 import time
 
 from camera_to_base.ros.heartbeat import Heartbeat
 from rclpy.node import Node
 
-# A node that finds its name taken within this time is the second one; later, it is the first.
+# Of two nodes with one name, the younger one warns: it finds the name taken within this time.
 _LONGEST_S, _PERIOD_S = 5.0, 1.0
 
 
 class NameCheck:
     """
-    Warns once, in a node's first seconds, of another one with the same name.
+    Warns once, in the first seconds of a node, that another node has its name.
 
     :param node: The node that warns.
     :param heartbeat: Its heartbeat.

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishes positions in one frame: on the tutorial's topic, and stamped, in metres."""
+"""Publishes positions in one coordinate frame: on the tutorial's topic, and stamped in metres."""
 
 import time
 from typing import Iterable
@@ -29,12 +29,12 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray, Header
 
 _DEPTH = 10
-# A listener that is discovered late, as after the restart of either side, is first sent the last
-# positions once more; of a live camera none that is older than this. The rest of 0.3 s is for the
-# rest of the way.
+# DDS sends the last positions again to a subscriber that it discovers late, for example after a
+# restart. Of a live camera, none older than this is sent. Frames may be 0.3 s old in total; the
+# remaining 0.2 s are for capture, detection and transport.
 _LIFESPAN = Duration(seconds=0.1)
-# A listener whose QoS does not match is warned by its own side. The executor looks at every event
-# for every message: those of four publishers took about a tenth of a message's time.
+# No QoS events: the subscriber's side warns of a mismatch. The executor checks every event for
+# every message; the events of four publishers took a tenth of the time of a message.
 NO_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
 
 
@@ -45,7 +45,7 @@ class PositionTopics:
     :param node: The node that publishes.
     :param position: Name of the tutorial's topic; the same object's point is beside it.
     :param objects: Name of the topic of all objects.
-    :param live: Whether a position is of no use any more when the next ones have come.
+    :param live: Whether an old position is useless once newer ones exist.
     """
 
     def __init__(self, node: Node, position: str, objects: str, live: bool = False) -> None:
@@ -55,12 +55,12 @@ class PositionTopics:
 
     @property
     def name(self) -> str:
-        """Name of the tutorial's topic, as it is after remapping."""
+        """Name of the tutorial's topic after remapping."""
         return self._position.topic_name
 
     @property
     def listener_count(self) -> int:
-        """How many listen to that of the three topics which has the most listeners."""
+        """Largest number of subscribers that one of the three topics has."""
         return max(publisher.get_subscription_count()
                    for publisher in (self._position, self._point, self._objects))
 
@@ -73,14 +73,14 @@ class PositionTopics:
         self._point.publish(point_message(header, x, y, z))
 
     def publish_objects(self, header: Header, poses: Iterable[Pose]) -> None:
-        """Publish all objects of a frame, the largest first, also where there are none."""
+        """Publish all objects of a frame, the largest first; an empty array if there are none."""
         self._objects.publish(poses_message(header, poses))
 
     def wait_until_received(self, seconds: float) -> None:
         """
-        Wait until all listeners have what was published.
+        Wait until all subscribers have received what was published.
 
-        :param seconds: For so long at most; Ctrl-C is heard meanwhile.
+        :param seconds: Longest time to wait; Ctrl-C interrupts it.
         """
         waiting = [self._position, self._point, self._objects]
         until = time.monotonic() + seconds
@@ -90,7 +90,7 @@ class PositionTopics:
 
 
 def _publisher(node: Node, message_type: type, topic: str, live: bool) -> Publisher:
-    # rclpy writes what parameters override into the profile: each publisher needs one of its own.
+    # rclpy writes QoS overrides into the profile object, so each publisher needs its own.
     qos = QoSProfile(depth=_DEPTH, lifespan=_LIFESPAN) if live else QoSProfile(depth=_DEPTH)
     return node.create_publisher(
         message_type, topic, qos, event_callbacks=NO_EVENTS,

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells where a node is not sent what is published for it, because of the quality of service."""
+"""Finds publishers whose quality of service does not match a subscription."""
 
 from typing import Optional, Sequence
 
@@ -23,11 +23,12 @@ from rclpy.subscription import Subscription
 
 def qos_mismatch(node: Node, subscriptions: Sequence[Subscription]) -> Optional[str]:
     """
-    Look for a publisher whose quality of service does not match a subscription's.
+    Find a publisher whose quality of service does not match a subscription.
 
-    rclpy's own event for this costs every message of the subscription; looking costs none.
+    rclpy's own event for this slows every message of the subscription; a look at the graph does
+    not.
 
-    :returns: A sentence about the first one, or None.
+    :returns: A sentence about the first mismatch, or None.
     """
     for subscription in subscriptions:
         topic = subscription.topic_name

@@ -12,17 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A work surface with objects moving over it, rendered: a frame source that knows the truth."""
+"""A rendered work surface with moving objects: a frame source with known true positions."""
 
 import math
 from typing import List, NamedTuple, Optional, Tuple
 
-from camera_to_base.checks import finite_number, whole_number
+from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.disturbances import BoardDisturbances
 from camera_to_base.simulation.drawing import draw_oval, draw_table
+from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
 from camera_to_base.simulation.view import BoardView, Oval
-from camera_to_base.surface import ImageSize
 import numpy as np
 
 # One round of the path takes this long; 2 and 3 rounds in x and y make a closed figure.
@@ -32,12 +33,12 @@ _YAW_STEP_DEG = 50.0
 
 class TrueObject(NamedTuple):
     """
-    An object as it is.
+    The true state of an object.
 
     :param point: Where its centre is on the surface, x and y, in cm, in the camera frame.
     :param pixel: The centroid of its picture, u and v, in px.
-    :param radius: That of a disc as large as its picture, in px.
-    :param cut_off: By how many px it is beyond the picture's edge; negative where it is inside.
+    :param radius: Radius of a disc of the same area in the picture, in px.
+    :param cut_off: Distance by which it exceeds the picture's edge, in px; negative inside.
     :param hidden: Whether a hand covers or touches it.
     :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
         in (-pi/2, pi/2]; None for a round one.
@@ -60,8 +61,8 @@ class SimulatedBoard:
     :param image_size: Width and height, in px.
     :param width_cm: What the picture's width sees of the surface at tilt 0, in cm.
     :param tilt_deg: 0 looks straight down; up to 60, in degrees.
-    :param seed: Makes noise and texture; the same seed gives the same frames.
-    :param frame_rate: Frames per second of the objects' time.
+    :param seed: Seed of noise and texture; the same seed gives the same frames.
+    :param frame_rate: Frames per second of simulated time.
     :param conditions: Light, noise, objects: the fields of :class:`BoardConditions`.
     :raises InvalidValueError: If a value cannot be used.
     :raises HorizonError: If the picture would reach the horizon.
@@ -70,17 +71,17 @@ class SimulatedBoard:
     def __init__(
         self,
         *,
-        image_size: ImageSize = (640, 480),
-        width_cm: float = 36.0,
-        tilt_deg: float = 0.0,
-        seed: int = 0,
-        frame_rate: float = 10.0,
+        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
+        width_cm: float = TUTORIAL_WIDTH_CM,
+        tilt_deg: float = _DEFAULTS['tilt_deg'],
+        seed: int = _DEFAULTS['seed'],
+        frame_rate: float = _DEFAULTS['frame_rate'],
         **conditions,
     ) -> None:
         self._view = BoardView(image_size, width_cm, tilt_deg)
         self._conditions = BoardConditions(**conditions)
-        self._seed = whole_number('seed', seed, 0, 2**31 - 1)
-        self.frame_rate = finite_number('frame_rate', frame_rate, 0.1, 1000.0)
+        self._seed = seed
+        self.frame_rate = frame_rate
         self._disturbances = BoardDisturbances(image_size, self._conditions, self._seed)
         self._table = draw_table(self._view, self._conditions, self._seed)
         self._frame_count = 0
@@ -98,13 +99,13 @@ class SimulatedBoard:
 
     @property
     def true_point(self) -> Optional[Tuple[float, float]]:
-        """Tell the largest whole object's x and y on the last frame, in cm; None without one."""
+        """Return x and y of the largest whole object on the last frame, in cm, or None."""
         whole = [true for true in self.true_objects if true.cut_off < 0 and not true.hidden]
         return max(whole, key=lambda true: true.radius).point if whole else None
 
     def read(self) -> np.ndarray:
         """
-        Render the next frame; from then on `true_objects` are the objects on it.
+        Render the next frame, and set `true_objects` to the objects on it.
 
         :returns: Shape (h, w, 3), uint8, BGR.
         """
@@ -124,10 +125,10 @@ class SimulatedBoard:
 
     def object_point(self, number: int, index: int = 0) -> Tuple[float, float]:
         """
-        Tell where an object is.
+        Return the position of an object.
 
         :param number: The frame's, from 0.
-        :param index: The object's; each has a part of the board to itself, they never meet.
+        :param index: The object's; each object has its own part of the board, so they never meet.
         :returns: x and y, in cm, in the camera frame.
         """
         part = self._rounds(number)

@@ -12,30 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The bad days that the simulated board can have."""
+"""Light, noise and objects of the simulated board."""
 
 from dataclasses import dataclass
 from typing import Sequence
 
-from camera_to_base.checks import finite_number, finite_numbers, whole_number
+from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
 
 
 @dataclass(frozen=True)
 class BoardConditions:
     """
-    What kind of day the board has: nothing but a little noise, unless told.
+    Conditions of the simulated board; by default, only a little noise.
 
     :param noise: Standard deviation of the sensor's noise, in grey levels.
-    :param light_drift: What the table loses (negative) or gains in one round, in grey levels.
+    :param light_drift: Change of the table's brightness in one round, in grey levels.
     :param exposure_step: The factor by which the camera's exposure jumps, in every other
         quarter of a round.
-    :param shadow: What a soft shadow that wanders over the board takes away, in grey levels.
+    :param shadow: Depth of a soft shadow that moves over the board, in grey levels.
     :param hands: How often a hand reaches into the picture in one round.
     :param table_level: The table's brightness, in grey levels.
-    :param contrast: Objects are that much darker than the table (lighter, where negative).
-    :param diameters_cm: One for each object.
-    :param elongation: Objects are ovals that much longer than wide, the diameter being their
-        length; 1 for coins.
+    :param contrast: Objects are darker than the table by this; lighter if it is negative.
+    :param diameters_cm: The diameter of each object.
+    :param elongation: Length / width of the objects, whose length is the diameter; 1 for coins.
     :param yaw_deg: The direction of the first oval's length, from x towards y, in degrees; each
         further one is turned by 50 degrees more.
     :param highlight: Whether objects have a spot that looks like the table.
@@ -45,33 +44,18 @@ class BoardConditions:
     :param rests: Whether the objects stop on their way, for as long as they move.
     """
 
-    noise: float = 2.0
-    light_drift: float = 0.0
-    exposure_step: float = 1.0
-    shadow: float = 0.0
-    hands: int = 0
-    table_level: float = 202.0
-    contrast: float = 142.0
-    diameters_cm: Sequence[float] = (2.4,)
-    elongation: float = 1.0
-    yaw_deg: float = 0.0
-    highlight: bool = False
-    texture: float = 0.0
-    over_edge: bool = False
-    in_first_frame: bool = False
-    rests: bool = False
-
-    def __post_init__(self) -> None:
-        """Refuse what cannot be rendered."""
-        finite_number('noise', self.noise, 0.0, 100.0)
-        finite_number('light_drift', self.light_drift, -255.0, 255.0)
-        finite_number('exposure_step', self.exposure_step, 0.01, 100.0)
-        finite_number('shadow', self.shadow, 0.0, 255.0)
-        whole_number('hands', self.hands, 0, 100)
-        finite_number('table_level', self.table_level, 1.0, 255.0)
-        finite_number('contrast', self.contrast, -255.0, 255.0)
-        finite_number('elongation', self.elongation, 1.0, 10.0)
-        finite_number('yaw_deg', self.yaw_deg, -180.0, 180.0)
-        finite_number('texture', self.texture, 0.0, 100.0)
-        for diameter in finite_numbers('diameters_cm', self.diameters_cm, -1):
-            finite_number('diameters_cm', diameter, 0.1, 100.0)
+    noise: float = _DEFAULTS['noise']
+    light_drift: float = _DEFAULTS['light_drift']
+    exposure_step: float = _DEFAULTS['exposure_step']
+    shadow: float = _DEFAULTS['shadow']
+    hands: int = _DEFAULTS['hands']
+    table_level: float = _DEFAULTS['table_level']
+    contrast: float = _DEFAULTS['contrast']
+    diameters_cm: Sequence[float] = tuple(_DEFAULTS['diameters_cm'])
+    elongation: float = _DEFAULTS['elongation']
+    yaw_deg: float = _DEFAULTS['yaw_deg']
+    highlight: bool = _DEFAULTS['highlight']
+    texture: float = _DEFAULTS['texture']
+    over_edge: bool = _DEFAULTS['over_edge']
+    in_first_frame: bool = _DEFAULTS['in_first_frame']
+    rests: bool = _DEFAULTS['rests']

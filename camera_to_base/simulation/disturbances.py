@@ -12,27 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What comes between the simulated board and a clean picture: a hand, light, noise."""
+"""Disturbances of the simulated picture: hands, light, noise."""
 
 import math
 from typing import Optional
 
+from camera_to_base.image_size import ImageSize
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.view import Ellipse
-from camera_to_base.surface import ImageSize
 import numpy as np
 
 _HAND_COLOUR = np.array([66.0, 86.0, 116.0], np.float32)
-# How close to a hand an object's edge can come before a picture does not tell them apart, px.
+# An object nearer than this to a hand cannot be told from it in a picture, in px.
 _HAND_MARGIN_PX = 6.0
 
 
 class BoardDisturbances:
     """
-    What the conditions do to the picture of a board.
+    Applies the conditions to the picture of a board.
 
     :param image_size: Width and height, in px.
-    :param seed: Makes the noise.
+    :param seed: Seed of the noise.
     """
 
     def __init__(self, image_size: ImageSize, conditions: BoardConditions, seed: int) -> None:
@@ -42,7 +42,7 @@ class BoardDisturbances:
 
     def disturb(self, picture: np.ndarray, number: int, rounds: float) -> None:
         """
-        Change a picture as the conditions say.
+        Apply the disturbances to a picture.
 
         :param picture: Shape (h, w, 3), float32; it is changed.
         :param number: The frame's, from 0.
@@ -75,7 +75,7 @@ class BoardDisturbances:
             picture *= (1 - soft)[:, :, None].astype(np.float32)
 
     def _hand(self, rounds: float) -> Optional[np.ndarray]:
-        # A capsule from below the picture to where the fingers are; every time somewhere else.
+        # A capsule from below the picture to the fingertips, at another place each time.
         visit, part = divmod(rounds * self._conditions.hands, 1)
         depth = math.sin(2 * math.pi * part)
         if self._conditions.hands == 0 or depth <= 0:

@@ -12,17 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the simulated board looks like: the table, and the objects on it."""
+"""Draws the simulated table and the objects on it."""
 
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.view import BoardView, Oval
 import cv2
 import numpy as np
 
-# Differences of blue, green and red to the grey level: nothing real is quite grey.
+# Offsets of blue, green and red from the grey level: no real material is exactly grey.
 _TABLE_TINT = np.array([-6.0, 0.0, 6.0], np.float32)
 _OBJECT_TINT = np.array([-8.0, 0.0, 10.0], np.float32)
-# Faint lines every few cm let the eye see the tilt; no detector sees them.
+# Faint lines every few cm show the tilt to the eye; they are below every detector's threshold.
 _GRID_CM, _GRID_DEPTH = 4.5, 10.0
 
 
@@ -30,7 +30,7 @@ def draw_table(view: BoardView, conditions: BoardConditions, seed: int) -> np.nd
     """
     Draw the table without an object.
 
-    :param seed: Makes the texture.
+    :param seed: Seed of the texture.
     :returns: Shape (h, w, 3), float32, BGR.
     """
     everything = slice(0, view.height), slice(0, view.width)

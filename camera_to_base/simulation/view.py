@@ -12,13 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How a pinhole camera sees a work surface: the geometry of the simulated board."""
+"""Geometry of the simulated board: a pinhole camera above a work surface."""
 
 import math
 from typing import NamedTuple, Tuple
 
 from camera_to_base.checks import finite_number
-from camera_to_base.surface import check_image_size, HomographySurface, ImageSize
+from camera_to_base.image_size import check_image_size, ImageSize
+from camera_to_base.simulation.specs import LARGEST_TILT_DEG
+from camera_to_base.surface import HomographySurface
 import numpy as np
 
 _CAMERA_DISTANCE_CM = 60.0
@@ -42,11 +44,11 @@ class Oval(NamedTuple):
 
 class Ellipse(NamedTuple):
     """
-    An oval's picture.
+    The image of an oval.
 
     :param centre: u and v, in px.
     :param half: Half of the width and height of the upright box around it, in px.
-    :param radius: That of a disc as large as it, in px.
+    :param radius: Radius of a disc of the same area, in px.
     """
 
     centre: np.ndarray
@@ -58,9 +60,9 @@ class BoardView:
     """
     A pinhole camera over a board.
 
-    The camera frame is that of a camera at tilt 0: its origin is where the top-left pixel looks
-    at, x to the right, y down. A tilt turns the camera about the surface point that the
-    picture's centre looks at, so that the picture's top looks farther.
+    The camera frame is that of a camera at tilt 0: its origin is the surface point that the
+    top-left pixel shows, x to the right, y down. A tilt turns the camera about the surface point
+    at the picture's centre, so that the top of the picture shows more distant points.
 
     :param image_size: Width and height, in px.
     :param width_cm: What the picture's width sees of the surface at tilt 0, in cm.
@@ -72,7 +74,7 @@ class BoardView:
     def __init__(self, image_size: ImageSize, width_cm: float, tilt_deg: float) -> None:
         self.width, self.height = check_image_size(image_size)
         self.cm_per_px = finite_number('width_cm', width_cm, 1.0, 1000.0) / self.width
-        tilt = math.radians(finite_number('tilt_deg', tilt_deg, 0.0, 60.0))
+        tilt = math.radians(finite_number('tilt_deg', tilt_deg, 0.0, LARGEST_TILT_DEG))
         self.pixel_from_surface = self._project(tilt)
         inverse = np.linalg.inv(self.pixel_from_surface)
         self.surface_from_pixel = inverse / inverse[2, 2]
@@ -82,7 +84,7 @@ class BoardView:
 
     def points(self, rows: slice, columns: slice) -> np.ndarray:
         """
-        Tell what the pixels of a window look at.
+        Return the surface points that the pixels of a window show.
 
         :returns: Shape (rows, columns, 2): x and y on the surface, in cm.
         """
@@ -109,7 +111,7 @@ class BoardView:
         return Ellipse(centre, np.sqrt(np.diag(spread)), float(np.linalg.det(spread)) ** 0.25)
 
     def window(self, ellipse: Ellipse) -> Tuple[slice, slice]:
-        """Give the rows and columns of the picture that an ellipse reaches."""
+        """Return the rows and columns of the picture that an ellipse touches."""
         left, top = np.floor(ellipse.centre - ellipse.half).astype(int) - 1
         right, bottom = np.ceil(ellipse.centre + ellipse.half).astype(int) + 2
         return (slice(max(top, 0), max(min(bottom, self.height), 0)),
@@ -117,10 +119,10 @@ class BoardView:
 
     def coverage(self, oval: Oval, rows: slice, columns: slice) -> np.ndarray:
         """
-        Tell how much of each pixel of a window an oval covers.
+        Return the share of each pixel of a window that an oval covers.
 
-        A pixel is covered in proportion to how far the edge has passed over it. The distance to
-        the edge in px is, to first order, the implicit function over its gradient.
+        The share grows linearly with the signed distance to the edge, which to first order is the
+        implicit function divided by its gradient, in px.
 
         :returns: Shape (rows, columns), 0..1.
         """

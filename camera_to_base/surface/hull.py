@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""The area of the picture that a calibration was measured in: there its figures hold."""
+"""The area of the picture in which a calibration was measured, and its figures hold."""
 
 from typing import Sequence
 

@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Points whose position is known on the surface and in the picture, checked once."""
+"""Points whose positions are known both on the surface and in the picture."""
 
 from dataclasses import dataclass
 from typing import Sequence, Tuple
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import CalibrationError, InvalidValueError
-from camera_to_base.surface.models import ImageSize
+from camera_to_base.image_size import ImageSize
 import numpy as np
 
 # Points whose spread across a line is below this share of their spread along it lie on one line:
@@ -114,7 +114,7 @@ def check_inside(matched: MatchedPoints, image_size: ImageSize) -> None:
 
 def check_spread(matched: MatchedPoints) -> None:
     """
-    Refuse points that leave a homography open: fewer than four, or all (but one) on one line.
+    Refuse points that do not determine a homography: fewer than four, or all but one on a line.
 
     :raises CalibrationError: Saying which it is.
     """

@@ -19,19 +19,19 @@ from typing import NamedTuple, Tuple
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.image_size import check_image_size, ImageSize
 from camera_to_base.surface.matched_points import check_spread, MatchedPoints
-from camera_to_base.surface.models import check_image_size, ImageSize
 import cv2
 import numpy as np
 
-# OpenCV's pinhole model takes so many: k1 k2 p1 p2, k3, k4 k5 k6, thin prism, tilted sensor.
+# Lengths of OpenCV's distortion: k1 k2 p1 p2, k3, k4 k5 k6, thin prism, tilted sensor.
 COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
 
 
 @dataclass(frozen=True)
 class CameraIntrinsics:
     """
-    What is known of a camera's lens, in OpenCV's pinhole model.
+    Intrinsic parameters of a camera, in OpenCV's pinhole model.
 
     :param image_size: Width and height of the pictures that it holds for, in px.
     :param matrix: Shape (3, 3), [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], in px.
@@ -65,11 +65,11 @@ class CameraIntrinsics:
 
 class CameraPose(NamedTuple):
     """
-    Where a camera is.
+    Position of a camera above the work surface.
 
     :param foot_cm: The point of the surface below it, x and y, in cm, in the camera frame.
     :param height_cm: How far above the surface it is, in cm.
-    :param rms_px: How far from their pixels the points are shown from there, in px.
+    :param rms_px: Root mean square of the reprojection error, in px.
     """
 
     foot_cm: Tuple[float, float]
@@ -81,7 +81,8 @@ def camera_pose(matched: MatchedPoints, intrinsics: CameraIntrinsics) -> CameraP
     """
     Find where the camera is, by least squares in the picture.
 
-    A plane seen with little perspective fits two tilts: each is refined, and the better one taken.
+    A plane seen with little perspective fits two tilts; both are refined, and the better one is
+    returned.
 
     Source: T. Collins and A. Bartoli, Infinitesimal plane-based pose estimation, IJCV 2014.
 

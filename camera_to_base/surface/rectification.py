@@ -24,10 +24,10 @@ import numpy as np
 
 def surface_extent(points: np.ndarray, margin_cm: float) -> np.ndarray:
     """
-    Return the rectangle around points, and around the origin if it is not far from them.
+    Return the rectangle around points, including the origin if it is near.
 
     :param points: Shape (n, 2), in cm.
-    :param margin_cm: Left free on each side.
+    :param margin_cm: Margin on each side, in cm.
     :returns: Shape (2, 2): the least x and y, and the greatest, in cm.
     """
     low, high = points.min(axis=0), points.max(axis=0)
@@ -40,7 +40,7 @@ def top_view(
     image: np.ndarray, surface: Surface, matched: MatchedPoints, extent: np.ndarray, height: int
 ) -> Tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
     """
-    Show a rectangle of the surface from above, not mirrored: as the camera's side sees it.
+    Show a rectangle of the surface from above, not mirrored, from the camera's side.
 
     :param image: Shape (h, w, 3), uint8.
     :param surface: Anything with `pixels`.

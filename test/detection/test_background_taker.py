@@ -75,15 +75,15 @@ def test_frames_of_an_exposure_that_settles_do_not_agree():
 def test_frames_that_never_agree_are_the_problem_and_one_that_does_ends_it():
     taker = BackgroundTaker(1)
     assert taken_by(taker, map(frame, (100, 130, 160, 190))) == (None, None)
-    assert 'the pictures differ' in taker.problem
+    assert 'the pictures differ' in taker.reason.sentence
     assert taken_by(taker, [frame(191)])[0] == 1
-    assert taker.problem is None
+    assert taker.reason.kind == 'background_missing'
 
 
 def test_black_frames_are_the_problem_however_well_they_agree():
     taker = BackgroundTaker(1)
     assert taken_by(taker, map(frame, (3, 3, 4, 4))) == (None, None)
-    assert 'the picture is black' in taker.problem
+    assert 'the picture is black' in taker.reason.sentence
 
 
 @pytest.mark.parametrize('frame_count', [10, 40, 160])

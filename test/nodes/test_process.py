@@ -14,11 +14,16 @@
 
 """The exit code says whether a node could not start, or failed later and may be started again."""
 
+import signal
 import subprocess
 import sys
+import time
+
+import pytest
 
 FAILING_NODE = """
-from camera_to_base.lifetime import run
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.nodes.process import run
 from rclpy.node import Node
 
 
@@ -43,11 +48,24 @@ def run_failing(when, error):
 
 
 def test_node_that_cannot_start_ends_with_1_and_a_sentence():
-    child = run_failing('self.fail()', "ValueError('no such file')")
+    child = run_failing('self.fail()', "CameraToBaseError('no such file')")
     assert child.returncode == 1 and 'cannot start: no such file' in child.stderr
     assert 'Traceback' not in child.stderr
 
 
-def test_node_that_fails_while_it_runs_ends_with_70_and_a_traceback():
-    child = run_failing('self.create_timer(0.01, self.fail)', "ValueError('a defect')")
-    assert child.returncode == 70 and 'ValueError: a defect' in child.stderr
+@pytest.mark.parametrize('error', ['ValueError', 'RuntimeError'])
+@pytest.mark.parametrize('when', ['self.fail()', 'self.create_timer(0.01, self.fail)'])
+def test_defect_keeps_its_traceback_and_ends_with_70(when, error):
+    child = run_failing(when, f"{error}('a defect')")
+    assert child.returncode == 70 and f'{error}: a defect' in child.stderr
+    assert 'Traceback' in child.stderr and 'cannot start' not in child.stderr
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('executable', ['camera_publisher', 'robot_base_publisher'])
+def test_signal_in_the_first_third_of_a_second_ends_with_0(start, executable, number):
+    for delay in (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.25, 0.3):
+        node = start(executable)
+        time.sleep(delay)
+        assert node.end(number) == 0, delay
+        assert 'Traceback' not in node.output

@@ -1,0 +1,141 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""
+The life of a node's process, written once: signals, arguments, start and exit codes.
+
+The exit code is 0 after a signal or at the end of a recording; 1 where the node cannot start for a
+reason that the user can mend, which is one sentence; 70 after a defect, which keeps its traceback.
+The launch file restarts a node after 70, and gives up after 1.
+"""
+
+from contextlib import contextmanager
+from importlib import import_module
+import os
+import signal
+import sys
+import traceback
+from typing import Any, Callable, Iterator, List, Optional
+
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.interrupt import serve_signals
+from camera_to_base.nodes.help import asks_for_help, help_text, plain_arguments
+
+CANNOT_START, DEFECT = 1, os.EX_SOFTWARE
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+def start(node: str) -> int:
+    """
+    Answer `--help`, refuse wrong arguments, or load a node's module and run its `main`.
+
+    Loading ROS, OpenCV and numpy takes part of a second. What does not need them comes first.
+
+    :param node: The node's name, which is its module's.
+    :returns: The process's exit code.
+    """
+    _end_quietly_while_loading()
+    name, arguments = os.path.basename(sys.argv[0]), sys.argv[1:]
+    if asks_for_help(arguments):
+        print(help_text(node, name), end='')
+        return 0
+    # rclpy ignores them, and a `-p source:=0` without --ros-args would publish random pixels.
+    plain = plain_arguments(arguments)
+    if plain:
+        return _refuse(name, 'expected ROS arguments only, after --ros-args, got '
+                             f"'{plain[0]}': see {name} --help")
+    try:
+        main = import_module(f'camera_to_base.nodes.{node}').main
+    except ModuleNotFoundError as error:
+        if error.name != 'rclpy':
+            raise
+        return _refuse(name, 'ROS 2 is missing: source /opt/ros/jazzy/setup.bash')
+    return main()
+
+
+def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = None) -> int:
+    """
+    Spin a node until it is told to end or shuts its context down.
+
+    :param name: What an error is logged as before there is a node.
+    :param make_node: The node's class; its node has a heartbeat.
+    :param args: Command-line arguments; those of the process where none are given.
+    :returns: The process's exit code.
+    """
+    import rclpy
+    from rclpy.executors import ExternalShutdownException
+    node = None
+    try:
+        # rclpy's own handler shuts the context down under a running callback, whose next publish
+        # then fails; and a SIGTERM just before the executor waits leaves it waiting (rclpy 7.1:
+        # about 1 in 20). A KeyboardInterrupt for both signals and the node's heartbeat do neither.
+        # SIGINT is set, too: a shell starts what runs in its background with SIGINT ignored.
+        for number in _SIGNALS:
+            signal.signal(number, signal.default_int_handler)
+        node = _make(name, make_node, args)
+        if node is None:
+            return CANNOT_START
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except Exception:
+        traceback.print_exc()
+        return DEFECT
+    finally:
+        # A terminal, ros2 run and ros2 launch may each send a signal for one Ctrl-C.
+        for number in _SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+@contextmanager
+def whole_or_gone(node: Any) -> Iterator[None]:
+    """Destroy a node whose constructor fails; otherwise a half-built node lingers in the graph."""
+    try:
+        yield
+    except BaseException:
+        node.destroy_node()
+        raise
+
+
+def _end_quietly_while_loading() -> None:
+    # Nothing needs cleaning up yet.
+    for number in _SIGNALS:
+        signal.signal(number, lambda *_: os._exit(0))
+    serve_signals()
+
+
+def _make(name: str, make_node: Callable[[], Any], args: Optional[List[str]]) -> Any:
+    import rclpy
+    from rclpy.exceptions import NameValidationException, ParameterException
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+    from rclpy.logging import get_logger
+    from rclpy.signals import SignalHandlerOptions
+    # What a user's arguments, remappings and parameter files make rclpy raise.
+    wrong_arguments = (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError,
+                       NameValidationException, ParameterException)
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        return make_node()
+    except (CameraToBaseError, *wrong_arguments) as error:
+        # The places in rcl's source code at the end of its text say nothing to a user.
+        get_logger(name).fatal(f"cannot start: {str(error).split(', at /')[0]}")
+        return None
+
+
+def _refuse(name: str, sentence: str) -> int:
+    print(f'{name}: {sentence}', file=sys.stderr)
+    return CANNOT_START
