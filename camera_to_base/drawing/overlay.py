@@ -23,7 +23,7 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import check_frame, Detection, LocatedObject, Pixel, Point
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder, write_files
-from camera_to_base.surface import ImageSize
+from camera_to_base.image_size import ImageSize
 import cv2
 import numpy as np
 

@@ -31,11 +31,13 @@ from camera_to_base.nodes.frame_feeds import CameraFeed, TimedFeed
 from camera_to_base.nodes.image_topic import ImageTopic
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.nodes.true_positions import TruePositions
+from camera_to_base.parameter_names import all_names
 from camera_to_base.ros import NodeParameters, PositionTopics, real_time_timer
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source, TOPIC_SOURCES)
 from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.sources import Camera, is_reader_hanging, is_stream, VideoFile
+from camera_to_base.transform_parameters import TRANSFORM_SPECS
 from camera_to_base.trust import CameraPipeline, DamageCheck, Limits, Sighting
 import numpy as np
 from rclpy.node import Node
@@ -60,7 +62,8 @@ class CameraPublisher(Node):
         super().__init__('camera_publisher', **node_options)
         with whole_or_gone(self):
             self._node_parameters = NodeParameters(
-                self, CAMERA_SPECS, camera_settings, self._on_new_settings)
+                self, CAMERA_SPECS, camera_settings, self._on_new_settings,
+                others=all_names(TRANSFORM_SPECS), cli_args=node_options.get('cli_args'))
             self._source = open_named_source(self._settings)
             self._tell_what_is_used()
             self._topics = PositionTopics(

@@ -282,15 +282,6 @@ def test_reader_that_has_seen_enough_ends_it_quietly():
     assert len(child.stdout.splitlines()) == 2 and child.stderr == ''
 
 
-def test_without_the_library_of_the_progress_bar_there_is_none():
-    child = subprocess.run(
-        [sys.executable, '-c', "import sys; sys.modules['tqdm'] = None\n"
-         "from camera_to_base.commands.locate import main; sys.exit(main(['disc.avi']))"],
-        capture_output=True, text=True, timeout=60)
-    assert child.returncode == 0 and len(child.stdout.splitlines()) == 1 + len(PATH)
-    assert child.stderr == '21 frames: 20 with an object (20 with one, 0 with more)\n'
-
-
 def test_help_says_that_an_arm_needs_the_nodes(run):
     code, output, error = run('--help')
     assert (code, error) == (0, '') and 'An arm needs the nodes' in output
