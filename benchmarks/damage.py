@@ -34,7 +34,7 @@ import time
 from camera_to_base.detection import LocatedObject, PreciseDifferenceDetector
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources import Camera
-from camera_to_base.trust import BLACK, DamageCheck, PositionGate, REPEATED
+from camera_to_base.trust import DamageCheck, PositionGate, Sighting
 import cv2
 import numpy as np
 
@@ -47,10 +47,7 @@ from scenes import StillCoin  # noqa: E402
 TRUE, WRONG_PX = np.array([400, 300]), 4
 SHARE = 0.3
 UNDAMAGED_COUNT = 20
-REASONS = {BLACK: 'black', REPEATED: 'repeated',
-           'its lower end is that of an earlier one': 'old end',
-           'its lower end has one colour': 'flat end',
-           'a large part of it has changed at once': 'large change'}
+KINDS = ['black', 'repeated', 'old_end', 'flat_end', 'large_change']
 
 
 class Checks:
@@ -74,12 +71,12 @@ class Checks:
         self.counts['pictures'] += 1
         self._note(objects, 'wrong', 'right')
         if reason is not None:
-            self.counts[REASONS[reason]] += 1
+            self.counts[reason.kind] += 1
             return
         self._note(objects, 'wrong behind damage check', 'right behind damage check')
         with self._timed('gate'):
-            sighting = self._gate.judge(objects, time.monotonic())
-        if sighting.held_back is None:
+            sighting = self._gate.judge(Sighting(objects), time.monotonic())
+        if sighting.reason is None:
             error_px = self._note(sighting.objects, 'wrong published', 'right published')
             self.largest_error_px = max(self.largest_error_px, error_px)
 
@@ -122,7 +119,7 @@ def measure(server_class, quality, damage, count):
 def as_row(checks):
     """Make a row of what the checks did."""
     counts, pictures = checks.counts, max(1, checks.counts['pictures'])
-    names = [*REASONS.values(), 'wrong', 'wrong behind damage check', 'wrong published']
+    names = [*KINDS, 'wrong', 'wrong behind damage check', 'wrong published']
     return {**{name: counts[name] for name in names},
             'largest error published px': round(checks.largest_error_px, 1),
             'right held back': counts['right'] - counts['right published'],

@@ -150,7 +150,7 @@ def _tell(
     timed: TimedFrame, sighting: Sighting, settings: NodeSettings, rows: Any
 ) -> int:
     """Write the table's lines for a frame; return how many objects are beyond reach."""
-    if sighting.held_back is not None:
+    if sighting.reason is not None:
         return 0
     found = list(positions(timed, sighting.objects, settings.transform))
     for position in found:
@@ -175,8 +175,8 @@ def _annotate(
         picture = draw_objects(timed.frame, sighting.objects, settings.debug_label)
     except CameraToBaseError:
         return  # a frame that cannot be decoded
-    held_back = '' if sighting.held_back is None else f', left out: {sighting.held_back}'
-    draw_note(picture, f'frame {timed.number}, {timed.stamp_ns / 1e9:.3f} s{held_back}')
+    reason = '' if sighting.reason is None else f', {sighting.reason.sentence}'
+    draw_note(picture, f'frame {timed.number}, {timed.stamp_ns / 1e9:.3f} s{reason}')
     video.add(picture)
 
 

@@ -17,10 +17,14 @@
 from collections import Counter
 from typing import Dict, List
 
-from camera_to_base.errors import CameraToBaseError, HorizonError
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import TimedFrame
 from camera_to_base.trust import CameraPipeline, Sighting
+
+# Kinds of reasons that no other setting of the detector would change.
+_UNUSABLE = {'damaged', 'frame_size', 'frame_unusable', 'beyond_horizon'}
 
 
 class SightingCounter:
@@ -38,8 +42,8 @@ class SightingCounter:
             settings.background_frames)
         self._is_live = is_live
         self.frames = self.with_one = self.with_more = 0
-        self.held_back: Counter = Counter()
-        self.errors: Dict[type, List[str]] = {}
+        self._counts: Counter = Counter()
+        self._first: Dict[str, Reason] = {}
 
     @property
     def with_any(self) -> int:
@@ -50,20 +54,15 @@ class SightingCounter:
         """
         Find the objects on a frame.
 
-        :returns: The objects, and why they would not be published where they would not; a frame
-            that cannot be used is such a reason, too.
+        :returns: The objects, and the reason where they would not be published; a frame that
+            cannot be decoded is such a reason, too.
         """
         self.frames += 1
-        try:
-            sighting = self._pipeline.process(
-                timed.frame, timed.taken_at if self._is_live else None)
-        except CameraToBaseError as error:
-            self.errors.setdefault(type(error), []).append(str(error))
-            return Sighting([], str(error))
-        if sighting.beyond_horizon is not None:
-            self.errors.setdefault(HorizonError, []).append(sighting.beyond_horizon)
-        elif sighting.held_back is not None:
-            self.held_back[sighting.held_back] += 1
+        sighting = self._sighting(timed)
+        reason = sighting.warning
+        if reason is not None:
+            self._counts[reason.kind] += 1
+            self._first.setdefault(reason.kind, reason)
         elif len(sighting.objects) == 1:
             self.with_one += 1
         elif sighting.objects:
@@ -76,16 +75,25 @@ class SightingCounter:
 
         :raises CameraToBaseError: If not a single frame could be used: why.
         """
-        refused = [text for texts in self.errors.values() for text in texts]
-        background = self.held_back['the background is being taken']
-        if self.frames and len(refused) >= max(self.frames - background - 1, 1):
-            raise CameraToBaseError(f'no frame could be used: {refused[0]}')
+        unusable = [kind for kind in self._counts if kind in _UNUSABLE]
+        refused = sum(self._counts[kind] for kind in unusable)
+        background = sum(count for kind, count in self._counts.items()
+                         if kind.startswith('background_'))
+        if self.frames and refused >= max(self.frames - background - 1, 1):
+            raise CameraToBaseError(
+                f'no frame could be used: {self._first[unusable[0]].sentence}')
 
     def summary(self) -> List[str]:
         """Tell in lines what was seen."""
         lines = [f'{self.frames} frames: {self.with_any} with an object ({self.with_one} with '
                  f'one, {self.with_more} with more)']
-        lines += [f'frames held back: {count} ({reason})'
-                  for reason, count in self.held_back.most_common()]
-        return lines + [f'frames left out: {len(texts)} (the first: {texts[0]})'
-                        for texts in self.errors.values()]
+        return lines + [
+            f'frames held back: {count} ({kind}, the first: {self._first[kind].sentence})'
+            for kind, count in self._counts.most_common()]
+
+    def _sighting(self, timed: TimedFrame) -> Sighting:
+        try:
+            frame = timed.frame
+        except CameraToBaseError as error:
+            return Sighting([], Reason('damaged', Level.ERROR, str(error)))
+        return self._pipeline.process(frame, timed.taken_at if self._is_live else None)

@@ -17,6 +17,7 @@
 from typing import List, Optional
 
 from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
+from camera_to_base.reason import Level, Reason
 import numpy as np
 
 # Two frames of which a larger share differs do not agree. A coin that moves changes 1 % of it; a
@@ -29,9 +30,22 @@ _LARGEST_STEP = 0.05
 _DARKEST = 8.0
 
 
+def _waiting(kind: str, cure: str) -> Reason:
+    return Reason(kind, Level.WARN, f'taking the background: {cure}')
+
+
+_MISSING = _waiting('background_missing', 'keep the surface clear')
+_DARK = _waiting(
+    'background_dark', 'the picture is black: switch the light on, and uncover the lens')
+_UNSETTLED = _waiting(
+    'background_unsettled', 'the pictures differ: let nothing move on the surface')
+
+
 class BackgroundTaker:
     """
     Gathers frames until there are enough for a background.
+
+    `reason` tells why there is none yet.
 
     :param count: How many; 1 takes the next frame as it is, as the tutorial does.
     """
@@ -40,7 +54,7 @@ class BackgroundTaker:
         self._count = count
         self._frames: List[np.ndarray] = []
         self._doubted: Optional[np.ndarray] = None
-        self.problem: Optional[str] = None
+        self.reason: Reason = _MISSING
 
     def add(self, frame: np.ndarray, confirm: bool = False) -> Optional[np.ndarray]:
         """
@@ -48,7 +62,7 @@ class BackgroundTaker:
 
         :param frame: Shape (h, w, 3), uint8, BGR.
         :param confirm: Whether a frame counts only if the next one agrees with it: that of a
-            camera may be damaged or dark. Why none does is the `problem`.
+            camera may be damaged or dark. Why none does is the `reason`.
         :returns: The background, of the same shape, once there are enough frames.
         """
         if confirm:
@@ -65,12 +79,12 @@ class BackgroundTaker:
     def _confirmed(self, frame: np.ndarray) -> Optional[np.ndarray]:
         # The frame before, if this one agrees with it.
         before = self._doubted
-        self.problem = None
+        self.reason = _MISSING
         if max(frame.mean(axis=(0, 1))) < _DARKEST:
-            self.problem = 'the picture is black: switch the light on, and uncover the lens'
+            self.reason = _DARK
         elif before is not None and not _agree(before, frame):
-            self.problem = 'the pictures differ: let nothing move on the surface'
-        return before if self.problem is None else None
+            self.reason = _UNSETTLED
+        return before if self.reason is _MISSING else None
 
 
 def _agree(frame: np.ndarray, other: np.ndarray) -> bool:

@@ -14,12 +14,13 @@
 
 """The whole way on one frame: from the picture to points in the camera frame."""
 
-from typing import List, NamedTuple, Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.detection.detection import Detection, locate_on_surface
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.yaw import object_yaw, scale_at
 from camera_to_base.errors import HorizonError
+from camera_to_base.reason import Level, Reason
 from camera_to_base.surface import Surface
 import numpy as np
 
@@ -49,6 +50,25 @@ class LocatedObject(NamedTuple):
     yaw: Optional[float] = None
 
 
+class LeftOut(NamedTuple):
+    """A detection that is not published, and why."""
+
+    detection: Detection
+    reason: Reason
+
+
+class Found(NamedTuple):
+    """
+    What was detected on a frame.
+
+    :param objects: Those that lie on the work surface and count, the largest first, at most 100.
+    :param left_out: The others, the largest first.
+    """
+
+    objects: List[LocatedObject]
+    left_out: Tuple[LeftOut, ...]
+
+
 class ObjectLocator:
     """
     Locates every object on a frame.
@@ -74,49 +94,70 @@ class ObjectLocator:
 
     def locate(self, frame: np.ndarray) -> List[LocatedObject]:
         """
-        Locate the objects that lie on the work surface.
+        Locate the objects that lie on the work surface, see :meth:`find`.
+
+        :returns: The largest first, at most 100; none is [].
+        :raises FrameSizeError: If the frame's size is not the background's.
+        """
+        return self.find(frame).objects
+
+    def find(self, frame: np.ndarray) -> Found:
+        """
+        Locate what is detected on a frame, and tell objects from what is left out.
 
         What is seen beyond the horizon (somebody walks through the room) is no object on the
         surface and is left out, as is what has not the size that counts.
 
         :param frame: Shape (h, w, 3), uint8, BGR.
-        :returns: The largest first, at most 100; none is [].
-        :raises HorizonError: If something is seen, but all of it beyond the horizon.
         :raises FrameSizeError: If the frame's size is not the background's.
         """
-        objects, beyond = [], None
-        for detection in self._detector.detect(frame)[:_MOST_OBJECTS]:
-            try:
-                located = self._located(detection)
-                if located is not None:
-                    objects.append(located)
-            except HorizonError as error:
-                beyond = beyond or error
-        if beyond is not None and not objects:
-            raise beyond
-        return objects
+        found = [self._located(detection)
+                 for detection in self._detector.detect(frame)[:_MOST_OBJECTS]]
+        return Found([one for one in found if isinstance(one, LocatedObject)],
+                     tuple(one for one in found if isinstance(one, LeftOut)))
 
-    def _located(self, detection: Detection) -> Optional[LocatedObject]:
-        point = self._point(detection)
-        cm_per_px = scale_at(self._surface, detection.centre)
-        if not self._counts(detection, cm_per_px):
-            return None
+    def _located(self, detection: Detection) -> Union[LocatedObject, LeftOut]:
+        try:
+            point = self._point(detection)
+            cm_per_px = scale_at(self._surface, detection.centre)
+        except HorizonError as error:
+            return LeftOut(detection, Reason(
+                'beyond_horizon', Level.WARN, f'no position is published: {error}',
+                is_passing=True))
+        reason = self._reason_to_leave_out(detection, cm_per_px)
+        if reason is not None:
+            return LeftOut(detection, reason)
         yaw = object_yaw(self._surface, detection, cm_per_px, self._least_width)
         return LocatedObject(detection, point, yaw)
 
-    def _counts(self, detection: Detection, cm_per_px: np.ndarray) -> bool:
+    def _reason_to_leave_out(
+        self, detection: Detection, cm_per_px: np.ndarray
+    ) -> Optional[Reason]:
         settings = self._settings
         if detection.cut_off and settings.method == 'precise' and not settings.publish_cut_off:
-            return False
+            return _left_out('cut_off', "it touches the picture's edge: move it into view, or set "
+                             'detector.publish_cut_off')
         if settings.area is not None and not settings.area.contains(detection.centre):
-            return False
+            return _left_out('outside_hull', 'it lies outside the area that the calibration was '
+                             'measured in, see surface.reject_outside_hull')
         area_cm2 = detection.area * abs(np.linalg.det(cm_per_px))
-        return settings.min_area_cm2 <= area_cm2 <= settings.max_area_cm2
+        if area_cm2 < settings.min_area_cm2:
+            return _left_out('too_small', f'its area of {area_cm2:.3g} cm² is less than '
+                             f'detector.min_area_cm2, {settings.min_area_cm2:g}')
+        if area_cm2 > settings.max_area_cm2:
+            return _left_out('too_large', f'its area of {area_cm2:.3g} cm² is more than '
+                             f'detector.max_area_cm2, {settings.max_area_cm2:g}')
+        return None
 
     def _point(self, detection: Detection) -> Point:
         if self._settings.method == 'precise':
             return Point(*map(float, locate_on_surface(self._surface.locate, detection)))
         return locate_pixel(self._surface, detection.centre)
+
+
+def _left_out(kind: str, sentence: str) -> Reason:
+    # What the parameters ask for is no warning.
+    return Reason(kind, Level.OK, sentence, is_passing=True)
 
 
 def locate_pixel(surface: Surface, pixel: Sequence[float]) -> Point:

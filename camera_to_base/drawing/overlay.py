@@ -16,6 +16,7 @@
 
 import math
 import os
+import textwrap
 from typing import Callable, Sequence
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
@@ -23,7 +24,7 @@ from camera_to_base.detection import Box, check_frame, Detection, LocatedObject,
 from camera_to_base.drawing.labels import Labels, line_width, TextStyle
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder, write_files
-from camera_to_base.surface import ImageSize
+from camera_to_base.image_size import ImageSize
 import cv2
 import numpy as np
 
@@ -72,10 +73,13 @@ def draw_objects(
 
 
 def draw_note(picture: np.ndarray, note: str) -> None:
-    """Write a line into a picture's top-left corner."""
-    style = TextStyle.of(picture)
-    width, height = style.size(note)
-    style.write(picture, note, Box(2, 2, width, height))
+    """Write a text into a picture's top-left corner, in as many lines as it needs."""
+    style, top = TextStyle.of(picture), 2
+    letter_width = style.size('n' * 10)[0] / 10
+    for line in textwrap.wrap(note, max(10, int((picture.shape[1] - 4) / letter_width))):
+        width, height = style.size(line)
+        style.write(picture, line, Box(2, top, width, height))
+        top += height
 
 
 def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:

@@ -15,38 +15,16 @@
 """What a user should know about a camera: a level, a sentence that says what to do, numbers."""
 
 import time
-from typing import Dict, NamedTuple, Optional
+from typing import Dict, Optional
 
-from camera_to_base.errors import TopicTypeError
-from camera_to_base.ros import Level
-from camera_to_base.sources import ReaderState, ReaderStatus
-from camera_to_base.trust import BLACK, CameraPipeline, REPEATED, TOO_LATE, UNCONFIRMED, View
-
-# A camera that gives damaged frames only is said to do so after this many.
-_DAMAGED_IN_A_ROW = 10
-# A stream that was just opened, or had stalled, gives old frames for a second or two.
-_OLD_FOR_S = 4.0
-# What to do where the reason itself does not say so.
-_CABLE = 'check its cable and its network, or lower its rate'
-_DAMAGE_CURES = {
-    BLACK: 'switch the light on, and uncover the lens',
-    REPEATED: "restart the camera or its driver; a simulation's driver wants use_sim_time:=true"}
-_CURES = {
-    TOO_LATE: ': use smaller pictures or a faster computer, or raise max_frame_age',
-    UNCONFIRMED: ": keep hands away, or raise the detector's threshold"}
+from camera_to_base.reason import Reason
+from camera_to_base.sources import ReaderStatus, source_reason
+from camera_to_base.trust import CameraPipeline, View
 
 
-class Problem(NamedTuple):
-    """Why nothing is published: its kind stays while numbers in the sentence change."""
-
-    kind: str
-    level: Level
-    sentence: str
-
-
-def camera_problem(
+def current_reason(
     reader: Optional[ReaderStatus], pipeline: CameraPipeline, name: str
-) -> Optional[Problem]:
+) -> Optional[Reason]:
     """
     Tell what keeps positions from being published.
 
@@ -54,39 +32,8 @@ def camera_problem(
     :param name: The source's, or its topic's.
     :returns: None where an object on the surface would be published.
     """
-    if reader is not None and reader.state is not ReaderState.RUNNING:
-        return _reader_problem(reader, name)
-    if reader is not None and reader.damaged_in_a_row >= _DAMAGED_IN_A_ROW:
-        return Problem('damaged', Level.ERROR, (
-            f"no picture of camera '{name}' can be used, {reader.last_damage}: "
-            f'{_DAMAGE_CURES.get(reader.last_damage, _CABLE)}'))
-    if reader is not None and reader.seconds_of_old_frames >= _OLD_FOR_S:
-        return Problem('old', Level.ERROR, (
-            f"camera '{name}' gives more frames than can be read, so that they are old when they "
-            'come: lower its rate or its picture size'))
-    if pipeline.background is None:
-        reason = pipeline.background_problem or 'keep the surface clear'
-        return Problem(f'background: {reason}', Level.WARN, f'taking the background: {reason}')
-    if pipeline.size_problem is not None:
-        return Problem('size', Level.ERROR, pipeline.size_problem)
-    if pipeline.view_problem is not None:
-        return Problem('view', Level.ERROR, pipeline.view_problem)
-    reason = pipeline.held_back.reason
-    if reason is not None:
-        return Problem('held back', Level.WARN, (
-            f'no position is published: {reason}{_CURES.get(reason, "")}'))
-    return None
-
-
-def _reader_problem(reader: ReaderStatus, name: str) -> Problem:
-    cause = reader.error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
-    if reader.error is None and reader.seconds_without_frame < reader.longest_silence_s:
-        return Problem('opening', Level.WARN, f"waiting for the first frame of '{name}'")
-    if isinstance(cause, TopicTypeError):
-        return Problem('topic type', Level.ERROR, f'nothing is published: {cause}')
-    if reader.state is ReaderState.WAITING:
-        return Problem('waiting', Level.ERROR, f'waiting for the camera: {cause}')
-    return Problem('lost', Level.ERROR, f'nothing is published: {cause}')
+    reason = source_reason(reader, name) if reader is not None else None
+    return reason or pipeline.reason
 
 
 class DetectionRate:

@@ -22,7 +22,7 @@ from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import locate_pixel, LocatedObject, random_pixel
 from camera_to_base.drawing import PictureKeeper
-from camera_to_base.errors import CameraToBaseError, FrameSizeError
+from camera_to_base.errors import CameraToBaseError
 from camera_to_base.nodes.background_keeper import BackgroundKeeper
 from camera_to_base.nodes.background_service import BackgroundService
 from camera_to_base.nodes.camera_watch import CameraWatch
@@ -31,11 +31,13 @@ from camera_to_base.nodes.frame_feeds import CameraFeed, TimedFeed
 from camera_to_base.nodes.image_topic import ImageTopic
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.nodes.true_positions import TruePositions
+from camera_to_base.parameter_names import all_names
 from camera_to_base.ros import NodeParameters, PositionTopics, real_time_timer
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source, TOPIC_SOURCES)
 from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.sources import Camera, is_reader_hanging, is_stream, VideoFile
+from camera_to_base.transform_parameters import TRANSFORM_SPECS
 from camera_to_base.trust import CameraPipeline, DamageCheck, Limits, Sighting
 import numpy as np
 from rclpy.node import Node
@@ -60,7 +62,8 @@ class CameraPublisher(Node):
         super().__init__('camera_publisher', **node_options)
         with whole_or_gone(self):
             self._node_parameters = NodeParameters(
-                self, CAMERA_SPECS, camera_settings, self._on_new_settings)
+                self, CAMERA_SPECS, camera_settings, self._on_new_settings,
+                others=all_names(TRANSFORM_SPECS), cli_args=node_options.get('cli_args'))
             self._source = open_named_source(self._settings)
             self._tell_what_is_used()
             self._topics = PositionTopics(
@@ -149,17 +152,17 @@ class CameraPublisher(Node):
         try:
             point = locate_pixel(self._settings.surface, pixel)
         except CameraToBaseError as error:
-            self._refuse(error)
+            self.get_logger().error(f'no position taken: {error}', throttle_duration_sec=5.0)
             return
         self._publish(self._header(self.get_clock().now().to_msg()), [Pose(*point, 0.0, 0.0)])
         self._keep_picture(self._picture.keep_pixel, self._settings.image_size, pixel, point)
 
     def _use(self, frame: np.ndarray, taken_at: Optional[float], stamp: Time) -> None:
         header = self._header(stamp)
-        sighting = self._see(frame, taken_at)
+        sighting = self._pipeline.process(frame, taken_at)
         if self._truth is not None:
             self._truth.publish(header)
-        if sighting.held_back is None:
+        if sighting.reason is None:
             self._warn_outside_hull(sighting.objects)
             self._publish(header, [Pose(*found.point, 0.0, found.yaw or 0.0)
                                    for found in sighting.objects])
@@ -170,18 +173,9 @@ class CameraPublisher(Node):
         self._background_keeper.keep()
         self._background_service.notice_frame()
 
-    def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
-        try:
-            return self._pipeline.process(frame, taken_at)
-        except FrameSizeError as error:
-            return Sighting([], str(error))  # which the watch tells, once
-        except CameraToBaseError as error:
-            self._refuse(error)
-            return Sighting([], str(error))
-
     def _note(self, sighting: Sighting) -> str:
-        if sighting.held_back is not None:
-            return f'not published: {sighting.held_back}'
+        if sighting.reason is not None:
+            return sighting.reason.sentence
         return f'background taken {self._pipeline.background_age_s:.0f} s ago'
 
     def _header(self, stamp: Time) -> Header:
@@ -224,9 +218,6 @@ class CameraPublisher(Node):
             keep(*what)
         except CameraToBaseError as error:
             self.get_logger().error(str(error), throttle_duration_sec=60.0)
-
-    def _refuse(self, error: CameraToBaseError) -> None:
-        self.get_logger().error(f'no position taken: {error}', throttle_duration_sec=5.0)
 
     def _end(self) -> None:
         self.get_logger().info(

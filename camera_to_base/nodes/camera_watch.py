@@ -17,13 +17,17 @@
 from typing import Optional
 
 from camera_to_base.nodes.camera_health import (
-    camera_problem, camera_values, DetectionRate, has_no_structure, Problem)
-from camera_to_base.ros import Diagnostics, Health, Heartbeat, Level, NameCheck
+    camera_values, current_reason, DetectionRate, has_no_structure)
+from camera_to_base.reason import all_well, Level, Reason
+from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
 from camera_to_base.sources import ReaderStatus
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
 _PERIOD_S = 0.2
+_ALL_WELL = all_well('objects on the surface are published')
+_RANDOM = Reason(
+    'random', Level.WARN, 'positions are random: name a camera with source')
 
 
 class CameraWatch:
@@ -37,7 +41,7 @@ class CameraWatch:
     def __init__(self, node: Node, pipeline: CameraPipeline) -> None:
         self._logger = node.get_logger()
         self._pipeline = pipeline
-        self._problem: Optional[Problem] = None
+        self._reason: Optional[Reason] = None
         self._has_no_structure = False
         self._detection_rate = DetectionRate()
         self._reader: Optional[ReaderStatus] = None
@@ -57,10 +61,10 @@ class CameraWatch:
         self._heartbeat.every(_PERIOD_S, self._watch)
 
     def _watch(self) -> None:
-        before, self._problem = self._problem, camera_problem(
+        before, self._reason = self._reason, current_reason(
             self._reader, self._pipeline, self._source)
-        if _kind(self._problem) != _kind(before):
-            self._tell(self._problem)
+        if _kind(self._reason) != _kind(before):
+            self._tell(self._reason)
             self._diagnostics.publish()
         knew, self._has_no_structure = (
             self._has_no_structure, has_no_structure(self._pipeline.view))
@@ -68,25 +72,23 @@ class CameraWatch:
             self._logger.info('the view cannot be checked: the surface has no structure, so that '
                               'nobody would notice a nudge; put marks into its corners')
 
-    def _tell(self, problem: Optional[Problem]) -> None:
+    def _tell(self, reason: Optional[Reason]) -> None:
         # rclpy refuses another severity from the same line.
-        if problem is None:
+        if reason is None:
             self._logger.info('ready: objects on the surface are published')
-        elif problem.level is Level.ERROR:
-            self._logger.error(problem.sentence)
+        elif reason.level is Level.ERROR:
+            self._logger.error(reason.sentence)
         else:
-            self._logger.info(problem.sentence)
+            self._logger.info(reason.sentence)
 
     def _health(self) -> Health:
         values = {'source': self._source or 'random',
                   **camera_values(self._reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
         if self._source is None:
-            return Health(Level.WARN, 'positions are random: name a camera with source', values)
-        if self._problem is not None:
-            return Health(self._problem.level, self._problem.sentence, values)
-        return Health(Level.OK, 'objects on the surface are published', values)
+            return Health(_RANDOM, values)
+        return Health(self._reason or _ALL_WELL, values)
 
 
-def _kind(problem: Optional[Problem]) -> Optional[str]:
-    return None if problem is None else problem.kind
+def _kind(reason: Optional[Reason]) -> Optional[str]:
+    return None if reason is None else reason.kind

@@ -19,6 +19,7 @@ from typing import Any, Callable, Dict, Optional, Union
 
 from builtin_interfaces.msg import Time
 from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicTypeError
+from camera_to_base.reason import Level, Reason
 from camera_to_base.sources import (
     frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderState,
     ReaderStatus, SilenceLimit)
@@ -47,7 +48,7 @@ class ImageTopic(ReaderStatus):
         self,
         node: Node,
         on_frame: Callable[[np.ndarray, float, Time], None],
-        damage: Callable[[np.ndarray], Optional[str]] = lambda frame: None,
+        damage: Callable[[np.ndarray], Optional[Reason]] = lambda frame: None,
         compressed: bool = False,
     ) -> None:
         super().__init__()
@@ -114,7 +115,7 @@ class ImageTopic(ReaderStatus):
         self._last_number = number
 
     def _refuse(self, error: InvalidValueError) -> None:
-        self._note_damage(str(error))
+        self._note_damage(Reason('not_decoded', Level.ERROR, str(error), is_passing=True))
         self._refused_at = time.monotonic()
         self._error = FrameSourceError(f'cannot use the picture on {self.topic_name}: {error}')
         self._node.get_logger().error(str(self._error), throttle_duration_sec=5.0)

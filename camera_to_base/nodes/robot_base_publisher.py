@@ -21,8 +21,9 @@ from typing import Callable, Iterator, List, Optional
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import CameraToBaseError, OutOfReachError
 from camera_to_base.nodes.process import run, whole_or_gone
+from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import (
-    Diagnostics, Health, Heartbeat, Level, NameCheck, NodeParameters, point_from_message,
+    Diagnostics, Health, Heartbeat, NameCheck, NodeParameters, point_from_message,
     poses_from_message, position_from_message, PositionTopics, qos_mismatch)
 from camera_to_base.transform_parameters import (
     transform_node_settings, TRANSFORM_SPECS, TransformSettings)
@@ -44,7 +45,9 @@ class RobotBasePublisher(Node):
     def __init__(self, **node_options) -> None:
         super().__init__('robot_base_publisher', **node_options)
         with whole_or_gone(self):
-            self._node_parameters = NodeParameters(self, TRANSFORM_SPECS, transform_node_settings)
+            self._node_parameters = NodeParameters(
+                self, TRANSFORM_SPECS, transform_node_settings,
+                cli_args=node_options.get('cli_args'))
             self._received_count = self._published_count = 0
             self._dropped: Counter = Counter()
             self._dropped_before = 0
@@ -130,20 +133,24 @@ class RobotBasePublisher(Node):
                   'messages out': str(self._published_count)}
         values.update((f'dropped: {reason}', str(count))
                       for reason, count in sorted(self._dropped.items()))
+        return Health(self._reason(), values)
+
+    def _reason(self) -> Reason:
         newly, self._dropped_before = (
             self.dropped_count - self._dropped_before, self.dropped_count)
         if newly:
-            return Health(Level.WARN, (
+            return Reason('positions_dropped', Level.WARN, (
                 f'{newly} position(s) dropped in the last second: see who else publishes on '
-                f'{_POSITION}, and check reach_cm'), values)
+                f'{_POSITION}, and check reach_cm'))
         mismatch = qos_mismatch(self, self._inputs)
         if mismatch is not None:
             self.get_logger().warning(mismatch, once=True)
-            return Health(Level.WARN, mismatch, values)
+            return Reason('qos_mismatch', Level.WARN, mismatch)
         # rclpy asks for a name as it is, not as it was remapped.
-        if not self.count_publishers(values['source']):
-            return Health(Level.WARN, 'nobody publishes positions: start camera_publisher', values)
-        return Health(Level.OK, 'positions are transformed', values)
+        if not self.count_publishers(self.resolve_topic_name(_POSITION)):
+            return Reason('no_publisher', Level.WARN,
+                          'nobody publishes positions: start camera_publisher')
+        return all_well('positions are transformed')
 
 
 def main(args: Optional[List[str]] = None) -> int:

@@ -23,7 +23,7 @@ transform node starts without it.
 """
 
 from camera_to_base.ros.diagnostics import Diagnostics
-from camera_to_base.ros.health import Health, Level
+from camera_to_base.ros.health import Health
 from camera_to_base.ros.heartbeat import Heartbeat, real_time_timer
 from camera_to_base.ros.messages import (
     point_from_message, poses_from_message, poses_message, position_from_message, position_message)
@@ -33,7 +33,7 @@ from camera_to_base.ros.position_topics import PositionTopics
 from camera_to_base.ros.qos_check import qos_mismatch
 
 __all__ = [
-    'Diagnostics', 'Health', 'Heartbeat', 'Level', 'NameCheck', 'NodeParameters',
-    'point_from_message', 'poses_from_message', 'poses_message', 'position_from_message',
-    'position_message', 'PositionTopics', 'qos_mismatch', 'real_time_timer',
+    'Diagnostics', 'Health', 'Heartbeat', 'NameCheck', 'NodeParameters', 'point_from_message',
+    'poses_from_message', 'poses_message', 'position_from_message', 'position_message',
+    'PositionTopics', 'qos_mismatch', 'real_time_timer',
 ]

@@ -27,7 +27,7 @@ _PERIOD_S = 1.0
 
 class Diagnostics:
     """
-    Publishes the health that a function returns.
+    Publishes the health that a function returns, with its reason's kind as the value `reason`.
 
     :param node: The node; the status has its full name.
     :param heartbeat: The node's timer.
@@ -46,11 +46,12 @@ class Diagnostics:
     def publish(self) -> None:
         """Publish at once."""
         health = self._collect()
+        values = {'reason': health.reason.kind, **health.values}
         message = DiagnosticArray(status=[DiagnosticStatus(
-            level=bytes([health.level]),
+            level=bytes([health.reason.level]),
             name=self._node.get_fully_qualified_name(),
-            message=health.message,
+            message=health.reason.sentence,
             hardware_id=health.values.get('source', ''),
-            values=[KeyValue(key=key, value=value) for key, value in health.values.items()])])
+            values=[KeyValue(key=key, value=value) for key, value in values.items()])])
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)

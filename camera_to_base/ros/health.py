@@ -14,21 +14,13 @@
 
 """The health that a node reports."""
 
-from enum import IntEnum
 from typing import Dict, NamedTuple
 
-
-class Level(IntEnum):
-    """Severity, with the numbers of diagnostic_msgs/DiagnosticStatus."""
-
-    OK = 0
-    WARN = 1
-    ERROR = 2
+from camera_to_base.reason import Reason
 
 
 class Health(NamedTuple):
-    """The state of a node: a level, a sentence with the cure, and numbers as text."""
+    """The state of a node: why it publishes nothing or that all is well, and numbers as text."""
 
-    level: Level
-    message: str
+    reason: Reason
     values: Dict[str, str]

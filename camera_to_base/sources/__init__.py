@@ -29,6 +29,7 @@ from camera_to_base.sources.reader import FrameReader, is_reader_hanging
 from camera_to_base.sources.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
 from camera_to_base.sources.silence_limit import SilenceLimit
+from camera_to_base.sources.source_reasons import source_reason
 from camera_to_base.sources.still_picture import median_frame, read_picture
 from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
 
@@ -37,5 +38,5 @@ __all__ = [
     'frame_from_image_message', 'FrameReader', 'FrameSource', 'is_bag', 'is_camera',
     'is_reader_hanging', 'is_stream', 'LiveRecording', 'LOST_AFTER_S', 'median_frame',
     'open_frame_source', 'PlayedRecording', 'read_picture', 'ReaderState', 'ReaderStatus',
-    'Recording', 'SilenceLimit', 'TimedFrame', 'VideoFile',
+    'Recording', 'SilenceLimit', 'source_reason', 'TimedFrame', 'VideoFile',
 ]

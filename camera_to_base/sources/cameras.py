@@ -21,8 +21,8 @@ import re
 from typing import Optional
 
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.sources.capture import open_device, open_stream
-from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
@@ -44,7 +44,7 @@ class Camera:
     frame_rate = 0.0
 
     def __init__(
-        self, name: str, image_size: ImageSize = (640, 480), open_now: bool = True
+        self, name: str, image_size: ImageSize = DEFAULT_IMAGE_SIZE, open_now: bool = True
     ) -> None:
         self.name = name
         self.image_size = image_size
@@ -98,7 +98,7 @@ def is_camera(name: str) -> bool:
     return name.isdecimal() or name.startswith('/dev/') or is_stream(name)
 
 
-def first_camera(image_size: ImageSize = (640, 480)) -> Optional[Camera]:
+def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]:
     """
     Open the first attached camera that gives a frame.
 

@@ -20,6 +20,7 @@ import time
 from typing import Callable, NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.reason import Reason
 from camera_to_base.sources.freshness import Freshness
 from camera_to_base.sources.reader_status import ReaderStatus
 from camera_to_base.sources.video_file import FrameSource
@@ -57,7 +58,7 @@ class FrameReader(ReaderStatus):
         self,
         camera: FrameSource,
         on_frame: Callable[[], None] = lambda: None,
-        damage: Callable[[np.ndarray], Optional[str]] = lambda frame: None,
+        damage: Callable[[np.ndarray], Optional[Reason]] = lambda frame: None,
         may_lag: bool = True,
     ) -> None:
         super().__init__()

@@ -19,6 +19,7 @@ import time
 from typing import NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.reason import Reason
 
 # No frame for as long as this means that the camera is lost, unless it is known to be slower.
 LOST_AFTER_S = 1.0
@@ -55,7 +56,7 @@ class ReaderStatus:
         self._last_frame_at: Optional[float] = None
         self._begun_at = time.monotonic()
         self._error: Optional[FrameSourceError] = None
-        self.last_damage: Optional[str] = None
+        self.last_damage: Optional[Reason] = None
         self.damaged_in_a_row = 0
         self._old_since: Optional[float] = None
         self.counts = ReaderCounts()
@@ -96,7 +97,7 @@ class ReaderStatus:
         self._old_since = (self._old_since or time.monotonic()) if is_old else None
         self._count(old=is_old)
 
-    def _note_damage(self, damage: Optional[str]) -> None:
+    def _note_damage(self, damage: Optional[Reason]) -> None:
         # None for a frame that can be believed.
         self.last_damage = damage or self.last_damage
         self.damaged_in_a_row = self.damaged_in_a_row + 1 if damage else 0

@@ -18,10 +18,23 @@ from collections import deque
 from typing import Optional
 
 from camera_to_base.detection import changed_blocks, mean_blocks
+from camera_to_base.reason import Level, Reason
 import numpy as np
 
-REPEATED = 'it repeats the last one byte for byte'
-BLACK = 'it is black'
+_CABLE = 'check its cable and its network, or lower its rate'
+
+
+def _damage(kind: str, what: str, cure: str = _CABLE) -> Reason:
+    return Reason(kind, Level.ERROR, f'{what}: {cure}', is_passing=True)
+
+
+_REPEATED = _damage(
+    'repeated', 'it repeats the last one byte for byte',
+    "restart the camera or its driver; a simulation's driver wants use_sim_time:=true")
+_BLACK = _damage('black', 'it is black', 'switch the light on, and uncover the lens')
+_OLD_END = _damage('old_end', 'its lower end is that of an earlier one')
+_FLAT_END = _damage('flat_end', 'its lower end has one colour')
+_LARGE_CHANGE = _damage('large_change', 'a large part of it has changed at once')
 
 # JPEG's blocks are 8 px high: less than this cannot be lost.
 _TAIL_ROWS = 8
@@ -33,7 +46,7 @@ _CONCEALED = (128, 128, 128), (0, 135, 0)
 # A lower end that has one colour, in as many frames from the first on, is the surface's own.
 _USUAL_COUNT = 5
 # Below these grey levels nothing can be told from noise: the surface would look empty.
-_BLACK = 6
+_BLACK_LEVEL = 6
 
 
 class DamageCheck:
@@ -50,7 +63,7 @@ class DamageCheck:
     def __init__(self) -> None:
         self._shape = None
 
-    def reason(self, frame: np.ndarray) -> Optional[str]:
+    def reason(self, frame: np.ndarray) -> Optional[Reason]:
         """
         Tell what is wrong with a frame.
 
@@ -61,14 +74,14 @@ class DamageCheck:
             self._restart(frame)
         repeated, tail_repeated = self._repetition(frame)
         blocks = mean_blocks(frame)
-        if blocks.max() < _BLACK:
-            return BLACK
+        if blocks.max() < _BLACK_LEVEL:
+            return _BLACK
         if repeated:
-            return REPEATED
+            return _REPEATED
         if tail_repeated:
-            return 'its lower end is that of an earlier one'
+            return _OLD_END
         if self._has_lost_its_tail(frame):
-            return 'its lower end has one colour'
+            return _FLAT_END
         return self._unconfirmed_change(blocks)
 
     def _restart(self, frame: np.ndarray) -> None:
@@ -98,13 +111,13 @@ class DamageCheck:
         self._flat_tail_count += 1
         return self._flat_tail_count < _USUAL_COUNT
 
-    def _unconfirmed_change(self, blocks: np.ndarray) -> Optional[str]:
+    def _unconfirmed_change(self, blocks: np.ndarray) -> Optional[Reason]:
         if (self._believed is None or not _differ(blocks, self._believed)
                 or self._doubted is not None and not _differ(blocks, self._doubted)):
             self._believed, self._doubted = blocks, None
             return None
         self._doubted = blocks
-        return 'a large part of it has changed at once'
+        return _LARGE_CHANGE
 
 
 def _is_flat(rows: np.ndarray) -> bool:

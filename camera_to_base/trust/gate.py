@@ -15,30 +15,18 @@
 """Decides what of a frame may be published."""
 
 import time
-from typing import List, NamedTuple, Optional
+from typing import List, Optional, Sequence
 
-from camera_to_base.detection import LocatedObject
+from camera_to_base.detection import LeftOut, LocatedObject
+from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.jump_filter import JumpFilter
+from camera_to_base.trust.sighting import Sighting
 
-# Why a frame may not be published.
-UNCONFIRMED = 'not confirmed by a second frame'
-TOO_LATE = 'detection took too long'
-
-
-class Sighting(NamedTuple):
-    """
-    What a frame shows.
-
-    :param objects: The largest first; none where the surface is empty.
-    :param held_back: Why none of this may be published, not even that there is nothing; None
-        where an arm may follow it.
-    :param beyond_horizon: Where something is seen, but all of it beyond the horizon, so that the
-        surface is empty. Whoever always sees this has tilted the camera too far.
-    """
-
-    objects: List[LocatedObject]
-    held_back: Optional[str] = None
-    beyond_horizon: Optional[str] = None
+_UNCONFIRMED = Reason(
+    'unconfirmed', Level.WARN,
+    'no position is published: not confirmed by a second frame: keep hands away, or raise the '
+    "detector's threshold", is_passing=True)
+_JUMPED = Reason('unconfirmed', Level.OK, 'not confirmed by a second frame', is_passing=True)
 
 
 class PositionGate:
@@ -50,7 +38,6 @@ class PositionGate:
     """
 
     def __init__(self, max_age_s: float, jump_radius_px: float) -> None:
-        self.view_problem: Optional[str] = None
         self.configure(max_age_s, jump_radius_px)
 
     def configure(self, max_age_s: float, jump_radius_px: float) -> None:
@@ -58,26 +45,37 @@ class PositionGate:
         self._max_age_s = max_age_s
         self._jumps = JumpFilter(jump_radius_px)
 
-    def judge(self, objects: List[LocatedObject], taken_at: Optional[float]) -> Sighting:
+    def judge(self, seen: Sighting, taken_at: Optional[float]) -> Sighting:
         """
         Tell which objects of a frame may be published.
 
-        Where the largest one is not confirmed none is; another is left out until it is.
+        Where the largest one is not confirmed none is; another is left out until it is. A reason
+        that the sighting has already stays.
 
-        :param objects: The largest first.
         :param taken_at: When the frame was taken, by time.monotonic(); None where a frame waits
             for its reader, as those of a file do: it is never too old, and nothing damages it.
         """
-        believed = objects if taken_at is None else self._believed(objects)
-        if self.view_problem is not None:
-            return Sighting(objects, 'the view has moved')
-        if believed is None:
-            return Sighting(objects, UNCONFIRMED)
-        if taken_at is not None and time.monotonic() - taken_at > self._max_age_s:
-            return Sighting(objects, TOO_LATE)
-        return Sighting(believed)
+        if taken_at is None:
+            return seen
+        believed = self._believed(seen.objects)
+        reason = seen.reason or (
+            _UNCONFIRMED if believed is None else self._age_reason(taken_at))
+        if reason is not None:
+            return seen._replace(reason=reason)
+        left_out = (LeftOut(found.detection, _JUMPED) for found in seen.objects
+                    if not any(found is other for other in believed))
+        return seen._replace(objects=believed, left_out=(*seen.left_out, *left_out))
 
-    def _believed(self, objects: List[LocatedObject]) -> Optional[List[LocatedObject]]:
+    def _age_reason(self, taken_at: float) -> Optional[Reason]:
+        age_s = time.monotonic() - taken_at
+        if age_s <= self._max_age_s:
+            return None
+        return Reason('too_late', Level.WARN, (
+            f'no position is published: detection took too long, the frame is {age_s:.2f} s old, '
+            f'at most {self._max_age_s:g} s are allowed: use smaller pictures or a faster '
+            'computer, or raise max_frame_age'), is_passing=True)
+
+    def _believed(self, objects: Sequence[LocatedObject]) -> Optional[List[LocatedObject]]:
         pixels = [found.detection.centre for found in objects]
         believed = self._jumps.believed(pixels)
         confirmed = pixels[0] in believed if pixels else self._jumps.believes_empty()

@@ -17,25 +17,41 @@
 import time
 from typing import Optional
 
+from camera_to_base.reason import Reason
+
 # A single frame may be held back: the next one comes.
 _LASTING_S = 1.0
 
 
 class HeldBack:
     """
-    Books for each frame why no position of it may be published.
+    Records for each frame why no position of it is published.
 
-    `reason` tells why, where that has been so for a second, by the frames' own times: a slow
-    camera's next frame may be good. None where one was published since.
+    `reason` is the one to show. A reason that passes is shown once nothing was published for a
+    second, by the frames' own times: a slow camera's next frame may be good. Where such reasons
+    take turns, the one that is shown stays until it has not come for a second.
     """
 
     def __init__(self) -> None:
-        self.reason: Optional[str] = None
+        self.reason: Optional[Reason] = None
         self._since: Optional[float] = None
+        self._shown_at = 0.0
 
-    def note(self, reason: Optional[str]) -> None:
-        """Book one frame; None for one that was published."""
+    def note(self, reason: Optional[Reason]) -> None:
+        """Record one frame; None for one that was published."""
         now = time.monotonic()
-        self._since = None if reason is None else now if self._since is None else self._since
-        lasts = reason is not None and now - self._since >= _LASTING_S
-        self.reason = reason if lasts else None
+        if reason is None:
+            self.reason = self._since = None
+        elif not reason.is_passing:
+            self.reason, self._since = reason, None
+        else:
+            self._note_passing(reason, now)
+
+    def _note_passing(self, reason: Reason, now: float) -> None:
+        if self._since is None:
+            self.reason, self._since = None, now
+        if now - self._since < _LASTING_S:
+            return
+        if (self.reason is None or reason.kind == self.reason.kind
+                or now - self._shown_at >= _LASTING_S):
+            self.reason, self._shown_at = reason, now

@@ -16,31 +16,20 @@
 
 from collections import Counter
 import time
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Optional
 
 from camera_to_base.detection import (
-    BackgroundTaker, check_frame, DetectorSettings, LocatedObject, ObjectLocator)
-from camera_to_base.errors import CameraToBaseError, FrameSizeError, HorizonError
+    BackgroundTaker, check_frame, DetectorSettings, ObjectLocator)
+from camera_to_base.errors import CameraToBaseError, FrameSizeError
+from camera_to_base.reason import Level, Reason
 from camera_to_base.surface import Surface
-from camera_to_base.trust.gate import PositionGate, Sighting
+from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
-from camera_to_base.trust.view_check import View, view_problem, ViewCheck
+from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.view_check import View
+from camera_to_base.trust.view_watch import ViewWatch
 import numpy as np
-
-
-class Limits(NamedTuple):
-    """What a frame, a position or the view must keep to, see the node's parameters."""
-
-    max_frame_age_s: float = 0.3
-    confirm_jump_px: float = 8.0
-    max_shift_px: float = 3.0
-    max_changed_share: float = 0.7
-    check_period_s: float = 2.0
-
-    @property
-    def for_recording(self) -> 'Limits':
-        """The same without the view: no arm follows a recording, which is shown as it is."""
-        return self._replace(max_shift_px=0.0)
 
 
 class CameraPipeline:
@@ -60,21 +49,29 @@ class CameraPipeline:
         background_frames: int = 1,
     ) -> None:
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
-        self.held_back = HeldBack()
+        self._view: Optional[ViewWatch] = None
+        self._held_back = HeldBack()
         self.counts: Counter = Counter()
-        self.size_problem: Optional[str] = None
-        self.view: Optional[View] = None
-        self.configure(surface, detector, limits)
+        self._surface, self._detector, self._limits = surface, detector, limits
+        self._locator: Optional[ObjectLocator] = None
         self.capture_background(background_frames)
 
     def configure(
         self, surface: Surface, detector: DetectorSettings, limits: Limits
     ) -> None:
-        """Use other settings from the next frame on, with the same background."""
-        self._surface, self._detector, self._limits = surface, detector, limits
-        self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
-        self._locator: Optional[ObjectLocator] = None
-        self._checked_at = -np.inf
+        """
+        Use other settings from the next frame on, with the same background.
+
+        What has not changed goes on as it is: no frame is held back because of it.
+        """
+        if (surface, detector) != (self._surface, self._detector):
+            self._surface, self._detector = surface, detector
+            self._locator = None
+        if limits != self._limits:
+            self._limits = limits
+            self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
+            if self._view is not None:
+                self._view.configure(limits)
 
     def capture_background(self, frame_count: int) -> None:
         """Take the background anew, of the next frames; until then no objects are found."""
@@ -88,14 +85,7 @@ class CameraPipeline:
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: How long ago it was taken.
         """
-        self._use_background(background, age_s)
-        self.background_is_restored = True
-        self._checked_at = -np.inf
-
-    @property
-    def background_problem(self) -> Optional[str]:
-        """Why no background could be taken of the last frame; None where it could."""
-        return self._taker.problem if self._taker is not None else None
+        self._use_background(background, age_s, is_restored=True)
 
     @property
     def background_age_s(self) -> float:
@@ -103,88 +93,78 @@ class CameraPipeline:
         return time.monotonic() - self._background_taken_at
 
     @property
-    def view_problem(self) -> Optional[str]:
-        """Why the view cannot be believed; None where it can."""
-        return self._gate.view_problem
+    def view(self) -> Optional[View]:
+        """How the last frame that was compared looks beside the background; None for none."""
+        return None if self._view is None else self._view.view
+
+    @property
+    def reason(self) -> Optional[Reason]:
+        """
+        Why an object on the surface would not be published now; None where it would.
+
+        A reason that passes counts once it has lasted for a second, see :class:`HeldBack`.
+        """
+        return self._held_back.reason if self._taker is None else self._taker.reason
 
     def process(self, frame: np.ndarray, taken_at: Optional[float] = None) -> Sighting:
         """
         Find the objects on a frame.
 
         :param taken_at: When a camera took it, by time.monotonic(); None for a file's frame.
-        :returns: The objects, and why they may not be published where they may not.
-        :raises CameraToBaseError: If the frame cannot be used.
+        :returns: The objects, and the reason where they may not be published. A frame that cannot
+            be used is such a reason, too: nothing that a frame has makes this raise.
         """
-        try:
-            sighting = self._see(frame, taken_at)
-        except CameraToBaseError as error:
-            self._note(str(error))
-            raise
-        self._note(sighting.held_back or sighting.beyond_horizon)
+        sighting = self._see(frame, taken_at)
+        self._count(sighting)
+        self._held_back.note(sighting.warning)
         return sighting
-
-    def _note(self, reason: Optional[str]) -> None:
-        # Background, size and view have sentences of their own.
-        is_told = self.background is None or self.size_problem or self.view_problem
-        self.held_back.note(None if is_told else reason)
 
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
-        check_frame(frame)
-        self.counts['frames'] += 1
-        if self.background is None and not self._take_background(
-                frame, is_live=taken_at is not None):
-            return Sighting([], 'the background is being taken')
-        objects, beyond_horizon = self._locate(frame)
-        self._check_view(frame)
-        sighting = self._gate.judge(objects, taken_at)._replace(beyond_horizon=beyond_horizon)
-        self._count(sighting)
-        return sighting
-
-    def _locate(self, frame: np.ndarray) -> Tuple[List[LocatedObject], Optional[str]]:
-        self.size_problem = None
+        # Each step asks the next check; the first reason that one gives holds.
         try:
-            return self._current_locator().locate(frame), None
-        except HorizonError as error:
-            return [], str(error)
-        except FrameSizeError as error:
-            # Another background does not change what the surface was calibrated for.
-            cure = ', or clear the surface and call ~/capture_background' if self._locator else ''
-            self.size_problem = f'{error}{cure}'
-            raise
+            check_frame(frame)
+            reason = self._background_reason(frame, is_live=taken_at is not None)
+            if reason is not None:
+                return Sighting([], reason)
+            found = self._current_locator().find(frame)
+        except CameraToBaseError as error:
+            return Sighting([], self._frame_reason(error))
+        seen = Sighting(found.objects, self._view.reason(frame), found.left_out)
+        return self._gate.judge(seen, taken_at)
 
-    def _count(self, sighting: Sighting) -> None:
-        if sighting.objects:
-            self.counts['frames with an object'] += 1
-        if sighting.held_back is not None:
-            self.counts[f'frames held back: {sighting.held_back}'] += 1
-
-    def _take_background(self, frame: np.ndarray, is_live: bool) -> bool:
+    def _background_reason(self, frame: np.ndarray, is_live: bool) -> Optional[Reason]:
+        if self._taker is None:
+            return None
         background = self._taker.add(frame, confirm=is_live)
         if background is None:
-            return False
+            return self._taker.reason
         self._use_background(background)
-        return True
+        return None
 
-    def _use_background(self, background: np.ndarray, age_s: float = 0.0) -> None:
-        self.background = background
-        self.background_is_restored = False
-        self._view_check = ViewCheck(background)
-        self._gate.view_problem, self.view = None, None
-        self._checked_at = time.monotonic()
-        self._background_taken_at = self._checked_at - age_s
+    def _frame_reason(self, error: CameraToBaseError) -> Reason:
+        if not isinstance(error, FrameSizeError):
+            return Reason('frame_unusable', Level.ERROR, f'no position is published: {error}')
+        # Another background does not change what the surface was calibrated for.
+        cure = ', or clear the surface and call ~/capture_background' if self._locator else ''
+        return Reason('frame_size', Level.ERROR, f'{error}{cure}')
+
+    def _count(self, sighting: Sighting) -> None:
+        self.counts['frames'] += 1
+        if sighting.objects:
+            self.counts['frames with an object'] += 1
+        if sighting.reason is not None:
+            self.counts[f'frames held back: {sighting.reason.kind}'] += 1
+
+    def _use_background(
+        self, background: np.ndarray, age_s: float = 0.0, is_restored: bool = False
+    ) -> None:
+        self.background, self.background_is_restored = background, is_restored
+        self._background_taken_at = time.monotonic() - age_s
+        self._view = ViewWatch(background, self._limits, at_once=is_restored)
+        self._held_back = HeldBack()
         self._taker = self._locator = None
 
     def _current_locator(self) -> ObjectLocator:
         if self._locator is None:
             self._locator = ObjectLocator(self.background, self._surface, self._detector)
         return self._locator
-
-    def _check_view(self, frame: np.ndarray) -> None:
-        limits = self._limits
-        if not limits.max_shift_px:
-            self._gate.view_problem = None
-        elif time.monotonic() - self._checked_at >= limits.check_period_s:
-            self.view = self._view_check.compare(frame)
-            self._checked_at = time.monotonic()
-            self._gate.view_problem = view_problem(
-                self.view, limits.max_shift_px, limits.max_changed_share)

@@ -16,6 +16,7 @@
 
 from typing import List, NamedTuple, Optional
 
+from camera_to_base.reason import Level, Reason
 import cv2
 import numpy as np
 
@@ -195,16 +196,18 @@ def _consensus(
     return warp if np.ptp(agreeing, axis=0).max() >= least_extent else None
 
 
-def view_problem(view: View, max_shift_px: float, max_changed_share: float) -> Optional[str]:
+def view_reason(view: View, max_shift_px: float, max_changed_share: float) -> Optional[Reason]:
     """
     Tell why positions cannot be believed.
 
     :returns: None where they can, or where it cannot be told.
     """
     if view.shift_px is not None and view.shift_px > max_shift_px:
-        return (f'the view has moved by {view.shift_px:.1f} px: move the camera back, or clear '
-                'the surface, call ~/capture_background, and calibrate anew')
+        return Reason('view_moved', Level.ERROR, (
+            f'the view has moved by {view.shift_px:.1f} px: move the camera back, or clear '
+            'the surface, call ~/capture_background, and calibrate anew'))
     if view.changed_share > max_changed_share:
-        return (f'{view.changed_share:.0%} of the view differs from the background: uncover the '
-                'surface, or clear it and call ~/capture_background')
+        return Reason('view_changed', Level.ERROR, (
+            f'{view.changed_share:.0%} of the view differs from the background: uncover the '
+            'surface, or clear it and call ~/capture_background'))
     return None

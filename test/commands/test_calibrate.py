@@ -316,7 +316,7 @@ BAD_INPUTS = {
     'missing table': (lambda: ('points', 'none.csv'), 'cannot read the table none.csv'),
     'missing column': (lambda: ('points', table(header='x_cm,y_cm,u_px,v')), 'no column v_px'),
     'not a number': (lambda: ('points', written('a.csv', LINE + '6,six,7,8\n')),
-                     "row 7: y_cm is not a number: 'six'"),
+                     "row 7: y_cm: not a number: 'six'"),
     'nan': (lambda: ('points', written('a.csv', LINE + '6,nan,7,8\n')), 'row 7: y_cm is nan'),
     'infinity': (lambda: ('points', written('a.csv', LINE + '6,1,inf,8\n')), 'row 7: u_px is inf'),
     'three points': (lambda: ('points', table(points=POINTS[:3])), '3 points are too few'),

@@ -174,7 +174,7 @@ def test_first_frames_are_the_background_as_in_the_node(run):
     write_video('disc.avi', [None, (60, 60), None, *PATH])
     code, _, error = run('disc.avi', '--csv', 'out.csv', '--params-file',
                          parameters('background_frames: 3'))
-    assert code == 0 and 'frames held back: 2 (the background is being taken)' in error
+    assert code == 0 and 'frames held back: 2 (background_missing,' in error
     assert [row['frame'] for row in rows()] == list(range(3, 23))
 
 
@@ -182,12 +182,13 @@ def test_what_is_wrong_in_the_parameter_file_is_said(run):
     code, output, error = run('disc.avi', '--params-file', parameters(
         'detector.treshold: 50, framerate: 3, use_sim_time: true'))
     assert code == 0 and len(output.splitlines()) == 21
-    assert "no parameter 'detector.treshold', it is left out: did you mean 'detector.threshold'?"\
-        in error
-    assert "no parameter 'framerate', it is left out\n" in error and 'use_sim_time' not in error
+    for unknown, meant in [('detector.treshold', 'detector.threshold'),
+                           ('framerate', 'simulated.frame_rate')]:
+        assert f"no parameter '{unknown}', it is left out: did you mean '{meant}'?" in error
+    assert 'use_sim_time' not in error
     code, output, error = run('disc.avi', '--params-file', parameters('detector.threshold: 300'))
     assert (code, output) == (1, '')
-    assert error == 'locate: parameter detector.threshold must be 0 to 255, got 300\n'
+    assert error == 'locate: parameter detector.threshold must be 0 to 255 grey levels, got 300\n'
 
 
 def test_recording_of_another_size_than_the_calibration_is_refused_in_one_sentence(run):
@@ -250,8 +251,8 @@ def test_ctrl_c_ends_a_camera_with_0_and_all_that_was_found(run, monkeypatch):
     assert code == 0 and camera.released
     # As the node publishes it: what a second frame has not confirmed is held back.
     assert [row['frame'] for row in rows()] == list(range(2, 20))
-    assert 'frames held back: 1 (the background is being taken)' in error
-    assert 'frames held back: 1 (not confirmed by a second frame)' in error
+    assert 'frames held back: 1 (background_missing,' in error
+    assert 'frames held back: 1 (unconfirmed,' in error
     assert len(output.splitlines()) == 1 + len(rows())
     assert cv2.VideoCapture('seen.mp4').get(cv2.CAP_PROP_FRAME_COUNT) >= 20
     assert 'with an object' in error

@@ -37,6 +37,10 @@ def seen(counter, *decoders):
     return [counter.see(TimedFrame(number, 0, decode)) for number, decode in enumerate(decoders)]
 
 
+def kind_of(sighting):
+    return None if sighting.reason is None else sighting.reason.kind
+
+
 def test_frames_are_counted_by_what_they_show():
     counter = SightingCounter(SETTINGS)
     seen(counter, lambda: disc_frame(None), lambda: disc_frame((60, 60)), damaged,
@@ -45,19 +49,23 @@ def test_frames_are_counted_by_what_they_show():
     counter.check_any_used()
     summary = counter.summary()
     assert summary[0] == '7 frames: 2 with an object (1 with one, 1 with more)'
-    assert summary[1] == 'frames left out: 2 (the first: the picture is damaged)'
-    assert summary[2].startswith('frames left out: 1 (the first: the frame is 64 x 48 px')
+    assert summary[1] == (
+        'frames held back: 2 (damaged, the first: the picture is damaged)')
+    assert summary[2].startswith(
+        'frames held back: 1 (frame_size, the first: the frame is 64 x 48 px')
 
 
 def test_reason_is_told_with_the_frame():
     first, second = seen(SightingCounter(SETTINGS), lambda: disc_frame(None), damaged)
-    assert first.held_back is None and second.held_back == 'the picture is damaged'
+    assert first.reason is None and second.reason.sentence == 'the picture is damaged'
 
 
 def test_frames_for_the_background_are_held_back():
     counter = SightingCounter(replace(SETTINGS, background_frames=3))
     seen(counter, *[lambda: disc_frame(None)] * 3, lambda: disc_frame((60, 60)))
-    assert counter.summary()[1:] == ['frames held back: 2 (the background is being taken)']
+    assert counter.summary()[1:] == [
+        'frames held back: 2 (background_missing, the first: taking the background: keep the '
+        'surface clear)']
     counter.check_any_used()
 
 
@@ -80,21 +88,21 @@ def test_recording_of_objects_beyond_the_horizon_only_is_an_error():
 
 
 def test_what_comes_too_late_holds_back_a_camera_and_not_a_recording():
-    for is_live, reason in ((True, 'detection took too long'), (False, None)):
+    for is_live, kind in ((True, 'too_late'), (False, None)):
         counter = SightingCounter(AT_ONCE, is_live)
         sightings = [counter.see(TimedFrame(0, 0, lambda: disc_frame(scene), taken_at=-100.0))
                      for scene in (None, (60, 60))]
-        assert sightings[1].held_back == reason and len(sightings[1].objects) == 1
+        assert kind_of(sightings[1]) == kind and len(sightings[1].objects) == 1
 
 
 def test_moved_view_holds_back_a_camera_and_not_a_recording():
     table = np.random.default_rng(1).integers(100, 200, (60, 80, 3)).astype(np.uint8)
     table = cv2.resize(table, (640, 480), interpolation=cv2.INTER_CUBIC)
     settings = replace(SETTINGS, limits=SETTINGS.limits._replace(check_period_s=0.01))
-    for is_live, reason in ((True, 'the view has moved'), (False, None)):
+    for is_live, kind in ((True, 'view_moved'), (False, None)):
         counter = SightingCounter(settings, is_live)
         seen(counter, lambda: table)
         end = time.monotonic() + 0.05
         while time.monotonic() < end:
             sighting, = seen(counter, lambda: np.roll(table, 20, axis=1))
-        assert sighting.held_back == reason
+        assert kind_of(sighting) == kind

@@ -17,8 +17,12 @@ import math
 from camera_to_base.detection.detection import Pixel
 from camera_to_base.detection.locator import locate_pixel, ObjectLocator, Point
 from camera_to_base.detection.settings import DetectorSettings
+from camera_to_base.detection.specs import DETECTOR_SPECS
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.parameter_spec import checked_values
+from camera_to_base.reason import Level
 from camera_to_base.simulation.board import SimulatedBoard
+from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
 import cv2
 import numpy as np
@@ -77,10 +81,23 @@ def test_what_is_seen_beyond_the_horizon_is_left_out():
         pytest.approx(((140 - 320) / 128, 1.0)), pytest.approx((0.0, 128 / 268))]
 
 
-def test_frame_with_objects_beyond_the_horizon_only_is_refused():
-    # The largest is the one that the error is about.
-    with pytest.raises(HorizonError, match=r'\(530, 40\)'):
-        locator(ROAD).locate(frame_with((100, 20, 40, 40), (500, 10, 60, 60)))
+def test_objects_beyond_the_horizon_are_left_out_the_largest_first():
+    found = locator(ROAD).find(frame_with((100, 20, 40, 40), (500, 10, 60, 60)))
+    assert found.objects == []
+    assert [left_out.reason.kind for left_out in found.left_out] == ['beyond_horizon'] * 2
+    assert '(530, 40)' in found.left_out[0].reason.sentence
+
+
+@pytest.mark.parametrize('kind, place, options', [
+    ('cut_off', (0, 100, 60, 60), {}),
+    ('too_small', (300, 100, 60, 60), {'min_area_cm2': 100.0}),
+    ('too_large', (300, 100, 60, 60), {'max_area_cm2': 1.0}),
+    ('outside_hull', (300, 100, 60, 60), {'area': Hull([(0, 0), (50, 0), (0, 50)])})])
+def test_object_that_does_not_count_is_left_out_with_the_reason(kind, place, options):
+    settings = DetectorSettings(method='precise', **options)
+    found = locator(ParallelSurface(64.0), settings).find(frame_with(place))
+    assert found.objects == [] and [one.reason.kind for one in found.left_out] == [kind]
+    assert found.left_out[0].reason.level is Level.OK
 
 
 def test_frame_of_another_size_is_refused():
@@ -217,7 +234,12 @@ def test_object_narrower_than_two_closing_kernels_has_no_yaw_for_the_tutorial():
     ('precise_threshold', -1.0), ('min_area_cm2', math.nan), ('max_area_cm2', -1.0)])
 def test_setting_that_cannot_be_used_is_refused_by_its_name(field, value):
     with pytest.raises(InvalidValueError, match=field):
-        DetectorSettings(**{field: value})
+        checked_values(DETECTOR_SPECS, {f'detector.{field}': value})
+
+
+def test_largest_area_below_the_smallest_is_refused():
+    with pytest.raises(InvalidValueError, match=r'max_area_cm2 must not be below .*10 cm².*got 9'):
+        DetectorSettings(min_area_cm2=10.0, max_area_cm2=9.0)
 
 
 @pytest.mark.parametrize('surface', [ParallelSurface(), PolynomialSurface(), ROAD])

@@ -14,15 +14,14 @@
 
 import time
 
-from camera_to_base.errors import FrameSizeError
-from camera_to_base.nodes.camera_health import camera_problem, camera_values, DetectionRate
-from camera_to_base.ros.health import Level
+from camera_to_base.nodes.camera_health import camera_values, current_reason, DetectionRate
+from camera_to_base.reason import Level
 from camera_to_base.sources.reader_status import ReaderStatus
 from camera_to_base.surface.models import HomographySurface, ParallelSurface
-from camera_to_base.trust.pipeline import CameraPipeline, Limits
+from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.pipeline import CameraPipeline
 import cv2
 import numpy as np
-import pytest
 
 RATE, WITH_OBJECT = 'detection rate (frames/s)', 'frames with an object (1/s)'
 
@@ -49,10 +48,10 @@ def test_detection_rate_is_that_since_the_last_look(monkeypatch):
 
 def size_complaint(surface, *frames):
     pipeline = CameraPipeline(surface)
-    with pytest.raises(FrameSizeError):
-        for frame in frames:
-            pipeline.process(frame)
-    return camera_problem(None, pipeline, 'camera').sentence
+    for frame in frames:
+        pipeline.process(frame)
+    assert current_reason(None, pipeline, 'camera').kind == 'frame_size'
+    return current_reason(None, pipeline, 'camera').sentence
 
 
 def test_new_background_is_proposed_only_where_it_helps_against_another_picture_size():
@@ -82,35 +81,35 @@ class Scene:
             self._pipeline.process(frame, None if age_s is None else self.now - age_s)
 
     @property
-    def problem(self):
-        return camera_problem(None, self._pipeline, 'camera')
+    def reason(self):
+        return current_reason(None, self._pipeline, 'camera')
 
 
 def test_objects_beyond_the_horizon_only_are_told_after_a_second(monkeypatch):
     scene = Scene(monkeypatch, ROAD)
     scene.show(*[table(FAR)] * 8)
-    assert scene.problem is None
+    assert scene.reason is None
     scene.show(*[table((240, 40))] * 8)
-    assert scene.problem.level is Level.WARN
-    assert 'no position is published: pixel (' in scene.problem.sentence
-    assert 'tilt the camera down' in scene.problem.sentence
+    assert scene.reason.level is Level.WARN
+    assert 'no position is published: pixel (' in scene.reason.sentence
+    assert 'tilt the camera down' in scene.reason.sentence
     scene.show(table(NEAR))
-    assert scene.problem is None
+    assert scene.reason is None
 
 
 def test_horizon_is_no_problem_while_every_other_frame_is_published(monkeypatch):
     scene = Scene(monkeypatch, ROAD)
     for _ in range(10):
         scene.show(table(FAR), table(NEAR))
-        assert scene.problem is None
+        assert scene.reason is None
 
 
 def test_pictures_of_a_slow_camera_that_are_all_beyond_the_horizon_are_told(monkeypatch):
     scene = Scene(monkeypatch, ROAD)
     scene.show(table(FAR), interval_s=4.0)
-    assert scene.problem is None
+    assert scene.reason is None
     scene.show(table(FAR), interval_s=4.0)
-    assert 'horizon' in scene.problem.sentence
+    assert 'horizon' in scene.reason.sentence
 
 
 def test_reasons_that_take_turns_are_told(monkeypatch):
@@ -118,7 +117,7 @@ def test_reasons_that_take_turns_are_told(monkeypatch):
     for number in range(30):
         # A jump is not confirmed; the same place again is, but too late.
         scene.show(table((60 + 20 * (number // 2 % 10), 100)), age_s=0.4 if number % 2 else 0.1)
-    assert 'no position is published' in scene.problem.sentence
+    assert 'no position is published' in scene.reason.sentence
 
 
 def test_stream_whose_frames_are_all_old_is_told_with_the_cure(monkeypatch):
@@ -130,49 +129,49 @@ def test_stream_whose_frames_are_all_old_is_told_with_the_cure(monkeypatch):
         now += 0.1
         reader._note_frame(now)
         reader._note_age(is_old=True)
-    assert camera_problem(reader, pipeline, 'camera').level is Level.ERROR
-    assert 'lower its rate' in camera_problem(reader, pipeline, 'camera').sentence
+    assert current_reason(reader, pipeline, 'camera').level is Level.ERROR
+    assert 'lower its rate' in current_reason(reader, pipeline, 'camera').sentence
     reader._note_age(is_old=False)
-    assert camera_problem(reader, pipeline, 'camera') is None
+    assert current_reason(reader, pipeline, 'camera') is None
 
 
 def test_detection_that_is_always_too_slow_is_told_with_the_cure(monkeypatch):
     scene = Scene(monkeypatch, ParallelSurface(36.0, 320), max_frame_age_s=0.3)
     scene.show(*[table(NEAR)] * 20, age_s=0.2)
-    assert scene.problem is None
+    assert scene.reason is None
     scene.show(*[table(NEAR)] * 20, age_s=0.4)
-    assert scene.problem.level is Level.WARN
-    assert 'detection took too long' in scene.problem.sentence
-    assert 'max_frame_age' in scene.problem.sentence
+    assert scene.reason.level is Level.WARN
+    assert 'detection took too long' in scene.reason.sentence
+    assert 'max_frame_age' in scene.reason.sentence
 
 
 def test_objects_that_no_two_frames_show_alike_are_told_with_the_cure(monkeypatch):
     scene = Scene(monkeypatch, ParallelSurface(36.0, 320))
     places = np.random.default_rng(2).integers((40, 40), (280, 200), (20, 2))
     scene.show(*[table((int(u), int(v))) for u, v in places], age_s=0.0)
-    assert scene.problem.level is Level.WARN
-    assert 'not confirmed' in scene.problem.sentence and 'threshold' in scene.problem.sentence
+    assert scene.reason.level is Level.WARN
+    assert 'not confirmed' in scene.reason.sentence and 'threshold' in scene.reason.sentence
     scene.show(*[table(NEAR)] * 2, age_s=0.0)
-    assert scene.problem is None
+    assert scene.reason is None
 
 
 def test_right_size_is_no_problem_any_more_though_nothing_is_on_the_surface(monkeypatch):
     scene = Scene(monkeypatch, ROAD)
-    with pytest.raises(FrameSizeError):
-        scene.show(cv2.resize(table(), (160, 120)))
-    assert scene.problem.kind == 'size'
+    scene.show(cv2.resize(table(), (160, 120)))
+    assert scene.reason.kind == 'frame_size'
     scene.show(table(FAR))
-    assert scene.problem is None
+    assert scene.reason is None
 
 
 def test_background_that_cannot_be_taken_is_told_with_the_reason():
     pipeline = CameraPipeline(ParallelSurface(36.0, 320))
-    assert camera_problem(None, pipeline, '').sentence == (
+    assert current_reason(None, pipeline, '').sentence == (
         'taking the background: keep the surface clear')
     for _ in range(3):
         pipeline.process(np.full((240, 320, 3), 2, np.uint8), time.monotonic())
-    problem = camera_problem(None, pipeline, '')
-    assert problem.sentence.startswith('taking the background: the picture is black')
+    reason = current_reason(None, pipeline, '')
+    assert reason.kind == 'background_dark'
+    assert reason.sentence.startswith('taking the background: the picture is black')
     assert camera_values(None, pipeline)['background'] == 'none'
 
 

@@ -133,6 +133,7 @@ def test_error_that_nobody_foresaw_in_the_camera_is_said_and_the_camera_is_read_
           table_with_disc(320, 240)])
     assert ros.spin_until(lambda: statuses and 'ValueError' in statuses[-1].message, 8.0)
     assert statuses[-1].level == 2 and 'nothing is published' in statuses[-1].message
+    assert statuses[-1].values['reason'] == 'camera_lost'
     told = [line for line in lines if 'ValueError: odd' in line.text]
     assert [line.level for line in told] == [ERROR]
     count = len(received)
@@ -360,6 +361,7 @@ def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ro
     camera.shift = 5
     assert ros.spin_until(lambda: 'has moved by' in statuses[-1].message, 5.0)
     assert statuses[-1].level == 2 and 'capture_background' in statuses[-1].message
+    assert statuses[-1].values['reason'] == 'view_moved'
     count = len(received)
     ros.spin_for(0.5)
     assert len(received) == count
@@ -434,6 +436,7 @@ def test_diagnostics_come_once_a_second_with_what_a_user_should_know(ros, play):
     assert ros.spin_until(lambda: len(statuses) >= 3, 6.0)
     assert_in_time(abs(statuses[2].received_at - statuses[1].received_at - 1.0), 0.3)
     assert statuses[-1].level == 0
+    assert statuses[-1].values['reason'] == 'ok'
     assert {'source', 'detection rate (frames/s)', 'frames with an object (1/s)', 'frames read',
             'frames dropped: damaged', 'reconnects', 'background', 'view shift (px)',
             'age of the last frame (s)'} <= set(statuses[-1].values)

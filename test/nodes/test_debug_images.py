@@ -107,7 +107,7 @@ def test_coordinates_are_those_of_the_frame_that_the_parameter_names(
 
 @pytest.mark.parametrize('arguments, notes', [
     ((), [f'background taken {age} s ago' for age in range(30)]),
-    (('-p', 'background_frames:=1000'), ['not published: the background is being taken'])])
+    (('-p', 'background_frames:=1000'), ['taking the background: keep the surface clear'])])
 def test_state_of_the_background_is_written_on_the_debug_image(ros, arguments, notes):
     images = ros.listen_to(Image, '/debug_image')
     ros.add(CameraPublisher, *SIMULATED, *arguments)

@@ -17,7 +17,7 @@ import threading
 import time
 
 from builtin_interfaces.msg import Time
-from camera_to_base.nodes.camera_health import camera_problem, camera_values
+from camera_to_base.nodes.camera_health import camera_values, current_reason
 from camera_to_base.nodes.image_topic import ImageTopic
 from camera_to_base.sources.reader_status import ReaderState
 from camera_to_base.surface.models import ParallelSurface
@@ -175,7 +175,7 @@ def test_single_bad_picture_does_not_lose_the_driver(ros):
     assert send_until(ros, publisher, good, lambda: received.frames)
     assert send_until(ros, publisher, bad, lambda: received.topic.damaged_in_a_row)
     assert received.topic.state is ReaderState.RUNNING
-    assert 'step' in received.topic.last_damage
+    assert 'step' in received.topic.last_damage.sentence
 
 
 def test_publisher_whose_reliability_cannot_match_is_an_error_with_the_cure(ros):
@@ -214,8 +214,8 @@ def test_topic_that_carries_something_else_is_named(ros):
         assert ros.spin_until(
             lambda: received.has_failed and 'CompressedImage, not' in str(received.topic.error))
         assert 'compressed_topic' in str(received.topic.error)
-        problem = camera_problem(received.topic, CameraPipeline(ParallelSurface(36.0, 640)), '')
-        assert problem.kind != 'waiting'  # so that it is logged after "is the driver running?"
+        reason = current_reason(received.topic, CameraPipeline(ParallelSurface(36.0, 640)), '')
+        assert reason.kind == 'topic_type'  # so that it is logged after "is the driver running?"
     finally:
         other.close()
 
@@ -243,8 +243,8 @@ def test_slow_but_regular_topic_is_not_lost_between_its_pictures(ros):
     seen_at = time.monotonic() - received.topic.seconds_without_frame
     assert ros.spin_until(lambda: received.topic.state is ReaderState.LOST, 5.0)
     assert_in_time(abs(time.monotonic() - seen_at - 2.5 * 1.4), 0.3)
-    assert camera_problem(
-        received.topic, CameraPipeline(ParallelSurface(36.0, 640)), '').kind == 'lost'
+    assert current_reason(
+        received.topic, CameraPipeline(ParallelSurface(36.0, 640)), '').kind == 'camera_lost'
 
 
 def test_driver_that_ends_is_lost_and_found_when_it_is_back(ros):
@@ -254,8 +254,8 @@ def test_driver_that_ends_is_lost_and_found_when_it_is_back(ros):
     assert ros.spin_until(lambda: received.topic.state is ReaderState.LOST, 2.0)
     assert ros.spin_until(lambda: 'is the camera driver running' in str(received.topic.error))
     pipeline = CameraPipeline(ParallelSurface(36.0, 640))
-    problem = camera_problem(received.topic, pipeline, received.topic.topic_name)
-    assert problem.sentence == (
+    reason = current_reason(received.topic, pipeline, received.topic.topic_name)
+    assert reason.sentence == (
         'nothing is published: no picture on /image: is the camera driver running?')
     publisher, count = driver(ros), len(received.frames)
     assert send_until(
@@ -281,7 +281,7 @@ def test_damaged_jpeg_is_counted_and_never_given(ros, spoil, complaint):
     good, before = len(received.frames), received.topic.counts.damaged
     assert ros.spin_until(lambda: publisher.publish(compressed(spoil(content())))
                           or received.topic.counts.damaged > before + 2)
-    assert complaint in received.topic.last_damage
+    assert complaint in received.topic.last_damage.sentence
     assert len(received.frames) == good
 
 

@@ -19,6 +19,7 @@ import threading
 import time
 
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.reason import Level, Reason
 from camera_to_base.sources.cameras import Camera
 from camera_to_base.sources.reader import FrameReader
 from camera_to_base.sources.reader_status import ReaderState
@@ -28,13 +29,13 @@ import pytest
 from rtsp_server import RtspServer
 import scenes
 
+ODD = Reason('odd', Level.ERROR, 'its first level is odd')
 both_servers = pytest.mark.parametrize('server_class', [MjpegServer, RtspServer])
 
 END_WHILE_IT_HANGS = """
 import sys
 import time
-from camera_to_base.cameras import Camera
-from camera_to_base.frame_reader import FrameReader
+from camera_to_base.sources import Camera, FrameReader
 import scenes
 import mjpeg_server
 import rtsp_server
@@ -186,12 +187,12 @@ def test_camera_whose_every_frame_makes_an_error_is_never_said_to_run(read):
 
 def test_damaged_frame_is_counted_and_never_given(read):
     camera = Numbers()
-    reader = read(camera, damage=lambda frame: 'odd' if frame[0, 0, 0] % 2 else None)
+    reader = read(camera, damage=lambda frame: ODD if frame[0, 0, 0] % 2 else None)
     for _ in range(10):
         taken = []
         assert wait_until(lambda: taken.append(reader.take()) or taken[-1] is not None)
         assert taken[-1].image[0, 0, 0] % 2 == 0
-    assert reader.counts.damaged >= 9 and reader.last_damage == 'odd'
+    assert reader.counts.damaged >= 9 and reader.last_damage is ODD
 
 
 def test_consumer_is_told_of_each_frame(read):

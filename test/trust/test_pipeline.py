@@ -15,10 +15,11 @@
 import os
 import time
 
-from camera_to_base.errors import FrameSizeError
+from camera_to_base.reason import Level
 from camera_to_base.surface.models import ParallelSurface
-from camera_to_base.trust.gate import Sighting
-from camera_to_base.trust.pipeline import CameraPipeline, Limits
+from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.pipeline import CameraPipeline
+from camera_to_base.trust.sighting import Sighting
 import cv2
 import numpy as np
 import pytest
@@ -46,7 +47,7 @@ def pipeline(limits=AT_ONCE, background_frames=1):
 
 def published(camera, frame, taken_at=None):
     sighting = camera.process(frame, taken_at)
-    return sighting.objects if sighting.held_back is None else []
+    return sighting.objects if sighting.reason is None else []
 
 
 def test_first_frame_is_the_background_and_an_object_is_located():
@@ -69,9 +70,10 @@ def test_no_object_is_believed_while_the_view_has_moved_and_it_is_again_when_it_
     camera.process(table())
     assert published(camera, table(disc=(320, 240)))
     assert not published(camera, table(move=(6, 0), disc=(320, 240)))
-    assert '6.' in camera.view_problem or '5.9' in camera.view_problem
+    assert camera.reason.kind == 'view_moved' and camera.reason.level is Level.ERROR
+    assert '6.' in camera.reason.sentence or '5.9' in camera.reason.sentence
     assert published(camera, table(disc=(320, 240)))
-    assert camera.view_problem is None
+    assert camera.reason is None
 
 
 def test_background_taken_anew_makes_a_moved_view_the_right_one():
@@ -108,14 +110,14 @@ def test_check_of_the_view_can_be_switched_off():
     assert published(camera, table(move=(6, 0), disc=(320, 240)))
 
 
-def test_frame_of_another_size_is_an_error_until_the_old_size_is_back():
+def test_frame_of_another_size_is_a_reason_until_the_old_size_is_back():
     camera = pipeline()
     camera.process(table())
-    with pytest.raises(FrameSizeError):
-        camera.process(table(size=(320, 240)))
-    assert '320 x 240' in camera.size_problem
+    reason = camera.process(table(size=(320, 240))).reason
+    assert reason.kind == 'frame_size' and '320 x 240' in reason.sentence
+    assert camera.reason == reason
     assert published(camera, table(disc=(320, 240)))
-    assert camera.size_problem is None
+    assert camera.reason is None
 
 
 def test_position_from_an_old_frame_is_held_back():
@@ -123,7 +125,7 @@ def test_position_from_an_old_frame_is_held_back():
     camera.process(table())
     assert not published(camera, table(disc=(320, 240)), time.monotonic() - 0.31)
     assert published(camera, table(disc=(320, 240)), time.monotonic() - 0.1)
-    assert camera.counts['frames held back: detection took too long'] == 1
+    assert camera.counts['frames held back: too_late'] == 1
 
 
 def test_position_that_jumps_is_confirmed_for_cameras_only():
@@ -142,18 +144,57 @@ def pipeline_of_a_file_finds_at_once():
 
 def test_empty_surface_is_told_from_one_that_cannot_be_told():
     camera = pipeline(background_frames=2)
-    assert camera.process(table()) == Sighting([], 'the background is being taken')
+    assert camera.process(table()).reason.kind == 'background_missing'
     assert camera.process(table()) == Sighting([])
     sighting = camera.process(table(move=(6, 0), disc=(320, 240)))
-    assert sighting.objects and sighting.held_back == 'the view has moved'
+    assert sighting.objects and sighting.reason.kind == 'view_moved'
 
 
 def test_empty_surface_of_a_camera_is_confirmed_by_a_second_frame():
     camera = pipeline(Limits())
     camera.process(table())
     now = time.monotonic
-    assert camera.process(table(), now()).held_back == 'not confirmed by a second frame'
+    assert camera.process(table(), now()).reason.kind == 'unconfirmed'
     assert camera.process(table(), now()) == Sighting([])
+
+
+@pytest.mark.parametrize('frame', [
+    None, 'text', np.zeros((480, 640), np.uint8), np.zeros((0, 0, 3), np.uint8),
+    np.zeros((480, 640, 3), np.float32)])
+def test_what_is_no_frame_is_a_reason_and_the_next_frame_is_good(frame):
+    camera = pipeline()
+    camera.process(table())
+    assert camera.process(frame).reason.kind == 'frame_unusable'
+    assert 'expected a frame' in camera.reason.sentence
+    assert published(camera, table(disc=(320, 240)))
+
+
+class DefectiveSurface(ParallelSurface):
+
+    def for_image_size(self, image_size):
+        return self
+
+    def locate(self, pixels):
+        return 1 / 0
+
+
+def test_defect_in_a_step_is_no_reason():
+    camera = CameraPipeline(DefectiveSurface(36.0, 640))
+    camera.process(table())
+    with pytest.raises(ZeroDivisionError):
+        camera.process(table(disc=(320, 240)))
+
+
+def test_object_that_jumps_in_beside_a_steady_one_is_left_out_until_a_second_frame_shows_it():
+    camera, both = pipeline(Limits()), table(disc=(320, 240))
+    cv2.circle(both, (100, 100), 15, (30, 30, 30), -1)
+    for frame in (table(), *[table(disc=(320, 240))] * 3):
+        camera.process(frame, time.monotonic())
+    sighting = camera.process(both, time.monotonic())
+    assert len(sighting.objects) == 1
+    (detection, reason), = sighting.left_out
+    assert detection.centre == pytest.approx((100, 100), abs=2) and reason.kind == 'unconfirmed'
+    assert len(camera.process(both, time.monotonic()).objects) == 2
 
 
 def test_memory_does_not_grow_with_the_frames(tell):

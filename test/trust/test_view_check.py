@@ -15,7 +15,7 @@
 from pathlib import Path
 import sys
 
-from camera_to_base.trust.view_check import View, view_problem, ViewCheck
+from camera_to_base.trust.view_check import View, view_reason, ViewCheck
 import cv2
 import numpy as np
 import pytest
@@ -87,7 +87,7 @@ def test_camera_that_was_not_touched_does_not_count_as_moved_where_all_structure
     random, table = np.random.default_rng(3), white_table((40, 40), width, vignette(0.2))
     check = ViewCheck(seen(table, random))
     views = [check.compare(seen(table, random)) for _ in range(40)]
-    assert not [view for view in views if view_problem(view, 3.0, 0.7)]
+    assert not [view for view in views if view_reason(view, 3.0, 0.7)]
 
 
 def test_cup_on_the_only_mark_of_a_table_does_not_count_as_another_view():
@@ -95,7 +95,7 @@ def test_cup_on_the_only_mark_of_a_table_does_not_count_as_another_view():
     check = ViewCheck(seen(table, random))
     cv2.circle(table, (315, 215), 60, (60, 60, 60), -1)
     views = [check.compare(seen(table, random)) for _ in range(40)]
-    assert not [view for view in views if view_problem(view, 3.0, 0.7)]
+    assert not [view for view in views if view_reason(view, 3.0, 0.7)]
 
 
 @pytest.mark.parametrize('depth', [0.0, 0.1, 0.2, 0.4])
@@ -159,7 +159,7 @@ def test_picture_of_something_else_is_a_changed_view():
     random = np.random.default_rng(1)
     check = ViewCheck(view_shift.seen(view_shift.tiles(), (0, 0, 0), random))
     view = check.compare(view_shift.seen(view_shift.wood(), (0, 0, 0), random))
-    assert 'differs' in view_problem(view, 3.0, 0.7)
+    assert 'differs' in view_reason(view, 3.0, 0.7).sentence
 
 
 def test_covered_view_is_a_changed_one_though_the_rest_tells_that_it_has_not_moved():
@@ -169,7 +169,7 @@ def test_covered_view_is_a_changed_one_though_the_rest_tells_that_it_has_not_mov
     frame[:, 170:] = 120
     view = check.compare(frame)
     assert view.shift_px < 1.0
-    assert 'uncover' in view_problem(view, 3.0, 0.7)
+    assert 'uncover' in view_reason(view, 3.0, 0.7).sentence
 
 
 @pytest.mark.parametrize('size', [(1, 1), (2, 3), (3, 700), (700, 3), (17, 33)])
@@ -180,7 +180,7 @@ def test_odd_sizes_are_compared(size):
 
 
 def test_problem_says_how_far_the_view_has_moved_and_what_to_do():
-    assert view_problem(View(2.9, 0.1), 3.0, 0.7) is None
-    assert view_problem(View(None, 0.6), 3.0, 0.7) is None
-    problem = view_problem(View(7.25, 0.1), 3.0, 0.7)
+    assert view_reason(View(2.9, 0.1), 3.0, 0.7) is None
+    assert view_reason(View(None, 0.6), 3.0, 0.7) is None
+    problem = view_reason(View(7.25, 0.1), 3.0, 0.7)
     assert '7.2 px' in problem and '~/capture_background' in problem

@@ -1,0 +1,49 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Why positions are not published: one form for log, diagnostics, pictures and commands."""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+
+class Level(IntEnum):
+    """How bad it is, in the numbers of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+
+
+class Reason(NamedTuple):
+    """
+    Why nothing is published, or why one object is not.
+
+    :param kind: A stable word for programs: `camera_lost`, `view_moved`. Compare kinds, never
+        sentences.
+    :param level: The level that diagnostics have while the reason holds.
+    :param sentence: What is wrong, with the number, and what to do.
+    :param is_passing: Whether it concerns one frame, and the next one may be good: diagnostics
+        show it only if it lasts for a second.
+    """
+
+    kind: str
+    level: Level
+    sentence: str
+    is_passing: bool = False
+
+
+def all_well(sentence: str) -> Reason:
+    """Make what diagnostics show where nothing is wrong; its kind is `ok`."""
+    return Reason('ok', Level.OK, sentence)

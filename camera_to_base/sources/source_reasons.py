@@ -1,0 +1,56 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tells from a camera's status why no good frame comes from it."""
+
+from typing import Optional
+
+from camera_to_base.errors import TopicTypeError
+from camera_to_base.reason import Level, Reason
+from camera_to_base.sources.reader_status import ReaderState, ReaderStatus
+
+# A camera whose frames are all damaged is reported after this many.
+_DAMAGED_IN_A_ROW = 10
+# A stream that was just opened, or had stalled, gives old frames for a second or two.
+_OLD_FOR_S = 4.0
+
+
+def source_reason(status: ReaderStatus, name: str) -> Optional[Reason]:
+    """
+    Tell why a source gives nothing to detect objects on.
+
+    :param name: The source's, or its topic's.
+    :returns: None while good frames come.
+    """
+    if status.state is not ReaderState.RUNNING:
+        return _silence(status, name)
+    if status.damaged_in_a_row >= _DAMAGED_IN_A_ROW:
+        return Reason('damaged', Level.ERROR, (
+            f"no picture of camera '{name}' can be used, {status.last_damage.sentence}"))
+    if status.seconds_of_old_frames >= _OLD_FOR_S:
+        return Reason('old_frames', Level.ERROR, (
+            f"camera '{name}' gives more frames than can be read, so that they are old when they "
+            'come: lower its rate or its picture size'))
+    return None
+
+
+def _silence(status: ReaderStatus, name: str) -> Reason:
+    cause = status.error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
+    if status.error is None and status.seconds_without_frame < status.longest_silence_s:
+        return Reason('camera_opening', Level.WARN, f"waiting for the first frame of '{name}'")
+    if isinstance(cause, TopicTypeError):
+        return Reason('topic_type', Level.ERROR, f'nothing is published: {cause}')
+    if status.state is ReaderState.WAITING:
+        return Reason('camera_waiting', Level.ERROR, f'waiting for the camera: {cause}')
+    return Reason('camera_lost', Level.ERROR, f'nothing is published: {cause}')
