@@ -59,7 +59,7 @@ def _run_board(options: argparse.Namespace) -> Report:
                           origin_mm=options.origin_mm, yaw_deg=options.yaw_deg)
     outputs = _outputs(options, options.picture_file, options.intrinsics)
     intrinsics = read_camera_info(options.intrinsics) if options.intrinsics else None
-    image, name, source_values = _board_picture(options)
+    image, name, source_values, doubts = _board_picture(options)
     board = find_board(image, columns, rows)
     matched = MatchedPoints(points, board.pixels)
     calibration = calibrate_surface(
@@ -70,8 +70,8 @@ def _run_board(options: argparse.Namespace) -> Report:
     if intrinsics is not None:
         calibration = add_camera_pose(calibration, matched, intrinsics)
     if board.second_board:
-        calibration.report['warnings'].append(
-            'another such board is in the picture: this is the larger one')
+        doubts.append('another such board is in the picture: this is the larger one')
+    calibration.report['warnings'] += doubts
     return _write(calibration, outputs, source_values)
 
 
@@ -110,13 +110,20 @@ def _run_check(options: argparse.Namespace) -> Report:
 _COMMANDS = {'board': _run_board, 'points': _run_points, 'base': _run_base, 'check': _run_check}
 
 
-def _board_picture(options: argparse.Namespace) -> Tuple[np.ndarray, str, Dict[str, Any]]:
-    """Get the picture, what to call it, and the parameters that belong to its source."""
+def _board_picture(
+    options: argparse.Namespace
+) -> Tuple[np.ndarray, str, Dict[str, Any], List[str]]:
+    """Get the picture, what to call it, its source's parameters, and what is doubtful."""
     if options.camera is None:
-        return read_picture(options.picture_file), options.picture_file, {}
+        picture = read_picture(options.picture_file)
+        doubts = [
+            'the EXIF orientation of the picture asks viewers to turn or mirror it; it was used '
+            "as it is stored, as the node gets a camera's frames: if that is another program's "
+            'picture, take one with --camera'] if picture.is_shown_turned else []
+        return picture.frame, options.picture_file, {}, doubts
     source, values = _open_camera(options)
     try:
-        return median_frame(source), f'camera {options.camera}', values
+        return median_frame(source), f'camera {options.camera}', values, []
     finally:
         source.release()
 
