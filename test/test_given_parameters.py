@@ -79,7 +79,8 @@ def test_file_without_parameters_is_told(file, text):
 def test_file_for_a_node_of_nearly_this_name_is_told(file, name):
     path = file(section(name, 'reach_cm: 3') + section('usb_cam', 'framerate: 3'))
     assert file_warnings(path, NODE) == [
-        f"'{path}' has parameters for '/{name.lstrip('/')}', and none for this node alone, '{NODE}'"]
+        f"'{path}' has parameters for '/{name.lstrip('/')}', and none for this node alone, "
+        f"'{NODE}'"]
 
 
 def test_misspelt_node_is_told_beside_a_section_for_all_nodes(file):
