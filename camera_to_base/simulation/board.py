@@ -81,6 +81,7 @@ class SimulatedBoard:
         self._conditions = BoardConditions(**conditions)
         self._seed = whole_number('seed', seed, 0, 2**31 - 1)
         self.frame_rate = finite_number('frame_rate', frame_rate, 0.1, 1000.0)
+        self.kind = SIMULATED._replace(frame_rate=self.frame_rate)
         self._disturbances = BoardDisturbances(image_size, self._conditions, self._seed)
         self._table = draw_table(self._view, self._conditions, self._seed)
         self._frame_count = 0

@@ -17,6 +17,7 @@
 
 from camera_to_base.checks import finite_number, whole_number
 from camera_to_base.simulation.view import BoardView
+from camera_to_base.sources import SIMULATED
 from camera_to_base.surface import ImageSize
 import numpy as np
 
@@ -41,7 +42,7 @@ class SimulatedChessboard:
     :raises InvalidValueError: If a value cannot be used.
     """
 
-    frame_rate = 10.0
+    kind = SIMULATED._replace(frame_rate=10.0)
 
     def __init__(
         self,

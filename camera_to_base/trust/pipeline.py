@@ -22,6 +22,7 @@ from camera_to_base.detection import (
     BackgroundTaker, check_frame, DetectorSettings, ObjectLocator)
 from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.reason import Level, Reason
+from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
@@ -39,6 +40,8 @@ class CameraPipeline:
     :param surface: Maps pixels to the work surface.
     :param detector: Which detector, and which objects count.
     :param background_frames: The first background is the median of this many frames.
+    :param kind: What gives the frames. Those of a live source are confirmed, and have an age; a
+        recording is shown as it is, whatever its view.
     """
 
     def __init__(
@@ -47,7 +50,9 @@ class CameraPipeline:
         detector: DetectorSettings = DetectorSettings(),
         limits: Limits = Limits(),
         background_frames: int = 1,
+        kind: SourceKind = SIMULATED,
     ) -> None:
+        self._kind = kind
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
         self._view: Optional[ViewWatch] = None
         self._held_back = HeldBack()
@@ -59,11 +64,12 @@ class CameraPipeline:
         self, surface: Surface, detector: DetectorSettings, limits: Limits
     ) -> None:
         """Use other settings from the next frame on, with the same background."""
-        self._surface, self._detector, self._limits = surface, detector, limits
+        self._surface, self._detector = surface, detector
+        self._limits = limits.for_recording if self._kind.ends else limits
         self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
         self._locator: Optional[ObjectLocator] = None
         if self._view is not None:
-            self._view.configure(limits)
+            self._view.configure(self._limits)
 
     def capture_background(self, frame_count: int) -> None:
         """Take the background anew, of the next frames; until then no objects are found."""
@@ -102,7 +108,8 @@ class CameraPipeline:
         """
         Find the objects on a frame.
 
-        :param taken_at: When a camera took it, by time.monotonic(); None for a file's frame.
+        :param taken_at: When a camera took it, by time.monotonic(); None for just now, and where
+            the source is not live.
         :returns: The objects, and the reason where they may not be published. A frame that cannot
             be used is such a reason, too: nothing that a frame has makes this raise.
         """
@@ -115,19 +122,19 @@ class CameraPipeline:
         # Each step asks the next check; the first reason that one gives holds.
         try:
             check_frame(frame)
-            reason = self._background_reason(frame, is_live=taken_at is not None)
+            reason = self._background_reason(frame)
             if reason is not None:
                 return Sighting([], reason)
             found = self._current_locator().find(frame)
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
         seen = Sighting(found.objects, self._view.reason(frame), found.left_out)
-        return self._gate.judge(seen, taken_at)
+        return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
 
-    def _background_reason(self, frame: np.ndarray, is_live: bool) -> Optional[Reason]:
+    def _background_reason(self, frame: np.ndarray) -> Optional[Reason]:
         if self._taker is None:
             return None
-        background = self._taker.add(frame, confirm=is_live)
+        background = self._taker.add(frame, confirm=self._kind.is_live)
         if background is None:
             return self._taker.reason
         self._use_background(background)
