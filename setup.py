@@ -33,7 +33,7 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    install_requires=['setuptools', 'PyYAML', 'tqdm'],
+    install_requires=['setuptools', 'matplotlib', 'PyYAML', 'scipy', 'tqdm'],
     zip_safe=True,
     options={'build_scripts': {'executable': interpreter}},
     maintainer='The camera_to_base authors',

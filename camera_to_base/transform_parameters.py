@@ -19,24 +19,27 @@ import math
 from typing import Tuple
 
 from camera_to_base.checks import frame_id
-from camera_to_base.coordinate_transform import CameraToRobotBaseConversion, Pose
+from camera_to_base.coordinate_transform import (
+    CameraToRobotBaseConversion, Pose, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
 from camera_to_base.errors import OutOfReachError
 from camera_to_base.parameter_spec import ParameterSpec, Values
 
 PLACEMENT_SPECS = [
-    ParameterSpec('rotation_deg', [180.0, 0.0, 0.0],
+    ParameterSpec('rotation_deg', list(TUTORIAL_ROTATION_DEG),
                   'Rotation of the camera frame in the base frame: roll, pitch and yaw about the '
-                  'fixed axes x, y and z, in degrees.'),
-    ParameterSpec('displacement_cm', [-17.8, 24.4, 0.0],
-                  "The camera frame's origin in the base frame: x, y and z, in cm."),
+                  'fixed axes x, y and z.', unit='deg', lengths=(3,)),
+    ParameterSpec('displacement_cm', list(TUTORIAL_DISPLACEMENT_CM),
+                  "The camera frame's origin in the base frame: x, y and z.",
+                  unit='cm', lengths=(3,)),
 ]
 TRANSFORM_SPECS = [
     *PLACEMENT_SPECS,
     ParameterSpec('reach_cm', 1000.0,
-                  "A position farther than this from the robot's base, in cm, is dropped: set it "
-                  "to your arm's reach.", (0.001, 1000000.0)),
+                  "A position farther than this from the robot's base is dropped: set it to your "
+                  "arm's reach.", (0.001, 1000000.0), unit='cm'),
     ParameterSpec('base_frame_id', 'base_link',
-                  "The stamped topics' name for the robot's base frame."),
+                  "The stamped topics' name for the robot's base frame.",
+                  constraints='a frame name without a leading /'),
 ]
 
 

@@ -12,15 +12,44 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import fcntl
 import os
 import signal
+import tempfile
 
 import pytest
+
+
+def claim_domain():
+    """
+    Choose a ROS domain that no other test process of this user has.
+
+    The lock is held until the process ends: the workers of pytest-xdist and the test runs in other
+    checkouts get domains of their own.
+
+    :returns: The number, 1 to 101, and the file descriptor that holds its lock.
+    """
+    path = os.path.join(tempfile.gettempdir(), f'camera_to_base_test_domains_{os.getuid()}')
+    locks = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    for offset in range(101):
+        domain = 1 + (os.getpid() + offset) % 101
+        try:
+            fcntl.lockf(locks, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, domain)
+        except OSError:
+            continue
+        return domain, locks
+    raise RuntimeError(f'101 test processes hold all ROS domains, see {path}')
+
 
 # Before the first ROS import: messages check their fields, and no other robot hears the tests.
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
-os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
+DOMAIN, DOMAIN_LOCK = claim_domain()
+os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
+
+# What the tests measured and how many were left out, for the summary; a worker sends it.
+TOLD = pytest.StashKey[list]()
+LEFT_OUT = pytest.StashKey[int]()
 
 
 @pytest.fixture
@@ -49,28 +78,61 @@ def start():
 
 
 @pytest.fixture(scope='session')
-def tell(request):
-    """Give a function that prints a line although pytest captures what is printed."""
-    def print_uncaptured(text):
-        manager = request.config.pluginmanager.getplugin('capturemanager')
-        with manager.global_and_fixture_disabled():
-            print(f'\n{text}')
+def tell(pytestconfig):
+    """Give a function that adds a line to the summary at the end of the run."""
+    return pytestconfig.stash[TOLD].append
 
-    return print_uncaptured
+
+def pytest_addoption(parser):
+    """Add --all."""
+    parser.addoption('--all', action='store_true', help='run the tests marked slow, too')
 
 
 def pytest_configure(config):
-    """Know the marker where pytest-rerunfailures, which colcon brings along, is not installed."""
-    config.addinivalue_line('markers', 'flaky: run again if it fails')
+    """Prepare what the summary prints."""
+    config.stash[TOLD] = []
+    config.stash[LEFT_OUT] = 0
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """
-    Run a test that talks to other nodes again where something took too long, twice at most.
+    Leave the slow tests out; run a test that talks to other nodes again where it took too long.
 
-    How long discovery takes is up to the middleware and the machine. What was published is not: a
-    wrong position fails the test, be it the only one of a thousand.
+    How long discovery takes is up to the middleware and the machine: such a test is run three
+    times at most. What was published is not: a wrong position fails the test, be it the only one
+    of a thousand.
     """
     for item in items:
         if {'ros', 'start'} & set(getattr(item, 'fixturenames', ())):
             item.add_marker(pytest.mark.flaky(reruns=2, only_rerun=['NotInTime']))
+    if not config.getoption('all') and 'slow' not in config.getoption('markexpr'):
+        slow = [item for item in items if item.get_closest_marker('slow')]
+        items[:] = [item for item in items if not item.get_closest_marker('slow')]
+        config.stash[LEFT_OUT] = len(slow)
+        config.hook.pytest_deselected(items=slow)
+
+
+def pytest_sessionfinish(session):
+    """Send from a worker what the summary prints."""
+    if hasattr(session.config, 'workeroutput'):
+        session.config.workeroutput['told'] = session.config.stash[TOLD]
+        session.config.workeroutput['left out'] = session.config.stash[LEFT_OUT]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    """Receive from a worker what the summary prints; all workers collect the same tests."""
+    output = getattr(node, 'workeroutput', {})
+    node.config.stash[TOLD].extend(output.get('told', []))
+    node.config.stash[LEFT_OUT] = output.get('left out', 0)
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """Print what was measured, how many tests were run again, and how many were left out."""
+    for line in config.stash[TOLD]:
+        terminalreporter.write_line(line)
+    again = [report.nodeid for report in terminalreporter.stats.get('rerun', [])]
+    terminalreporter.write_line(' '.join([f'run again: {len(again)}', *again]))
+    if config.stash[LEFT_OUT]:
+        terminalreporter.write_line(
+            f'left out: {config.stash[LEFT_OUT]} slow tests; scripts/test --all runs them, too')

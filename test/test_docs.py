@@ -41,10 +41,47 @@ def test_pages_have_commands():
     assert sum(len(commands_of(page)) for page in PAGES) > 40
 
 
+def anchors_of(page):
+    """Give the anchors of a page's headings, as GitHub makes them."""
+    headings = re.findall(r'^#+ (.*)$', page.read_text(), re.MULTILINE)
+    return {re.sub(r'[^\w\- ]', '', heading.lower()).replace(' ', '-') for heading in headings}
+
+
+def test_readme_is_read_in_one_sitting():
+    assert len((ROOT / 'README.md').read_text().split()) <= 1800
+
+
+def test_contents_list_each_page():
+    contents = (ROOT / 'docs' / 'README.md').read_text()
+    for page in (ROOT / 'docs').glob('*.md'):
+        assert page.name == 'README.md' or f']({page.name})' in contents, page.name
+
+
 @each_page
 def test_links_lead_to_a_file(page):
     for target in re.findall(r'\]\((?!https?:)([^)#]+)', page.read_text()):
         assert (page.parent / target).exists(), target
+
+
+@each_page
+def test_links_lead_to_a_heading(page):
+    for target, anchor in re.findall(r'\]\((?!https?:)([^)#]*)#([^)]+)\)', page.read_text()):
+        assert anchor in anchors_of(page.parent / target if target else page), anchor
+
+
+@each_page
+def test_user_pages_name_no_tests(page):
+    if page.name not in ('CONTRIBUTING.md', 'QUALITY_DECLARATION.md'):
+        assert not re.findall(r'test_\w+', page.read_text())
+
+
+@each_page
+def test_scripts_are_there(page):
+    for script, name in re.findall(r'^ {4,}(?:\w+=\S+ )?(scripts/\w+)(?: ([a-z_]+))?',
+                                   page.read_text(), re.MULTILINE):
+        assert (ROOT / script).exists(), script
+        if script == 'scripts/benchmark':
+            assert (ROOT / 'benchmarks' / f'{name}.py').exists(), name
 
 
 @each_page

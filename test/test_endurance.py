@@ -34,6 +34,8 @@ from rclpy.qos import QoSProfile
 from ros_helpers import BASE_TOPIC, CAMERA_TOPIC, NotInTime, OBJECTS_TOPIC, TRUE_TOPIC
 from std_msgs.msg import Float64MultiArray
 
+pytestmark = pytest.mark.slow
+
 MESSAGES = int(os.environ.get('ENDURANCE', '10000'))
 # Of 10,000 messages, good runs have shown 8 to 200 kB, which allocators take once.
 LARGEST_GROWTH = 1_000_000 if 'ENDURANCE' in os.environ else 375_000

@@ -28,14 +28,13 @@ from camera_to_base.commands.calibrate_options import parse
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.files import refuse_existing, refuse_same_file, write_files
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.interrupt import serve_signals
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
 from camera_to_base.simulation import SimulatedChessboard
 from camera_to_base.sources import FrameSource, median_frame, open_frame_source, read_picture
 from camera_to_base.surface import MatchedPoints
 import numpy as np
-
-_DEFAULT_SIZE = (640, 480)
 
 
 def main(args: Optional[List[str]] = None) -> int:
@@ -82,11 +81,11 @@ def _run_points(options: argparse.Namespace) -> Report:
         refuse_other_size(table_size, options.image_size)
     image_size = options.image_size or table_size
     calibration = calibrate_surface(
-        matched, image_size or _DEFAULT_SIZE, source=options.table, model=options.model)
+        matched, image_size or DEFAULT_IMAGE_SIZE, source=options.table, model=options.model)
     if image_size is None:
         calibration.report['warnings'].append(
             'taken for granted: the points were measured in a picture of {} x {} px; say it with '
-            '--image-size'.format(*_DEFAULT_SIZE))
+            '--image-size'.format(*DEFAULT_IMAGE_SIZE))
     return _write(calibration, outputs)
 
 
@@ -120,7 +119,7 @@ def _board_picture(options: argparse.Namespace) -> Tuple[np.ndarray, str, Dict[s
 
 
 def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, Any]]:
-    size = options.image_size or _DEFAULT_SIZE
+    size = options.image_size or DEFAULT_IMAGE_SIZE
     if options.camera != 'simulated':
         return open_frame_source(options.camera, size), {}
     chessboard = SimulatedChessboard(

@@ -23,7 +23,6 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import check_frame, Detection, LocatedObject, Pixel, Point
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder, write_files
-from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
@@ -34,7 +33,6 @@ _BOX_COLOUR = (36, 200, 36)
 _CENTRE_COLOUR = (32, 32, 240)
 _TEXT_COLOUR = (255, 255, 255)
 _PATCH_COLOUR = (40, 40, 40)
-_EMPTY_COLOUR = (208, 208, 208)
 # What a letter takes on average, and a line with its patch, in px.
 _LETTER_WIDTH, _LINE_HEIGHT = 9, 20
 
@@ -93,19 +91,6 @@ def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarr
     for found in objects:
         cv2.fillPoly(mask, [found.detection.outline], 255)
     return mask
-
-
-def draw_pixel(image_size: ImageSize, pixel: Pixel, point: Point) -> np.ndarray:
-    """
-    Draw a pixel that comes without a frame, and its position, on an empty picture.
-
-    :param image_size: Width and height, in px.
-    :returns: Shape (h, w, 3), uint8, BGR.
-    """
-    picture = np.full((image_size[1], image_size[0], 3), _EMPTY_COLOUR, np.uint8)
-    _draw_centre(picture, pixel)
-    _draw_text(picture, camera_label(point), (round(pixel.u) + 8, round(pixel.v) - 8))
-    return picture
 
 
 def write_picture(path: str, picture: np.ndarray) -> None:

@@ -17,7 +17,7 @@
 from camera_to_base.drawing import BackgroundFile
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import CameraSettings
-from camera_to_base.sources import kind_of, SourceKind
+from camera_to_base.sources import RANDOM, SourceKind
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
@@ -42,8 +42,8 @@ class BackgroundKeeper:
         self._is_live = kind.is_live
         self._path = settings.background_file if kind.is_live else ''
         self._file = BackgroundFile(self._path)
-        # With auto and no camera it is said that positions are random.
-        if settings.background_file and not kind_of(settings.source).is_live:
+        # Random pixels have no background, which the warning of them says.
+        if settings.background_file and not kind.is_live and kind != RANDOM:
             self._logger.warning(
                 f"background_file has no effect with source '{settings.source}': only the "
                 'background of a camera or a topic is kept')

@@ -29,10 +29,12 @@ from camera_to_base.nodes.debug_images import DebugImages
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
 from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
+from camera_to_base.parameter_names import all_names
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
 from camera_to_base.sources import is_reader_hanging, RANDOM
+from camera_to_base.transform_parameters import TRANSFORM_SPECS
 from camera_to_base.trust import CameraPipeline, Sighting
 import numpy as np
 from rclpy.node import Node
@@ -51,7 +53,8 @@ class CameraPublisher(Node):
         super().__init__('camera_publisher', **node_options)
         with whole_or_gone(self):
             self._parameters = NodeParameters(
-                self, CAMERA_SPECS, camera_settings, self._on_new_settings)
+                self, CAMERA_SPECS, camera_settings, self._on_new_settings,
+                others=all_names(TRANSFORM_SPECS), cli_args=node_options.get('cli_args'))
             settings = self._settings
             self._source = open_named_source(settings)
             self._pipeline = CameraPipeline(
@@ -83,11 +86,11 @@ class CameraPublisher(Node):
     def _start_feed(self) -> Feed:
         feed = start_feed(self, self._source, self._settings, self._positions.topic, FeedCallbacks(
             self._on_frame, self._on_pixel, self._may_start, self._on_end))
-        if self._settings.source == 'auto' and self._source.kind.is_live:
+        if self._source.name != self._settings.source:
             self.get_logger().info(f'found camera {self._source.name}')
         if self._source.kind != RANDOM:
             self.get_logger().info(
-                f"publishing on {self._positions.topic} what is found on the frames of "
+                f'publishing on {self._positions.topic} what is found on the frames of '
                 f"'{feed.name}'; {self._background_keeper.origin}")
         return feed
 

@@ -49,6 +49,8 @@ class CameraWatch:
     def start(self, feed: Feed) -> None:
         """Watch where frames come from."""
         self._feed = feed
+        # Of a source that is no camera the log has this already.
+        self._reason = feed.reason if feed.reader is None else None
         self._heartbeat.every(_PERIOD_S, self._watch)
 
     def _watch(self) -> None:

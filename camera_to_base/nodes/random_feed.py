@@ -42,6 +42,7 @@ class RandomFeed:
     ) -> None:
         self._node, self._on_pixel = node, on_pixel
         self.reason = Reason('random', Level.WARN, _sentence(settings.source, topic))
+        node.get_logger().warning(self.reason.sentence)
         self._timer = real_time_timer(node, settings.period, self._on_timer)
 
     def configure(self, settings: CameraSettings) -> None:

@@ -45,7 +45,9 @@ class RobotBasePublisher(Node):
     def __init__(self, **node_options) -> None:
         super().__init__('robot_base_publisher', **node_options)
         with whole_or_gone(self):
-            self._node_parameters = NodeParameters(self, TRANSFORM_SPECS, transform_node_settings)
+            self._node_parameters = NodeParameters(
+                self, TRANSFORM_SPECS, transform_node_settings,
+                cli_args=node_options.get('cli_args'))
             self._received_count = self._published_count = 0
             self._dropped: Counter = Counter()
             self._dropped_before = 0

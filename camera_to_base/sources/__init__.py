@@ -30,7 +30,8 @@ from camera_to_base.sources.reader_status import LOST_AFTER_S, ReaderState, Read
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
 from camera_to_base.sources.silence_limit import SilenceLimit
 from camera_to_base.sources.source_kind import (
-    AUTO, BAG, COMPRESSED_TOPIC, DEVICE, kind_of, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC)
+    AUTO, BAG, COMPRESSED_TOPIC, DEVICE, kind_of, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC,
+    VIDEO_FILE)
 from camera_to_base.sources.source_reasons import source_reason
 from camera_to_base.sources.still_picture import median_frame, read_picture
 from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
@@ -41,5 +42,5 @@ __all__ = [
     'FrameSource', 'is_reader_hanging', 'kind_of', 'LiveRecording', 'LOST_AFTER_S', 'median_frame',
     'open_frame_source', 'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderState',
     'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason', 'SourceKind',
-    'STREAM', 'TimedFrame', 'TOPIC', 'VideoFile',
+    'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

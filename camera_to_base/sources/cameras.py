@@ -21,9 +21,9 @@ import re
 from typing import Optional
 
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.sources.capture import open_device, open_stream
 from camera_to_base.sources.source_kind import kind_of, STREAM
-from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
@@ -43,7 +43,7 @@ class Camera:
     """
 
     def __init__(
-        self, name: str, image_size: ImageSize = (640, 480), open_now: bool = True
+        self, name: str, image_size: ImageSize = DEFAULT_IMAGE_SIZE, open_now: bool = True
     ) -> None:
         self.name = name
         self.kind = kind_of(name)
@@ -88,7 +88,7 @@ class Camera:
         return capture
 
 
-def first_camera(image_size: ImageSize = (640, 480)) -> Optional[Camera]:
+def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]:
     """
     Open the first attached camera that gives a frame.
 

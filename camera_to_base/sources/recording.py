@@ -98,7 +98,8 @@ class PlayedRecording:
             frame = self._source.read()
             if frame is None:
                 return
-            yield TimedFrame(number, round(number * 1e9 / self.kind.frame_rate), lambda it=frame: it)
+            stamp_ns = round(number * 1e9 / self.kind.frame_rate)
+            yield TimedFrame(number, stamp_ns, lambda it=frame: it)
 
     def release(self) -> None:
         """Give the source back."""

@@ -18,10 +18,10 @@ import os
 from typing import Optional, Protocol
 
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.sources.cameras import Camera
 from camera_to_base.sources.capture import open_file
 from camera_to_base.sources.source_kind import kind_of, SourceKind, VIDEO_FILE
-from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
@@ -86,7 +86,7 @@ class VideoFile:
         self._capture.release()
 
 
-def open_frame_source(name: str, image_size: ImageSize = (640, 480)) -> FrameSource:
+def open_frame_source(name: str, image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> FrameSource:
     """
     Open a camera or a video file by its name.
 

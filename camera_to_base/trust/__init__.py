@@ -24,11 +24,12 @@ Callers: `nodes` and `commands`. It imports numpy and OpenCV alone.
 
 from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.gate import PositionGate
-from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.limits import LIMIT_SPECS, Limits, make_limits
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
 from camera_to_base.trust.view_check import View, ViewCheck
 
 __all__ = [
-    'CameraPipeline', 'DamageCheck', 'Limits', 'PositionGate', 'Sighting', 'View', 'ViewCheck',
+    'CameraPipeline', 'DamageCheck', 'LIMIT_SPECS', 'Limits', 'make_limits', 'PositionGate',
+    'Sighting', 'View', 'ViewCheck',
 ]

@@ -31,7 +31,9 @@ _JUMPED = Reason('unconfirmed', Level.OK, 'not confirmed by a second frame', is_
 
 class PositionGate:
     """
-    Lets through what an arm may follow; for live sources, as recordings are neither old nor damaged.
+    Lets through what an arm may follow.
+
+    For live sources: the frames of others wait for their reader, and nothing damages them.
 
     :param max_age_s: The oldest frame of a live camera that a position may come from.
     :param jump_radius_px: See :class:`JumpFilter`.

@@ -57,19 +57,28 @@ class CameraPipeline:
         self._view: Optional[ViewWatch] = None
         self._held_back = HeldBack()
         self.counts: Counter = Counter()
-        self.configure(surface, detector, limits)
+        self._surface, self._detector = surface, detector
+        self._limits = self._limits_here(limits)
+        self._locator: Optional[ObjectLocator] = None
         self.capture_background(background_frames)
 
     def configure(
         self, surface: Surface, detector: DetectorSettings, limits: Limits
     ) -> None:
-        """Use other settings from the next frame on, with the same background."""
-        self._surface, self._detector = surface, detector
-        self._limits = limits.for_recording if self._kind.ends else limits
-        self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
-        self._locator: Optional[ObjectLocator] = None
-        if self._view is not None:
-            self._view.configure(self._limits)
+        """
+        Use other settings from the next frame on, with the same background.
+
+        What has not changed goes on as it is: no frame is held back because of it.
+        """
+        limits = self._limits_here(limits)
+        if (surface, detector) != (self._surface, self._detector):
+            self._surface, self._detector = surface, detector
+            self._locator = None
+        if limits != self._limits:
+            self._limits = limits
+            self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
+            if self._view is not None:
+                self._view.configure(limits)
 
     def capture_background(self, frame_count: int) -> None:
         """Take the background anew, of the next frames; until then no objects are found."""
@@ -117,6 +126,9 @@ class CameraPipeline:
         self._count(sighting)
         self._held_back.note(sighting.warning)
         return sighting
+
+    def _limits_here(self, limits: Limits) -> Limits:
+        return limits.for_recording if self._kind.ends else limits
 
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
         # Each step asks the next check; the first reason that one gives holds.

@@ -28,6 +28,7 @@ import termios
 
 from camera_to_base.commands import locate
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.sources import DEVICE
 import cv2
 import numpy as np
 import pytest
@@ -72,6 +73,8 @@ def rows(name='out.csv'):
 
 class FakeCamera:
     """Gives the disc's frames; then somebody presses Ctrl-C, or the camera is unplugged."""
+
+    kind = DEVICE
 
     def __init__(self, interrupts=True):
         self._frames = [disc_frame(None), *map(disc_frame, PATH)]
@@ -280,15 +283,6 @@ def test_reader_that_has_seen_enough_ends_it_quietly():
     child = subprocess.run(f'{" ".join(COMMAND)} simulated | head -n 2', shell=True, text=True,
                            capture_output=True, timeout=60)
     assert len(child.stdout.splitlines()) == 2 and child.stderr == ''
-
-
-def test_without_the_library_of_the_progress_bar_there_is_none():
-    child = subprocess.run(
-        [sys.executable, '-c', "import sys; sys.modules['tqdm'] = None\n"
-         "from camera_to_base.commands.locate import main; sys.exit(main(['disc.avi']))"],
-        capture_output=True, text=True, timeout=60)
-    assert child.returncode == 0 and len(child.stdout.splitlines()) == 1 + len(PATH)
-    assert child.stderr == '21 frames: 20 with an object (20 with one, 0 with more)\n'
 
 
 def test_help_says_that_an_arm_needs_the_nodes(run):

@@ -174,6 +174,7 @@ def test_missing_params_file_is_one_error(prefix):
         described(params_file='nowhere.yaml')
 
 
+@pytest.mark.slow
 def test_camera_node_gets_the_file_the_source_and_the_frame(prefix):
     commands = started(2, source='0', namespace='cell_1')
     command = command_of('camera_publisher', commands)
@@ -189,6 +190,7 @@ def background_files(commands):
     return re.findall(r'background_file: (.*)', '\n'.join(texts))
 
 
+@pytest.mark.slow
 def test_each_camera_keeps_its_background_in_a_file_of_this_launch(prefix, tmp_path):
     (tmp_path / 'cell.yaml').write_text('/**: {ros__parameters: {}}')
     (tmp_path / 'own.yaml').write_text(f'/**: {{ros__parameters: {{background_file: {OWN}}}}}')
@@ -202,9 +204,10 @@ def test_each_camera_keeps_its_background_in_a_file_of_this_launch(prefix, tmp_p
     assert all(Path(file).parent.is_dir() for file in (*first, *second))
 
 
+@pytest.mark.slow
 def test_folder_of_the_backgrounds_goes_with_the_launch(prefix, tmp_path):
     (tmp_path / 'temporary').mkdir()
-    code = (f'import sys; sys.path.insert(0, {str(Path(__file__).parents[1])!r})\n'
+    code = (f'import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n'
             'import os, test_launch\n'
             "test_launch.described(source='0')\n"
             'print(len(os.listdir(os.environ["TMPDIR"])))')
@@ -215,6 +218,7 @@ def test_folder_of_the_backgrounds_goes_with_the_launch(prefix, tmp_path):
     assert list((tmp_path / 'temporary').iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('topic, remapping', [
     ('/left/image_raw', '-r image:=/left/image_raw'),
     ('image/compressed', '-r image/compressed:=image/compressed')])
@@ -222,6 +226,7 @@ def test_image_topic_is_remapped(topic, remapping, prefix):
     assert remapping in command_of('camera_publisher', started(2, image_topic=topic))
 
 
+@pytest.mark.slow
 def test_driver_is_started_where_its_topic_is_listened_to(prefix):
     prefix.add('usb_cam', 'usb_cam_node_exe')
     commands = started(3, camera_driver='usb_cam', source='2', namespace='cell_1')
@@ -229,6 +234,7 @@ def test_driver_is_started_where_its_topic_is_listened_to(prefix):
     assert '-r image:=image_raw' in command_of('camera_publisher', commands)
 
 
+@pytest.mark.slow
 def test_transform_is_that_of_the_parameter_file(prefix):
     prefix.add('tf2_ros', 'static_transform_publisher')
     command = command_of('static_transform_publisher', started(3, publish_tf='true'))
@@ -236,6 +242,7 @@ def test_transform_is_that_of_the_parameter_file(prefix):
             '--frame-id base_link --child-frame-id camera_surface ') in command
 
 
+@pytest.mark.slow
 def test_rviz_opens_the_installed_configuration_in_the_namespace(prefix):
     prefix.add('rviz2', 'rviz2')
     command = command_of('rviz2', started(3, rviz='true', namespace='cell_1'))
@@ -251,12 +258,14 @@ def two_recordings(directory):
     return str(directory / 'cells.yaml')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('death', ['kill -KILL $$', 'kill -SEGV $$', 'exit 70'])
 def test_node_that_dies_is_started_again(death, prefix):
     prefix.add('camera_to_base', 'camera_publisher', script=death)
     assert sum('/camera_publisher ' in command for command in started(3)) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('package, executable, arguments', [
     ('camera_to_base', 'camera_publisher', {}), ('camera_to_base', 'robot_base_publisher', {}),
     ('tf2_ros', 'static_transform_publisher', {'publish_tf': 'true'})])
@@ -268,6 +277,7 @@ def test_node_that_cannot_start_ends_the_launch_and_is_named(
     assert f'/cell_1/{executable} cannot start, as it says itself' in log.text
 
 
+@pytest.mark.slow
 def test_node_that_cannot_start_any_more_ends_the_launch(prefix, tmp_path):
     prefix.add('camera_to_base', 'camera_publisher', script=(
         f'test -e {tmp_path}/ran && exit 1\ntouch {tmp_path}/ran\nkill -KILL $$'))
@@ -275,17 +285,20 @@ def test_node_that_cannot_start_any_more_ends_the_launch(prefix, tmp_path):
     assert code == 1 and len(commands) == 3
 
 
+@pytest.mark.slow
 def test_driver_is_started_again_whatever_its_exit_code(prefix):
     prefix.add('usb_cam', 'usb_cam_node_exe', script='exit 1')
     assert sum('/usb_cam_node_exe ' in command
                for command in started(4, camera_driver='usb_cam')) == 2
 
 
+@pytest.mark.slow
 def test_end_of_a_recording_ends_the_launch(prefix):
     prefix.add('camera_to_base', 'camera_publisher', script='exit 0')
     assert len(started(3)) == 2
 
 
+@pytest.mark.slow
 def test_end_of_one_recording_leaves_the_other_camera_alone(prefix, tmp_path):
     # The other one is restarted long after the first one would have been.
     prefix.add('camera_to_base', 'camera_publisher', script=(
@@ -296,6 +309,7 @@ def test_end_of_one_recording_leaves_the_other_camera_alone(prefix, tmp_path):
     assert len(commands) == 3
 
 
+@pytest.mark.slow
 def test_end_of_all_recordings_ends_the_launch(prefix, tmp_path):
     prefix.add('camera_to_base', 'camera_publisher', script='exit 0')
     assert len(started(5, cameras=two_recordings(tmp_path))) == 4

@@ -91,6 +91,7 @@ def check_simulated_coin_in_the_base_frame(ros, start, file, *more):
         assert math.dist(position, true_base) < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tilt_deg, parameters', [
     (0, 'overhead_camera.yaml'), (30, 'simulated_tilted_camera.yaml')])
 def test_simulated_coin_arrives_in_the_base_frame_within_2_mm(ros, start, tilt_deg, parameters):
@@ -99,6 +100,7 @@ def test_simulated_coin_arrives_in_the_base_frame_within_2_mm(ros, start, tilt_d
         '-p', f'simulated.tilt_deg:={tilt_deg}')
 
 
+@pytest.mark.slow
 def test_calibrated_on_the_simulated_camera_the_coin_arrives_within_2_mm(ros, start, tmp_path):
     file = tmp_path / 'cell.yaml'
     # The simulated camera frame's origin, seen from the first corner of the board in its middle.
@@ -115,6 +117,7 @@ def test_calibrate_says_what_is_wrong_in_one_line_and_ends_with_1(tmp_path):
     assert re.fullmatch('calibrate: cannot read .*missing.yaml.*\n', calibrate.stderr)
 
 
+@pytest.mark.slow
 def test_random_pixels_reach_the_base_frame_by_the_tutorials_formula(ros, start):
     camera, base = ros.listen_with_time(CAMERA_TOPIC), ros.listen_with_time(BASE_TOPIC)
     start('robotic_arm_publishing_subscriber')
@@ -183,6 +186,7 @@ def test_signal_ends_a_node_with_0_and_no_traceback(ros, start, executable, argu
     assert 'Traceback' not in node.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize('executable', ['robot_base_publisher', 'camera_publisher'])
 def test_signal_ends_a_node_that_waits_for_a_simulated_clock(ros, start, executable, number):
@@ -211,6 +215,7 @@ def test_misspelt_parameter_is_named_with_what_was_meant(ros, start):
         for line in lines))
 
 
+@pytest.mark.slow
 def test_two_interrupts_in_a_row_leave_no_traceback(ros, start):
     node = start('camera_publisher', '-p', 'source:=random')
     assert ros.spin_until(lambda: 'camera_publisher' in ros.node.get_node_names())
@@ -237,6 +242,7 @@ def test_bad_start_is_one_clear_line_and_exit_code_1(start, arguments, said):
     assert 'Traceback' not in node.output
 
 
+@pytest.mark.slow
 def test_device_that_is_not_there_is_waited_for_until_a_signal(ros, start):
     lines = ros.listen_to_log('camera_publisher')
     node = start('camera_publisher', '-p', 'source:=99')
@@ -264,6 +270,7 @@ def test_without_a_camera_the_positions_are_said_to_be_random(ros, start):
     assert re.search(r'WARN.*/cell/pos_in_cam_frame are RANDOM', node.output)
 
 
+@pytest.mark.slow
 @pytest.mark.flaky(reruns=2, only_rerun=['NotInTime'])
 def test_demo_prints_each_position_saves_a_picture_and_leaves_nothing_behind(tmp_path):
     demo = subprocess.Popen(
@@ -288,6 +295,7 @@ def test_demo_prints_each_position_saves_a_picture_and_leaves_nothing_behind(tmp
     assert subprocess.run(['pgrep', '-f', str(tmp_path)]).returncode == 1
 
 
+@pytest.mark.slow
 def test_demo_ends_with_an_error_where_its_camera_is_not_there(tmp_path):
     demo = subprocess.run(
         [sys.executable, DEMO, '99'], cwd=tmp_path, text=True, capture_output=True, timeout=30.0)

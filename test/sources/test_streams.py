@@ -35,6 +35,8 @@ from ros_helpers import assert_in_time, BASE_TOPIC, CAMERA_TOPIC, OBJECTS_TOPIC
 from rtsp_server import RtspServer
 import scenes
 
+pytestmark = pytest.mark.slow
+
 CM_PER_PX = 36.0 / 640
 SCRIPTS = ['mjpeg_server', 'rtsp_server']
 SERVERS = [MjpegServer, RtspServer]

@@ -16,8 +16,7 @@ import re
 
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
 from camera_to_base.surface.distortion import RadialDistortion
-from camera_to_base.surface.models import (
-    check_image_size, HomographySurface, ParallelSurface, PolynomialSurface)
+from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
 import cv2
 import numpy as np
 import pytest
@@ -299,14 +298,3 @@ def test_measured_surface_holds_for_its_own_picture_size_only(make):
     for size in ((640, 480), (600, 800), (800, 480), (640, 600)):
         with pytest.raises(FrameSizeError, match=f'{size[0]} x {size[1]} px.*800 x 600 px'):
             surface.for_image_size(size)
-
-
-def test_image_size_comes_back_as_two_whole_numbers():
-    assert check_image_size([640.0, 480]) == (640, 480)
-
-
-@pytest.mark.parametrize('image_size', [(), (640,), (640, 480, 3), (0, 480), (640, -1),
-                                        (640.5, 480)])
-def test_image_size_that_is_none_is_refused(image_size):
-    with pytest.raises(InvalidValueError, match='image_size'):
-        check_image_size(image_size)
