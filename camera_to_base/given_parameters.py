@@ -65,13 +65,13 @@ def given_warnings(
     files = given_arguments(arguments).files
     shared = set()
     if others is None:
-        sections = [section for path in files for section in _readable_sections(path)]
+        sections = [section for path in files for section in _readable_sections(path) or ()]
         for_all, for_one = (
             {name for section in sections if section.is_for_several is several
              and section.stands_for(node) for name in section.values}
             for several in (True, False))
         shared = for_all - for_one - set(given_arguments(arguments).names)
-    known = {*own, *(others or ())}
+    known = [*own, *(others or ())]
     return [
         *(warning for path in files for warning in file_warnings(path, node)),
         *name_warnings([name for name in given if name not in shared], known),
@@ -86,6 +86,8 @@ def file_warnings(path: str, node: str) -> List[str]:
     :param node: Its full name.
     """
     sections = _readable_sections(path)
+    if sections is None:
+        return []
     if not any(section.values for section in sections):
         return [f"'{path}' holds no parameters"]
     if any(section.stands_for(node) for section in sections):
@@ -96,12 +98,12 @@ def file_warnings(path: str, node: str) -> List[str]:
         for section in sections if misspelt_name(name, [_last(section.node)])]
 
 
-def _readable_sections(path: str) -> List[Section]:
-    # What cannot be read at all, ROS has refused before.
+def _readable_sections(path: str) -> Optional[List[Section]]:
+    # ROS has refused before what cannot be read at all.
     try:
         return read_sections(path)
     except InvalidValueError:
-        return []
+        return None
 
 
 def _last(name: str) -> str:

@@ -85,7 +85,7 @@ class ParameterSpec:
 
     def converted(self, value: Any) -> Any:
         """Make a double of an int and a text of a device index, as a user would expect."""
-        if self.takes_any_list and value is None:
+        if isinstance(self.default, list) and value is None:
             return []  # what rcl makes of an empty list in a file
         if isinstance(value, (array.array, tuple)):
             value = list(value)  # as which a client's numbers come
@@ -108,8 +108,8 @@ class ParameterSpec:
         """
         typed = self._typed(value)
         if not self._allows(typed):
-            raise InvalidValueError(f'parameter {self.name} must be '
-                                    f'{self.constraint_text or "finite"}, got {typed!r}')
+            wanted = self.constraint_text if self.limits or _is_finite(typed) else 'finite'
+            raise InvalidValueError(f'parameter {self.name} must be {wanted}, got {typed!r}')
         return typed
 
     def _typed(self, value: Any) -> Any:
@@ -119,7 +119,8 @@ class ParameterSpec:
             raise InvalidValueError(
                 f'parameter {self.name} must be of type {self.kind}, got a whole number of more '
                 'than 300 digits')
-        if not (kind_of(typed) == self.kind or self.takes_any_list and typed == []):
+        is_empty_list = typed == [] and (self.takes_any_list or self.lengths)
+        if not (kind_of(typed) == self.kind or is_empty_list):
             raise InvalidValueError(f'parameter {self.name} must be of type {self.kind}, '
                                     f'got {typed!r} of type {kind_of(typed)}')
         return typed
@@ -134,7 +135,7 @@ class ParameterSpec:
         if isinstance(value, str):
             return not self.choices or value in self.choices
         low, high = self.limits or (-math.inf, math.inf)
-        return (math.isfinite(value) and low <= value <= high
+        return (_is_finite(value) and low <= value <= high
                 and not (self.step and (value - low) % self.step))
 
 
@@ -158,6 +159,11 @@ def grouped(values: Values, prefix: str) -> Dict[str, Any]:
     """Give the values whose names have a prefix, by their names without it."""
     return {name[len(prefix):]: value for name, value in values.items()
             if name.startswith(prefix)}
+
+
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, str) or all(map(
+        math.isfinite, value if isinstance(value, list) else [value]))
 
 
 def _numbers(text: str) -> Optional[List[float]]:

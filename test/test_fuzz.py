@@ -30,6 +30,7 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.ros.messages import (
     MOST_POSES, point_from_message, poses_from_message, position_from_message)
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
@@ -137,7 +138,7 @@ def test_any_parameter_value_is_used_or_gives_our_error(specs, make):
     defaults = {spec.name: spec.default for spec in specs}
 
     def like(default):
-        # ROS has checked the type before; what is in a list and how long it is it has not.
+        # ROS has checked the type before.
         if isinstance(default, list):
             kind = st.integers(-2**63, 2**63 - 1) if default and isinstance(
                 default[0], int) else st.floats()
@@ -149,7 +150,9 @@ def test_any_parameter_value_is_used_or_gives_our_error(specs, make):
     @given(st.sampled_from(sorted(defaults)).flatmap(
         lambda name: st.tuples(st.just(name), like(defaults[name]))))
     def check(changed):
-        outcome('parameter values', make, {**defaults, **dict([changed])})
+        values = outcome('parameter values', checked_values, specs, dict([changed]))
+        if values is not None:
+            outcome('settings', make, values)
 
     check()
 
@@ -161,12 +164,12 @@ def test_any_transform_is_made_or_gives_our_error(rotation, displacement):
 
 
 @bounded
-@given(st.lists(numbers, min_size=9, max_size=9), values, values)
-def test_any_surface_and_any_pixel_gives_finite_points_or_our_error(matrix, pixels, width):
+@given(st.lists(numbers, min_size=9, max_size=9), values)
+def test_any_surface_and_any_pixel_gives_finite_points_or_our_error(matrix, pixels):
     surfaces = [
+        ParallelSurface(),
         outcome('surfaces', HomographySurface, np.array(matrix, dtype=object).reshape(3, 3),
                 (640, 480)),
-        outcome('surfaces', ParallelSurface, width, 640),
         outcome('surfaces', PolynomialSurface, y_of_v=matrix[:3], px_per_cm_of_y=matrix[3:6],
                 centre_u=matrix[6], image_size=(640, 480))]
     for surface in surfaces:

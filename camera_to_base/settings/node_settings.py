@@ -61,7 +61,7 @@ def read_node_settings(path: Optional[str], namespace: Optional[str] = None) -> 
 def _given(path: str, namespace: Optional[str], node: str) -> Tuple[Dict[str, Any], List[str]]:
     name = f'{_namespace(path, namespace)}/{node}'
     given, old_names = with_new_names(_SPECS[node], read_node_parameters(path, name))
-    known = {name for specs in _SPECS.values() for name in all_names(specs)}
+    known = [name for specs in _SPECS.values() for name in all_names(specs)]
     return given, [*file_warnings(path, name), *old_names, *name_warnings(given, known)]
 
 

@@ -190,7 +190,7 @@ def test_what_is_wrong_in_the_parameter_file_is_said(run):
     assert "no parameter 'framerate', it is left out\n" in error and 'use_sim_time' not in error
     code, output, error = run('disc.avi', '--params-file', parameters('detector.threshold: 300'))
     assert (code, output) == (1, '')
-    assert error == 'locate: parameter detector.threshold must be 0 to 255, got 300\n'
+    assert error == 'locate: parameter detector.threshold must be 0 to 255 grey levels, got 300\n'
 
 
 def test_recording_of_another_size_than_the_calibration_is_refused_in_one_sentence(run):
