@@ -52,7 +52,7 @@ class CameraPublisher(Node):
     def __init__(self, **node_options) -> None:
         super().__init__('camera_publisher', **node_options)
         with whole_or_gone(self):
-            self._parameters = NodeParameters(
+            self._node_parameters = NodeParameters(
                 self, CAMERA_SPECS, camera_settings, self._on_new_settings,
                 others=all_names(TRANSFORM_SPECS), cli_args=node_options.get('cli_args'))
             settings = self._settings
@@ -81,7 +81,7 @@ class CameraPublisher(Node):
 
     @property
     def _settings(self) -> CameraSettings:
-        return self._parameters.current
+        return self._node_parameters.current
 
     def _start_feed(self) -> Feed:
         feed = start_feed(self, self._source, self._settings, self._positions.topic, FeedCallbacks(

@@ -102,7 +102,7 @@ def test_moved_view_holds_back_a_camera_and_not_a_recording():
     settings = replace(SETTINGS, limits=SETTINGS.limits._replace(check_period_s=0.01))
     for source, kind in ((DEVICE, 'view_moved'), (VIDEO_FILE, None)):
         counter = SightingCounter(settings, source)
-        seen(counter, lambda: table)
+        seen(counter, *[lambda: table] * 2)
         end = time.monotonic() + 0.05
         while time.monotonic() < end:
             sighting, = seen(counter, lambda: np.roll(table, 20, axis=1))
