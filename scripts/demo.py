@@ -22,6 +22,9 @@ import sys
 import threading
 import time
 
+import cv2
+import numpy as np
+
 PICTURE = 'demo.png'
 # A signal only sets this: an exception out of the middle of rclpy would not always come through.
 told_to_end = threading.Event()
@@ -102,14 +105,16 @@ class Report:
         self._waiting = []
         self._last_stamp = 0
         self._count = 0
+        self._node = node
         self._picture_saved = False
         self._stamps, self._newest_image = set(), None
         for topic, callback in (('pos_in_cam_frame', self._on_camera_position),
                                 ('true_pos_in_cam_frame', self._on_true_position),
                                 ('pos_in_robot_base_frame', self._on_base_position)):
             node.create_subscription(Float64MultiArray, topic, callback, 100)
-        node.create_subscription(PointStamped, 'pos_in_cam_frame/point', self._on_point, 100)
-        node.create_subscription(Image, 'debug_image', self._on_image, 1)
+        self._for_picture = [
+            node.create_subscription(PointStamped, 'pos_in_cam_frame/point', self._on_point, 100),
+            node.create_subscription(Image, 'debug_image', self._on_image, 1)]
         node.create_timer(0.05, self._print_settled)
 
     def close(self):
@@ -168,11 +173,12 @@ class Report:
         image = self._newest_image
         if self._picture_saved or image is None or stamp_of(image) not in self._stamps:
             return
-        import cv2
-        import numpy as np
         picture = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
         cv2.imwrite(PICTURE, picture)
         self._picture_saved = True
+        # The node draws for as long as somebody listens.
+        for subscription in self._for_picture:
+            self._node.destroy_subscription(subscription)
         print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
 
 
