@@ -33,6 +33,8 @@ class PositionGate:
     """
     Lets through what an arm may follow.
 
+    For live sources: the frames of others wait for their reader, and nothing damages them.
+
     :param max_age_s: The oldest frame of a live camera that a position may come from.
     :param jump_radius_px: See :class:`JumpFilter`.
     """
@@ -52,11 +54,8 @@ class PositionGate:
         Where the largest one is not confirmed none is; another is left out until it is. A reason
         that the sighting has already stays.
 
-        :param taken_at: When the frame was taken, by time.monotonic(); None where a frame waits
-            for its reader, as those of a file do: it is never too old, and nothing damages it.
+        :param taken_at: When the frame was taken, by time.monotonic(); None for just now.
         """
-        if taken_at is None:
-            return seen
         believed = self._believed(seen.objects)
         reason = seen.reason or (
             _UNCONFIRMED if believed is None else self._age_reason(taken_at))
@@ -66,8 +65,8 @@ class PositionGate:
                     if not any(found is other for other in believed))
         return seen._replace(objects=believed, left_out=(*seen.left_out, *left_out))
 
-    def _age_reason(self, taken_at: float) -> Optional[Reason]:
-        age_s = time.monotonic() - taken_at
+    def _age_reason(self, taken_at: Optional[float]) -> Optional[Reason]:
+        age_s = 0.0 if taken_at is None else time.monotonic() - taken_at
         if age_s <= self._max_age_s:
             return None
         return Reason('too_late', Level.WARN, (
