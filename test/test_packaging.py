@@ -53,6 +53,24 @@ for name in sys.argv[2:]:
     assert module.__file__.startswith(place), module.__file__
 """
 
+WITHOUT_ROS = """
+import sys
+
+from camera_to_base.nodes import executables
+
+
+class Blocker:
+
+    def find_spec(self, name, path=None, target=None):
+        if name.partition('.')[0] in %s:
+            raise ModuleNotFoundError(f'No module named {name!r}', name=name)
+
+
+sys.meta_path.insert(0, Blocker())
+sys.argv = sys.argv[1:]
+sys.exit(getattr(executables, sys.argv[0])())
+""" % ROS
+
 needs_wheel = pytest.mark.skipif(
     not any(map(importlib.util.find_spec, ('wheel', 'setuptools.command.bdist_wheel'))),
     reason='wheel is not installed')
@@ -181,3 +199,12 @@ def test_each_module_can_be_imported_where_colcon_installs_it(installed):
 @needs_colcon
 def test_ros_finds_the_executables_where_colcon_installs_them(installed):
     assert {path.name for path in (installed / 'lib/camera_to_base').iterdir()} == EXECUTABLES
+
+
+@pytest.mark.parametrize('name', ['camera_publisher', 'robot_base_publisher'])
+def test_node_without_ros_says_what_to_install(name):
+    child = subprocess.run([sys.executable, '-c', WITHOUT_ROS, name], cwd=ROOT, text=True,
+                           capture_output=True, timeout=60)
+    assert child.returncode == 1
+    assert 'ROS 2 is missing' in child.stderr and "pip install '.[ros]'" in child.stderr
+    assert len(child.stderr.splitlines()) == 1

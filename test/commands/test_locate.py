@@ -182,9 +182,9 @@ def test_what_is_wrong_in_the_parameter_file_is_said(run):
     code, output, error = run('disc.avi', '--params-file', parameters(
         'detector.treshold: 50, framerate: 3, use_sim_time: true'))
     assert code == 0 and len(output.splitlines()) == 21
-    assert "no parameter 'detector.treshold', it is left out: did you mean 'detector.threshold'?"\
-        in error
-    assert "no parameter 'framerate', it is left out: did you mean 'simulated.frame_rate'?" in error
+    for unknown, meant in [('detector.treshold', 'detector.threshold'),
+                           ('framerate', 'simulated.frame_rate')]:
+        assert f"no parameter '{unknown}', it is left out: did you mean '{meant}'?" in error
     assert 'use_sim_time' not in error
     code, output, error = run('disc.avi', '--params-file', parameters('detector.threshold: 300'))
     assert (code, output) == (1, '')
