@@ -57,7 +57,7 @@ class PositionGate:
         """
         if taken_at is None:
             return seen
-        believed = self._believed(seen.objects)
+        believed = self._believed(seen.objects, taken_at)
         reason = seen.reason or (
             _UNCONFIRMED if believed is None else self._age_reason(taken_at))
         if reason is not None:
@@ -75,9 +75,11 @@ class PositionGate:
             f'at most {self._max_age_s:g} s are allowed: use smaller pictures or a faster '
             'computer, or raise max_frame_age'), is_passing=True)
 
-    def _believed(self, objects: Sequence[LocatedObject]) -> Optional[List[LocatedObject]]:
+    def _believed(
+        self, objects: Sequence[LocatedObject], taken_at: float
+    ) -> Optional[List[LocatedObject]]:
         pixels = [found.detection.centre for found in objects]
-        believed = self._jumps.believed(pixels)
+        believed = self._jumps.believed(pixels, taken_at)
         confirmed = pixels[0] in believed if pixels else self._jumps.believes_empty()
         return [found for found, pixel in zip(objects, pixels)
                 if pixel in believed] if confirmed else None
