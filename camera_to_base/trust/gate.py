@@ -56,7 +56,9 @@ class PositionGate:
 
         :param taken_at: When the frame was taken, by time.monotonic(); None for just now.
         """
-        believed = self._believed(seen.objects)
+        if taken_at is None:
+            taken_at = time.monotonic()
+        believed = self._believed(seen.objects, taken_at)
         reason = seen.reason or (
             _UNCONFIRMED if believed is None else self._age_reason(taken_at))
         if reason is not None:
@@ -65,8 +67,8 @@ class PositionGate:
                     if not any(found is other for other in believed))
         return seen._replace(objects=believed, left_out=(*seen.left_out, *left_out))
 
-    def _age_reason(self, taken_at: Optional[float]) -> Optional[Reason]:
-        age_s = 0.0 if taken_at is None else time.monotonic() - taken_at
+    def _age_reason(self, taken_at: float) -> Optional[Reason]:
+        age_s = time.monotonic() - taken_at
         if age_s <= self._max_age_s:
             return None
         return Reason('too_late', Level.WARN, (
@@ -74,9 +76,11 @@ class PositionGate:
             f'at most {self._max_age_s:g} s are allowed: use smaller pictures or a faster '
             'computer, or raise max_frame_age'), is_passing=True)
 
-    def _believed(self, objects: Sequence[LocatedObject]) -> Optional[List[LocatedObject]]:
+    def _believed(
+        self, objects: Sequence[LocatedObject], taken_at: float
+    ) -> Optional[List[LocatedObject]]:
         pixels = [found.detection.centre for found in objects]
-        believed = self._jumps.believed(pixels)
+        believed = self._jumps.believed(pixels, taken_at)
         confirmed = pixels[0] in believed if pixels else self._jumps.believes_empty()
         return [found for found, pixel in zip(objects, pixels)
                 if pixel in believed] if confirmed else None
