@@ -212,6 +212,8 @@ class CameraPublisher(Node):
         for name in detector.without_effect:
             self.get_logger().warning(
                 f'detector.{name} has no effect with detector.method {detector.method}')
+        for name in self._settings.limits.without_effect:
+            self.get_logger().warning(f'{name} has no effect any more: each frame is checked')
 
     def _keep_picture(self, keep: Callable[..., None], *what) -> None:
         try:

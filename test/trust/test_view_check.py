@@ -183,4 +183,4 @@ def test_problem_says_how_far_the_view_has_moved_and_what_to_do():
     assert view_reason(View(2.9, 0.1), 3.0, 0.7) is None
     assert view_reason(View(None, 0.6), 3.0, 0.7) is None
     problem = view_reason(View(7.25, 0.1), 3.0, 0.7)
-    assert '7.2 px' in problem and '~/capture_background' in problem
+    assert '7.2 px' in problem.sentence and '~/capture_background' in problem.sentence
