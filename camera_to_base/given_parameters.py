@@ -14,7 +14,7 @@
 
 """What a node was given on its command line, and what of that reaches no parameter."""
 
-from typing import Collection, Iterable, List, NamedTuple, Optional, Sequence
+from typing import Any, Collection, Iterable, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameter_file import read_sections, Section
@@ -46,6 +46,19 @@ def given_arguments(arguments: Sequence[str]) -> GivenArguments:
             # A node's name may stand before the parameter's.
             found.names.append(value.partition(':=')[0].rpartition(':')[2])
     return found
+
+
+def value_in_files(arguments: Sequence[str], node: str, name: str) -> Any:
+    """
+    Tell what the parameter files of a command line give another node; None for nothing.
+
+    :param node: The other node's full name.
+    :param name: The parameter's.
+    """
+    values = [section.values[name] for path in given_arguments(arguments).files
+              for section in _readable_sections(path) or ()
+              if section.stands_for(node) and name in section.values]
+    return values[-1] if values else None
 
 
 def given_warnings(

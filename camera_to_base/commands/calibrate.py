@@ -27,7 +27,8 @@ from camera_to_base.calibration import (
 from camera_to_base.commands.calibrate_options import parse
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.files import refuse_existing, refuse_same_file, write_files
+from camera_to_base.files import (
+    check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.interrupt import serve_signals
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
@@ -136,6 +137,9 @@ def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
     refuse_same_file([*sources, *outputs])
     for picture in outputs[1:]:
         check_picture_path(picture)
+    for output in outputs:
+        check_folder(output, 'file')
+        regular_target(output)
     if not options.force:
         refuse_existing(outputs)
     return outputs
@@ -153,12 +157,13 @@ def _write(
     contents = {outputs[0]: text.encode()}
     for path in outputs[1:]:
         contents[path] = encoded_picture(path, calibration.picture)
-    write_files(contents)
-    return {**calibration.report, **dict(zip(('file', 'picture'), outputs))}
+    kept = write_files(contents, keep_old=True)
+    return {**calibration.report, **dict(zip(('file', 'picture'), outputs)), 'kept': kept}
 
 
 def _lines(report: Report) -> List[str]:
     written = [f'{name}: {report[name]}' for name in ('file', 'picture') if name in report]
+    written += [f'the old one is kept: {path}' for path in report.get('kept', ())]
     advice = ['look at the picture before you trust the figures'] if 'picture' in report else []
     return [*report_lines(report), *written, *advice]
 

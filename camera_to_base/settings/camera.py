@@ -26,7 +26,8 @@ from camera_to_base.image_size import ImageSize
 from camera_to_base.parameter_spec import grouped, ParameterSpec, Values
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
-from camera_to_base.transform_parameters import PLACEMENT_SPECS, transform_settings
+from camera_to_base.transform_parameters import (
+    CAMERA_FRAME_SPEC, PLACEMENT_SPECS, transform_settings)
 from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits
 
 
@@ -80,9 +81,7 @@ _FILE_SPECS = [
         'far, its box, centre and position drawn; empty for none.', fixed=True),
 ]
 _OUTPUT_SPECS = [
-    ParameterSpec('camera_frame_id', 'camera_surface',
-                  "The stamped topics' name for the camera frame, which lies on the surface.",
-                  constraints='a frame name without a leading /'),
+    CAMERA_FRAME_SPEC,
     ParameterSpec('debug_image.coordinates', 'camera',
                   'In which frame the debug image tells where objects are: camera, or base, by '
                   'rotation_deg and displacement_cm.', choices=('camera', 'base')),
