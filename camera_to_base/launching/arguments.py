@@ -22,8 +22,8 @@ from camera_to_base.launching.cameras import Camera
 from camera_to_base.parameter_file import read_node_parameters
 from camera_to_base.parameter_names import misspelt_name, unknown_name_text, with_new_names
 from camera_to_base.parameter_spec import checked_values, ParameterSpec
-from camera_to_base.settings import CAMERA_SPECS, TOPIC_SOURCES
-from camera_to_base.sources import is_camera
+from camera_to_base.settings import CAMERA_SPECS
+from camera_to_base.sources import kind_of
 from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 # Both drivers publish under this relative name.
@@ -105,8 +105,7 @@ def kept_background(camera: Camera, path: str) -> Dict[str, str]:
     :returns: Empty where the parameter file names a file, or no camera gives the frames.
     :raises InvalidValueError: If the parameter file cannot be read.
     """
-    source = image_input(camera).source
-    is_live = source in ('auto', *TOPIC_SOURCES) or is_camera(source)
+    is_live = kind_of(image_input(camera).source).is_live
     named = 'background_file' in _given_parameters(camera, 'camera_publisher')
     return {'background_file': path} if is_live and not named else {}
 

@@ -15,12 +15,11 @@
 """The parameters of `camera_publisher`, and the settings that they make."""
 
 from dataclasses import dataclass
-from typing import Optional
+from typing import List, Optional
 
 from camera_to_base.checks import frame_id
 from camera_to_base.detection import BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings
-from camera_to_base.drawing import (
-    base_label, camera_label, check_background_path, check_picture_path, Label)
+from camera_to_base.drawing import base_label, camera_label, check_background_path, Label
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.parameter_spec import grouped, ParameterSpec, Values
@@ -51,6 +50,18 @@ class CameraSettings:
     simulated: SimulationSettings
     debug_label: Label
 
+    @property
+    def warnings(self) -> List[str]:
+        """Sentences on parameters that were set, but have no effect."""
+        warnings = [f'detector.{name} has no effect with detector.method {self.detector.method}'
+                    for name in self.detector.without_effect]
+        warnings += [f'{name} has no effect any more: each frame is checked'
+                     for name in self.limits.without_effect]
+        if self.annotated_picture:
+            warnings.append('annotated_picture has no effect any more, and will be removed: look '
+                            'at the topic debug_image, or save it')
+        return warnings
+
 
 # What is the node's own; the parts' parameters stand in their rooms.
 _SOURCE_SPECS = [
@@ -77,8 +88,7 @@ _FILE_SPECS = [
         'at the start, if it is there. Cameras and topics only; empty for none.', fixed=True),
     ParameterSpec(
         'annotated_picture', '',
-        'A file (.png or .jpg) that is kept up to date with the frame of the largest object so '
-        'far, its box, centre and position drawn; empty for none.', fixed=True),
+        'Deprecated, without effect: look at the topic debug_image.', fixed=True),
 ]
 _OUTPUT_SPECS = [
     CAMERA_FRAME_SPEC,
@@ -101,8 +111,6 @@ def camera_settings(values: Values) -> CameraSettings:
     if not values['source']:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
     hull = make_hull(values)
-    if values['annotated_picture']:
-        check_picture_path(values['annotated_picture'])
     return CameraSettings(
         source=values['source'],
         period=values['period'],
