@@ -117,12 +117,15 @@ def file_warnings(path: str, node: str) -> List[str]:
         return []
     if not any(section.values for section in sections):
         return [f"'{path}' holds no parameters"]
-    if any(section.stands_for(node) for section in sections):
+    own = [section for section in sections if section.stands_for(node)]
+    if any(not section.is_for_several for section in own):
         return []
     name = _last(node)
+    # The same name in another namespace is that of another node, where the file is for both.
     return [
-        f"'{path}' has parameters for '{section.node}', and none for this node, '{node}'"
-        for section in sections if misspelt_name(name, [_last(section.node)])]
+        f"'{path}' has parameters for '{section.node}', and none for this node alone, '{node}'"
+        for section in sections if misspelt_name(name, [_last(section.node)])
+        and not section.is_for_several and not (own and _last(section.node) == name)]
 
 
 def _readable_sections(path: str) -> Optional[List[Section]]:

@@ -63,6 +63,8 @@ class CameraSettings:
         """Sentences on parameters that were set, but have no effect."""
         warnings = [f'detector.{name} has no effect with detector.method {self.detector.method}'
                     for name in self.detector.without_effect]
+        warnings += [f'{name} has no effect any more: each frame is checked'
+                     for name in self.limits.without_effect]
         if self.annotated_picture:
             warnings.append('annotated_picture has no effect any more, and will be removed: look '
                             'at the topic debug_image, or save it')

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""From frames to objects that an arm may follow: background, detection, view check, gate."""
+"""From frames to objects that an arm may follow: background, detection, checks, gate."""
 
 from collections import Counter
 import time
@@ -24,6 +24,7 @@ from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
+from camera_to_base.trust.arm_check import ArmCheck
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
@@ -92,7 +93,7 @@ class CameraPipeline:
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: How long ago it was taken.
         """
-        self._use_background(background, age_s, is_restored=True)
+        self._use_background(background, age_s=age_s, is_restored=True)
 
     @property
     def background_age_s(self) -> float:
@@ -140,8 +141,16 @@ class CameraPipeline:
             found = self._current_locator().find(frame)
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
-        seen = Sighting(found.objects, self._view.reason(frame), found.left_out)
+        reason = self._view.reason(frame)
+        if reason is None and self._leaves_out_cut_off():
+            found = self._arms.check(
+                frame, found, taken_at if self._kind.is_live else None, self._view.shift_px)
+        seen = Sighting(found.objects, reason, found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
+
+    def _leaves_out_cut_off(self) -> bool:
+        # What reaches in from the edge is cut off, and counts where that counts.
+        return self._detector.method == 'precise' and not self._detector.publish_cut_off
 
     def _background_reason(self, frame: np.ndarray) -> Optional[Reason]:
         if self._taker is None:
@@ -149,7 +158,7 @@ class CameraPipeline:
         background = self._taker.add(frame, confirm=self._kind.is_live)
         if background is None:
             return self._taker.reason
-        self._use_background(background)
+        self._use_background(background, witness=frame if self._kind.is_live else None)
         return None
 
     def _frame_reason(self, error: CameraToBaseError) -> Reason:
@@ -167,11 +176,13 @@ class CameraPipeline:
             self.counts[f'frames held back: {sighting.reason.kind}'] += 1
 
     def _use_background(
-        self, background: np.ndarray, age_s: float = 0.0, is_restored: bool = False
+        self, background: np.ndarray, witness: Optional[np.ndarray] = None,
+        age_s: float = 0.0, is_restored: bool = False,
     ) -> None:
         self.background, self.background_is_restored = background, is_restored
         self._background_taken_at = time.monotonic() - age_s
-        self._view = ViewWatch(background, self._limits, at_once=is_restored)
+        self._view = ViewWatch(background, self._limits, witness)
+        self._arms = ArmCheck(background)
         self._held_back = HeldBack()
         self._taker = self._locator = None
 
