@@ -15,7 +15,7 @@
 """Which detector finds the objects, and which of them count."""
 
 from dataclasses import dataclass
-from typing import List, Optional, Protocol
+from typing import List, Optional, Protocol, Tuple
 
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
@@ -28,7 +28,7 @@ import numpy as np
 # What each method takes of the settings, beside the limits for the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
-    'precise': ('precise_threshold', 'publish_cut_off'),
+    'precise': ('faintest', 'precise_threshold', 'publish_cut_off'),
 }
 METHODS = tuple(_METHOD_SETTINGS)
 
@@ -45,6 +45,10 @@ class Detector(Protocol):
         :raises FrameSizeError: If the frame's size is not the background's.
         """
 
+    @property
+    def taken_away(self) -> List[Detection]:
+        """Where objects of the background are missing, as of the last frame."""
+
 
 @dataclass(frozen=True)
 class DetectorSettings:
@@ -55,7 +59,8 @@ class DetectorSettings:
     :param threshold: tutorial: grey levels that make a pixel part of an object, 0..255.
     :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
-    :param precise_threshold: precise: the same as threshold, at the background's light.
+    :param faintest: precise: how many grey levels an object must at least differ by, 0..255.
+    :param precise_threshold: precise: the old name of `faintest`; -1 for not given.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
     :param area: Objects outside of it do not count; None for everywhere.
@@ -68,7 +73,8 @@ class DetectorSettings:
     threshold: int = 95
     closing_size: int = 20
     median_size: int = 5
-    precise_threshold: float = 45.0
+    faintest: float = 13.0
+    precise_threshold: float = -1.0
     min_area_cm2: float = 0.0
     max_area_cm2: float = 1e6
     publish_cut_off: bool = False
@@ -81,7 +87,8 @@ class DetectorSettings:
                 f"detector.method must be one of {', '.join(METHODS)}, got '{self.method}'")
         AbsoluteDifferenceDetector.check_parameters(
             self.threshold, self.closing_size, self.median_size)
-        finite_number('precise_threshold', self.precise_threshold, 0, 255)
+        finite_number('faintest', self.faintest, 0, 255)
+        finite_number('precise_threshold', self.precise_threshold, -1, 255)
         finite_number('min_area_cm2', self.min_area_cm2, 0, 1e6)
         finite_number('max_area_cm2', self.max_area_cm2, self.min_area_cm2, 1e6)
 
@@ -96,10 +103,17 @@ class DetectorSettings:
         return not any(name in names for method, names in _METHOD_SETTINGS.items()
                        if method != self.method)
 
+    @property
+    def renamed(self) -> List[Tuple[str, str]]:
+        """Old names that were given, each with the new one."""
+        return [('precise_threshold', 'faintest')] if self.precise_threshold >= 0 else []
+
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""
         if self.method == 'precise':
-            return PreciseDifferenceDetector(background, threshold=self.precise_threshold)
+            is_old_name_given = self.precise_threshold >= 0
+            return PreciseDifferenceDetector(background, faintest=(
+                self.precise_threshold if is_old_name_given else self.faintest))
         return AbsoluteDifferenceDetector(
             background, threshold=self.threshold, closing_size=self.closing_size,
             median_size=self.median_size)

@@ -209,6 +209,10 @@ class CameraPublisher(Node):
         for name in detector.without_effect:
             self.get_logger().warning(
                 f'detector.{name} has no effect with detector.method {detector.method}')
+        for old, new in detector.renamed:
+            self.get_logger().warning(
+                f'detector.{old} is now called detector.{new}: use the new name, the old one ends '
+                'with the next release')
 
     def _keep_picture(self, keep: Callable[..., None], *what) -> None:
         try:

@@ -114,8 +114,12 @@ CAMERA_SPECS = [
                   'tutorial: edge of the square kernel that closes gaps, in px.', (1, 500)),
     ParameterSpec('detector.median_size', 5,
                   "tutorial: edge of the median filter's window, in px, odd.", (1, 99), step=2),
-    ParameterSpec('detector.precise_threshold', 45.0,
-                  "precise: as detector.threshold, at the background's light.", (0, 255)),
+    ParameterSpec('detector.faintest', 13.0,
+                  'precise: how faint an object may be: the grey levels by which it must at least '
+                  'differ from the surface, in one of the colours. Noise raises it.', (0, 255)),
+    ParameterSpec('detector.precise_threshold', -1.0,
+                  'precise: the old name of detector.faintest, until the next release; -1 for '
+                  'not given.', (-1, 255)),
     ParameterSpec('detector.min_area_cm2', 0.0,
                   'Smaller objects are not published, in cm² on the surface.', (0, 1e6)),
     ParameterSpec('detector.max_area_cm2', 1e6,
