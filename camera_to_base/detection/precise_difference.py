@@ -44,7 +44,7 @@ from camera_to_base.detection.plain import place_plain
 from camera_to_base.detection.reference import Reference
 from camera_to_base.detection.regions import filled, find_regions, grown, Region, slices
 from camera_to_base.detection.shadow import split_off_shade
-from camera_to_base.detection.shares import place, Placed
+from camera_to_base.detection.shares import place, place_whole, Placed
 import cv2
 import numpy as np
 
@@ -187,7 +187,7 @@ class PreciseDifferenceDetector:
         outline = outline + np.int32([window.x, window.y])
         if touches_edge(Box(*cv2.boundingRect(outline)), frame):
             return _unplaced(outline, frame)
-        placed = place(piece, turns=1) if thing is not None and thing.is_light else place(piece)
+        placed = place_whole(piece) if thing is not None and thing.is_light else place(piece)
         return _detection(placed, window, outline)
 
 

@@ -38,7 +38,7 @@ _DEEPEST, _FAINTEST, _TINT = 0.2, 0.985, 1.25
 _LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
 # Logarithms of ratios: from where a thing is much lighter than the table, the part of that at
 # which it ends, and what shows at all.
-_MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.2, 0.1
+_MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
 _LEAST_CORE, _LEAST_PART, _LEAST_THING, _LEAST_RING = 20, 8, 16, 4
 _LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.25, 0.25
 _LEAST_SHADE, _LEAST_DULL, _LEAST_LUMP, _LEAST_SHADE_BESIDE = 0.8, 0.6, 0.6, 0.15

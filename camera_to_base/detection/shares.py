@@ -62,14 +62,10 @@ class Placed(NamedTuple):
         return moments
 
 
-def place(piece: Piece, turns: int = _TURNS) -> Placed:
-    """
-    Place a region's object.
-
-    :param turns: One leaves the mask as it is but for its rim.
-    """
+def place(piece: Piece) -> Placed:
+    """Place a region's object."""
     highlight, mask = find_highlight(piece), piece.mask
-    for _ in range(turns):
+    for _ in range(_TURNS):
         shares = _shares(piece, mask)
         covered = (shares > 0.5).astype(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
@@ -80,6 +76,12 @@ def place(piece: Piece, turns: int = _TURNS) -> Placed:
     if highlight is not None:
         shares = complete_shares(shares, piece.mask, highlight)
     return Placed(shares.astype(np.float32), mask)
+
+
+def place_whole(piece: Piece) -> Placed:
+    """Place an object that is all of the mask: only the shares of its rim are to be told."""
+    shares = np.maximum(_shares(piece, piece.mask), cv2.erode(piece.mask, square(3)))
+    return Placed(shares.astype(np.float32), piece.mask)
 
 
 def _shares(piece: Piece, mask: np.ndarray) -> np.ndarray:
