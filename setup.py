@@ -33,14 +33,19 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    install_requires=['setuptools', 'PyYAML', 'tqdm'],
+    python_requires='>=3.10',
+    install_requires=['matplotlib', 'numpy', 'opencv-python-headless', 'PyYAML', 'scipy', 'tqdm'],
     zip_safe=True,
     options={'build_scripts': {'executable': interpreter}},
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
     description="Objects that a camera sees on a surface, as points in the robot's base frame.",
     license='Apache-2.0',
-    extras_require={'bags': ['rosbags'], 'test': ['pytest']},
+    extras_require={
+        'bags': ['rosbags'],
+        'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
+        'test': ['hypothesis', 'pytest'],
+    },
     entry_points={
         'console_scripts': [
             'calibrate = camera_to_base.commands.calibrate:main',

@@ -30,7 +30,7 @@ import platform
 import sys
 from typing import Dict, List, Optional
 
-from camera_to_base.detection import Detection, locate_on_surface, polygon_area
+from camera_to_base.detection import Detection, locate_on_surface
 from camera_to_base.simulation import BoardConditions, SimulatedBoard, TrueObject
 import cv2
 from methods import METHODS
@@ -124,7 +124,8 @@ def project(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 def publishable(detection: Detection, board: SimulatedBoard) -> bool:
     """Tell whether an object is whole and of a size that is asked for, on the surface."""
-    area = polygon_area(project(board.surface_from_pixel, detection.outline))
+    outline = project(board.surface_from_pixel, detection.outline)
+    area = cv2.contourArea(outline.astype(np.float32))
     return not detection.cut_off and _AREA_CM2[0] <= area <= _AREA_CM2[1]
 
 

@@ -20,7 +20,13 @@ from typing import NamedTuple, Sequence, Tuple
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 import numpy as np
+
+# The tutorial's set-up: what the picture's width sees, and where the camera frame lies.
+TUTORIAL_WIDTH_CM = 36.0
+TUTORIAL_ROTATION_DEG = (180.0, 0.0, 0.0)
+TUTORIAL_DISPLACEMENT_CM = (-17.8, 24.4, 0.0)
 
 
 def rotation_matrix(roll_deg: float, pitch_deg: float, yaw_deg: float) -> np.ndarray:
@@ -195,8 +201,8 @@ class CameraToRobotBaseConversion(CoordinateConversion):
 
 def main() -> None:
     """Print three seconds of random positions, as the tutorial's helper program does."""
-    conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
-    cm_per_px = 36.0 / 640
+    conversion = CameraToRobotBaseConversion(TUTORIAL_ROTATION_DEG[0], *TUTORIAL_DISPLACEMENT_CM)
+    cm_per_px = TUTORIAL_WIDTH_CM / DEFAULT_IMAGE_SIZE[0]
     print('Detecting an object for 3 seconds')
     for step in range(1, 31):
         u, v = random.randint(250, 450), random.randint(250, 450)

@@ -13,34 +13,59 @@
 # limitations under the License.
 
 
-"""Writes files as a whole: whoever looks sees the old ones or the new ones, never a part."""
+"""Writes files as a whole: a reader sees the old ones or the new ones, never a part."""
 
 import os
-from typing import Iterable, Mapping, Optional
+import stat
+from typing import Dict, Iterable, List, Mapping, Optional
 
 from camera_to_base.errors import InvalidValueError
 
 
-def write_files(contents: Mapping[str, bytes]) -> None:
+def write_files(contents: Mapping[str, bytes], *, keep_old: bool = False) -> List[str]:
     """
     Write all files, or none if one cannot be written.
 
+    A link stays: its target is written. A file that is there keeps its permissions and, where
+    that is allowed, its owner.
+
     :param contents: By path.
-    :raises InvalidValueError: If one cannot be written.
+    :param keep_old: Keep what is overwritten beside the new file, as PATH.bak.
+    :returns: The .bak files that were written.
+    :raises InvalidValueError: If one cannot be written, or is there and no regular file.
     """
-    unfinished = {path: f'{path}.part' for path in contents}
+    unfinished: Dict[str, str] = {}
+    path = ''
     try:
-        for path, content in contents.items():
-            with open(unfinished[path], 'wb') as file:
-                file.write(content)
-        for path in contents:
-            os.replace(unfinished[path], path)
+        targets = {regular_target(path): content for path, content in contents.items()}
+        old = [target for target in targets if keep_old and os.path.exists(target)]
+        for path in old:
+            _write_part(regular_target(f'{path}.bak'), _content(path), path, unfinished)
+        for path, content in targets.items():
+            _write_part(path, content, path, unfinished)
+        for path, part in unfinished.items():
+            os.replace(part, path)
     except OSError as error:
         raise InvalidValueError(f"cannot write '{path}': {error.strerror}") from error
     finally:
         for part in unfinished.values():
             if os.path.exists(part):
                 os.remove(part)
+    return [f'{target}.bak' for target in old]
+
+
+def regular_target(path: str) -> str:
+    """
+    Follow a path's links to the file that is to be written.
+
+    :returns: The file's path, which is no link; there may be no such file yet.
+    :raises InvalidValueError: If there is something else than a file: a device, a pipe, a folder.
+    """
+    target = os.path.realpath(path)
+    if os.path.lexists(target) and not os.path.isfile(target):
+        raise InvalidValueError(
+            f"cannot write '{path}': {_kind(target)} is there, not a file: name another")
+    return target
 
 
 def refuse_same_file(paths: Iterable[Optional[str]]) -> None:
@@ -78,3 +103,38 @@ def refuse_existing(paths: Iterable[str]) -> None:
         if os.path.lexists(path):
             raise InvalidValueError(
                 f"'{path}' exists already: name another file, or overwrite it with --force")
+
+
+def _content(path: str) -> bytes:
+    with open(path, 'rb') as file:
+        return file.read()
+
+
+def _write_part(target: str, content: bytes, model: str, unfinished: Dict[str, str]) -> None:
+    """Write beside the target, with the model's permissions, and note the part in `unfinished`."""
+    # A name of its own: two that write the same file do not write into each other's part.
+    part = unfinished[target] = f'{target}.{os.getpid()}.part'
+    with open(part, 'wb') as file:
+        file.write(content)
+        file.flush()
+        # Otherwise a power cut after the renaming can leave an empty file.
+        os.fsync(file.fileno())
+    if os.path.exists(model):
+        _copy_permissions(model, part)
+
+
+def _copy_permissions(model: str, path: str) -> None:
+    like = os.stat(model)
+    try:
+        os.chown(path, like.st_uid, like.st_gid)
+    except PermissionError:
+        pass  # Only root may give files away; the content counts.
+    os.chmod(path, stat.S_IMODE(like.st_mode))
+
+
+def _kind(path: str) -> str:
+    if os.path.islink(path):
+        return 'a link that leads back to itself'
+    if os.path.isdir(path):
+        return 'a folder'
+    return 'a device or a pipe'

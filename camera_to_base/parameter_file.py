@@ -47,6 +47,29 @@ class ParameterFile(NamedTuple):
     comments: List[str]
 
 
+class Section(NamedTuple):
+    """
+    What a parameter file says to one node, or to several.
+
+    :param node: The node's full name, '/cell_1/camera_publisher'; '*' stands for one part of it,
+        '**' for any number of them.
+    :param values: By full name, 'surface.model' and so on.
+    """
+
+    node: str
+    values: Mapping[str, Any]
+
+    @property
+    def is_for_several(self) -> bool:
+        """Tell whether it is for more nodes than one."""
+        return '*' in self.node
+
+    def stands_for(self, node: str) -> bool:
+        """Tell whether a node takes it, by rclpy's rule."""
+        pattern = re.escape(self.node).replace(r'/\*\*', r'(/\w+)*').replace(r'/\*', r'(/\w+)')
+        return re.fullmatch(pattern, node) is not None
+
+
 def parameter_text(values: Mapping[str, Any], comments: Iterable[str]) -> str:
     """
     Make the text of a file for all nodes.
@@ -92,14 +115,24 @@ def read_node_parameters(path: str, node: str) -> Dict[str, Any]:
     :returns: The values by full name, 'surface.model' and so on.
     :raises InvalidValueError: If there is no such file, or it is no parameter file.
     """
-    sections = list(_sections(load_yaml(path, 'parameter file')[1]))
+    sections = read_sections(path)
     if not sections:
         raise InvalidValueError(f"'{path}' is no parameter file: it has no 'ros__parameters:'")
     values: Dict[str, Any] = {}
-    for name, tree in sections:
-        if _stands_for(name, node):
-            values.update(_flat(tree))
+    for section in sections:
+        if section.stands_for(node):
+            values.update(section.values)
     return values
+
+
+def read_sections(path: str) -> List[Section]:
+    """
+    Read all sections of a file, in order; none of one that holds no parameters.
+
+    :raises InvalidValueError: If there is no such file, or it is no YAML.
+    """
+    return [Section(name, _flat(tree))
+            for name, tree in _sections(load_yaml(path, 'parameter file')[1])]
 
 
 def node_namespaces(path: str, nodes: Iterable[str]) -> List[str]:
@@ -109,7 +142,7 @@ def node_namespaces(path: str, nodes: Iterable[str]) -> List[str]:
     :param nodes: The nodes' names, without namespaces.
     :raises InvalidValueError: If there is no such file, or it is no YAML.
     """
-    names = [name.rpartition('/') for name, _ in _sections(load_yaml(path, 'parameter file')[1])]
+    names = [section.node.rpartition('/') for section in read_sections(path)]
     return sorted({namespace for namespace, _, node in names
                    if node in nodes and '*' not in namespace})
 
@@ -143,12 +176,6 @@ def _sections(tree: Any, name: str = '') -> Iterator[Tuple[str, Any]]:
             yield name, branch
         else:
             yield from _sections(branch, f'{name}/{str(key).strip("/")}')
-
-
-def _stands_for(section: str, node: str) -> bool:
-    # rclpy's rule: '*' stands for one part of a full name, '**' for any number of them.
-    pattern = re.escape(section).replace(r'/\*\*', r'(/\w+)*').replace(r'/\*', r'(/\w+)')
-    return re.fullmatch(pattern, node) is not None
 
 
 def _refuse_values_that_are_groups(values: Mapping[str, Any]) -> None:

@@ -12,11 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a parameter is: name, default, meaning and limits, without ROS."""
+"""What a parameter is: name, default, meaning, unit and limits, without ROS."""
 
+import array
 from dataclasses import dataclass
-import difflib
-from typing import Any, Collection, Dict, Iterable, List, Mapping, Optional, Tuple
+import math
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from camera_to_base.errors import InvalidValueError
 
@@ -28,12 +29,16 @@ _KINDS = {bool: 'bool', int: 'integer', float: 'double', str: 'string'}
 @dataclass(frozen=True)
 class ParameterSpec:
     """
-    One parameter, as `ros2 param describe` shows it.
+    One parameter: the only place for its default, its limits and its meaning.
 
-    :param limits: Lowest and highest number, both allowed.
+    :param limits: Lowest and highest number, both allowed; of a list, for each number of it.
     :param step: Distance of allowed whole numbers; 0 allows all.
+    :param unit: Of the value: 'cm', 'deg'.
+    :param choices: The only values that a text may have; () allows any.
+    :param lengths: How long a list may be; () allows any length.
     :param constraints: What else must hold, in words.
     :param fixed: Cannot be changed while the node runs.
+    :param old_names: What it was called before: these names still work, with a warning.
     """
 
     name: str
@@ -41,69 +46,102 @@ class ParameterSpec:
     description: str
     limits: Optional[Tuple[float, float]] = None
     step: int = 0
+    unit: str = ''
+    choices: Tuple[str, ...] = ()
+    lengths: Tuple[int, ...] = ()
     constraints: str = ''
     fixed: bool = False
+    old_names: Tuple[str, ...] = ()
 
     @property
     def takes_any_list(self) -> bool:
         """Tell whether the default is an empty list, of which ROS cannot tell the type."""
         return isinstance(self.default, list) and not self.default
 
-    def has_type_of(self, value: Any) -> bool:
-        """Tell whether a value has the declared type."""
-        return self.takes_any_list or kind_of(value) == kind_of(self.default)
+    @property
+    def kind(self) -> str:
+        """Name the declared type; a list that is empty by default is one of doubles."""
+        return 'list of double' if self.takes_any_list else kind_of(self.default)
+
+    @property
+    def constraint_text(self) -> str:
+        """Say all that a value must be, made of the limits, the unit and so on; '' for nothing."""
+        choices = f'one of {", ".join(self.choices)}' if self.choices else ''
+        return '; '.join(filter(None, (self._numbers_text(), choices, self.constraints)))
+
+    def _numbers_text(self) -> str:
+        if not self.lengths:
+            return self._number_text()
+        counts = f'{" or ".join(map(str, self.lengths))} numbers'
+        between = ', each ' if self.limits else ' '
+        return between.join(filter(None, (counts, self._number_text())))
+
+    def _number_text(self) -> str:
+        if self.limits is None:
+            return f'in {self.unit}' if self.unit else ''
+        low, high = self.limits
+        steps = f' in steps of {self.step}' if self.step else ''
+        return f'{low:.10g} to {high:.10g} {self.unit}'.rstrip() + steps
 
     def converted(self, value: Any) -> Any:
         """Make a double of an int and a text of a device index, as a user would expect."""
-        if self.takes_any_list and value is None:
+        if isinstance(self.default, list) and value is None:
             return []  # what rcl makes of an empty list in a file
+        if isinstance(value, (array.array, tuple)):
+            value = list(value)  # as which a client's numbers come
         if isinstance(self.default, str) and type(value) is int:
             return str(value)
         if isinstance(self.default, float) and type(value) is int:
             return float(value)
-        if kind_of(self.default) == 'list of double' and kind_of(value) == 'list of integer':
+        if self.kind == 'list of double' and kind_of(value) in (
+                'list of integer', 'list of double and integer'):
             return [float(number) for number in value]
-        if kind_of(self.default) in ('list of double', 'list of nothing') and type(value) is str:
+        if self.kind == 'list of double' and type(value) is str:
             return _numbers(value) or value
         return value
 
-    def typed(self, value: Any) -> Any:
+    def checked(self, value: Any) -> Any:
         """
-        Convert a value to the declared type.
+        Convert a value to the declared type, and check that it is allowed.
 
-        :raises InvalidValueError: If it is of another.
+        :raises InvalidValueError: If it is of another type, or is not.
         """
+        typed = self._typed(value)
+        if not self._allows(typed):
+            wanted = self.constraint_text if self.limits or _is_finite(typed) else 'finite'
+            raise InvalidValueError(f'parameter {self.name} must be {wanted}, got {typed!r}')
+        return typed
+
+    def _typed(self, value: Any) -> Any:
         try:
             typed = self.converted(value)
         except OverflowError:
             raise InvalidValueError(
-                f'parameter {self.name} must be of type {kind_of(self.default)}, got a whole '
-                'number of more than 300 digits')
-        if not self.has_type_of(typed):
-            raise InvalidValueError(
-                f'parameter {self.name} must be of type {kind_of(self.default)}, '
-                f'got {typed!r} of type {kind_of(typed)}')
-        return typed
-
-    def checked(self, value: Any) -> Any:
-        """
-        Convert a value to the declared type, and check that it is within the limits.
-
-        :raises InvalidValueError: If it is of another type, or is not.
-        """
-        typed = self.typed(value)
-        if not self._allows(typed):
-            low, high = self.limits
-            steps = f' in steps of {self.step}' if self.step else ''
-            raise InvalidValueError(
-                f'parameter {self.name} must be {low:g} to {high:g}{steps}, got {typed!r}')
+                f'parameter {self.name} must be of type {self.kind}, got a whole number of more '
+                'than 300 digits')
+        is_empty_list = typed == [] and (self.takes_any_list or self.lengths)
+        if not (kind_of(typed) == self.kind or is_empty_list):
+            raise InvalidValueError(f'parameter {self.name} must be of type {self.kind}, '
+                                    f'got {typed!r} of type {kind_of(typed)}')
         return typed
 
     def _allows(self, value: Any) -> bool:
-        if self.limits is None:
-            return True
-        low, high = self.limits
-        return low <= value <= high and not (self.step and (value - low) % self.step)
+        if isinstance(value, list):
+            right_length = not self.lengths or len(value) in self.lengths
+            return right_length and all(map(self._allows_one, value))
+        return self._allows_one(value)
+
+    def _allows_one(self, value: Any) -> bool:
+        if isinstance(value, str):
+            return not self.choices or value in self.choices
+        low, high = self.limits or (-math.inf, math.inf)
+        return (_is_finite(value) and low <= value <= high
+                and not (self.step and (value - low) % self.step))
+
+
+def default_values(specs: Iterable[ParameterSpec]) -> Dict[str, Any]:
+    """Give the default of each parameter."""
+    return {spec.name: spec.default for spec in specs}
 
 
 def checked_values(specs: Iterable[ParameterSpec], given: Values) -> Dict[str, Any]:
@@ -117,15 +155,15 @@ def checked_values(specs: Iterable[ParameterSpec], given: Values) -> Dict[str, A
             for spec in specs}
 
 
-def meant_name(name: str, known: Collection[str]) -> Optional[str]:
-    """Tell which known name somebody meant who has written an unknown one; None for any."""
-    return next(iter(difflib.get_close_matches(name, known, n=1, cutoff=0.8)), None)
+def grouped(values: Values, prefix: str) -> Dict[str, Any]:
+    """Give the values whose names have a prefix, by their names without it."""
+    return {name[len(prefix):]: value for name, value in values.items()
+            if name.startswith(prefix)}
 
 
-def unknown_name_text(name: str, meant: Optional[str], kind: str = 'parameter') -> str:
-    """Warn of a name that no parameter has, or nothing else of a kind."""
-    hint = f": did you mean '{meant}'?" if meant else ''
-    return f"there is no {kind} '{name}', it is left out{hint}"
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, str) or all(map(
+        math.isfinite, value if isinstance(value, list) else [value]))
 
 
 def _numbers(text: str) -> Optional[List[float]]:

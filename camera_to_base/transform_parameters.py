@@ -19,24 +19,34 @@ import math
 from typing import Tuple
 
 from camera_to_base.checks import frame_id
-from camera_to_base.coordinate_transform import CameraToRobotBaseConversion, Pose
-from camera_to_base.errors import OutOfReachError
+from camera_to_base.coordinate_transform import (
+    CameraToRobotBaseConversion, Pose, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
+from camera_to_base.errors import OtherFrameError, OutOfReachError
 from camera_to_base.parameter_spec import ParameterSpec, Values
 
 PLACEMENT_SPECS = [
-    ParameterSpec('rotation_deg', [180.0, 0.0, 0.0],
+    ParameterSpec('rotation_deg', list(TUTORIAL_ROTATION_DEG),
                   'Rotation of the camera frame in the base frame: roll, pitch and yaw about the '
-                  'fixed axes x, y and z, in degrees.'),
-    ParameterSpec('displacement_cm', [-17.8, 24.4, 0.0],
-                  "The camera frame's origin in the base frame: x, y and z, in cm."),
+                  'fixed axes x, y and z.', unit='deg', lengths=(3,)),
+    ParameterSpec('displacement_cm', list(TUTORIAL_DISPLACEMENT_CM),
+                  "The camera frame's origin in the base frame: x, y and z.",
+                  unit='cm', lengths=(3,)),
 ]
+# Both nodes have it: one names the frame in its messages, the other takes no message in another.
+CAMERA_FRAME_SPEC = ParameterSpec(
+    'camera_frame_id', 'camera_surface',
+    "The stamped topics' name for the camera frame, which lies on the surface; "
+    'robot_base_publisher drops what is stamped in another frame.',
+    constraints='a frame name without a leading /')
 TRANSFORM_SPECS = [
     *PLACEMENT_SPECS,
     ParameterSpec('reach_cm', 1000.0,
-                  "A position farther than this from the robot's base, in cm, is dropped: set it "
-                  "to your arm's reach.", (0.001, 1000000.0)),
+                  "A position farther than this from the robot's base is dropped: set it to your "
+                  "arm's reach.", (0.001, 1000000.0), unit='cm'),
     ParameterSpec('base_frame_id', 'base_link',
-                  "The stamped topics' name for the robot's base frame."),
+                  "The stamped topics' name for the robot's base frame.",
+                  constraints='a frame name without a leading /'),
+    CAMERA_FRAME_SPEC,
 ]
 
 
@@ -47,6 +57,19 @@ class TransformSettings:
     conversion: CameraToRobotBaseConversion
     reach_cm: float
     base_frame_id: str
+    camera_frame_id: str
+
+    def check_frame(self, name: str) -> None:
+        """
+        Check in which coordinate frame a position is given.
+
+        :param name: The message's frame_id; an empty one is taken for the camera frame.
+        :raises OtherFrameError: If it names another frame.
+        """
+        if name.lstrip('/') not in ('', self.camera_frame_id):
+            raise OtherFrameError(
+                f"its frame_id is '{name[:80]}', not '{self.camera_frame_id}': send positions in "
+                'the camera frame, or give both nodes the same camera_frame_id')
 
     def base_point(self, x: float, y: float, z: float = 0.0) -> Tuple[float, float, float]:
         """
@@ -81,7 +104,8 @@ def transform_node_settings(values: Values) -> TransformSettings:
     """
     return TransformSettings(
         transform_settings(values), values['reach_cm'],
-        frame_id('base_frame_id', values['base_frame_id']))
+        frame_id('base_frame_id', values['base_frame_id']),
+        frame_id('camera_frame_id', values['camera_frame_id']))
 
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:

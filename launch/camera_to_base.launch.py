@@ -111,16 +111,17 @@ def _folder_of_this_launch():
 
 def _camera_actions(camera, playing, background_file):
     source, remappings = image_input(camera)
+    # A node drops what is stamped in another frame.
+    camera_frame = {'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}
     actions = [
         _node(
             camera, 'camera_to_base', 'camera_publisher', remappings=remappings,
             on_exit=functools.partial(_end_with_recordings, camera, playing),
             parameters=[camera.params_file, {
                 'source': ParameterValue(source, value_type=str),
-                'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str),
-                **kept_background(camera, background_file)}]),
+                **camera_frame, **kept_background(camera, background_file)}]),
         _node(camera, 'camera_to_base', 'robot_base_publisher', on_exit=_end_without_start,
-              parameters=[camera.params_file]),
+              parameters=[camera.params_file, camera_frame]),
     ]
     if camera.has_driver:
         _require(camera.camera_driver, f'camera_driver:={camera.camera_driver}')

@@ -14,12 +14,16 @@
 
 """What the pages tell to type exists: executables, options, parameters, arguments, files."""
 
+import csv
 from pathlib import Path
 import re
 import shlex
 
+from camera_to_base.commands.calibrate import main as calibrate
 from camera_to_base.commands.calibrate_options import parse
+from camera_to_base.commands.locate import main as locate
 from camera_to_base.settings.camera import CAMERA_SPECS
+from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.transform_parameters import TRANSFORM_SPECS
 import pytest
 
@@ -90,6 +94,14 @@ def test_files_of_the_package_are_there(page):
         assert (ROOT / path).exists(), path
 
 
+def test_each_kind_of_reason_is_listed():
+    page = (ROOT / 'docs' / 'topics_and_frames.md').read_text()
+    kinds = {kind for module in (ROOT / 'camera_to_base').glob('**/*.py') for kind in re.findall(
+        r"(?:Reason|_waiting|_damage|_left_out)\(\s*'(\w+)'", module.read_text())}
+    assert len(kinds) > 20
+    assert not sorted(kind for kind in kinds if f'`{kind}`' not in page)
+
+
 @each_page
 def test_executables_are_installed(page):
     installed = set(re.findall(r"'(\w+) = ", (ROOT / 'setup.py').read_text())) | NODES
@@ -122,3 +134,57 @@ def test_launch_arguments_are_declared(page):
         if command.startswith('ros2 launch camera_to_base '):
             for name in re.findall(r' (\w+):=', command):
                 assert name in declared, command
+
+
+# What README says to write in the place of a camera.
+PRACTICE = {'--camera 0': '--camera simulated --origin-mm -80 -72.5'}
+
+
+def block_below(page, first_line):
+    """Give an indented block of a page, its first line included."""
+    block = re.search(rf'^( {{4,}}){re.escape(first_line)}\n(?:\1.*\n)*', page, re.MULTILINE)
+    return [line.strip() for line in block.group().splitlines()]
+
+
+def run_calibrate(page, word):
+    command = re.search(rf'ros2 run camera_to_base (calibrate {word} .*)', page).group(1)
+    for camera, practice in PRACTICE.items():
+        command = command.replace(camera, practice)
+    assert calibrate(shlex.split(command)[1:]) == 0
+
+
+@pytest.fixture
+def practised(tmp_path, monkeypatch, capsys):
+    """Follow README's calibration as it says to practise it; give what was printed."""
+    page = (ROOT / 'README.md').read_text()
+    assert all(f'`{word}`' in page for pair in PRACTICE.items() for word in pair)
+    monkeypatch.chdir(tmp_path)
+    run_calibrate(page, 'board')
+    pairs = block_below(page, 'x_cam_cm,y_cam_cm,x_base_cm,y_base_cm')
+    (tmp_path / 'pairs.csv').write_text('\n'.join(pairs))
+    run_calibrate(page, 'base')
+    return capsys.readouterr().out
+
+
+def test_readme_calibrates_the_simulated_camera_to_half_a_millimetre(practised):
+    assert locate(['simulated', '--params-file', 'cell.yaml', '--every', '50',
+                   '--csv', 'positions.csv']) == 0
+    board = SimulatedBoard(image_size=(640, 480))
+    truth = []
+    for _ in range(600):
+        board.read()
+        truth.append(board.true_point)
+    rows = list(csv.DictReader(Path('positions.csv').open()))
+    assert len(rows) > 8
+    for row in rows:
+        x, y = truth[int(row['frame'])]
+        assert float(row['x_base_cm']) == pytest.approx(x - 17.8, abs=0.05)
+        assert float(row['y_base_cm']) == pytest.approx(24.4 - y, abs=0.05)
+
+
+def test_overhead_page_shows_what_calibrate_prints(practised):
+    page = (ROOT / 'docs' / 'overhead_camera.md').read_text()
+    shown = block_below(page, re.search('camera frame in the base frame: .*', page).group())
+    assert len(shown) == 3
+    assert '\n'.join(shown) in practised
+    assert re.search('error at 54 points: rms [0-9.]+ mm', page).group() in practised

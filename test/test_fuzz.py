@@ -30,10 +30,12 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.ros.messages import (
     MOST_POSES, point_from_message, poses_from_message, position_from_message)
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.sources.decoding import decode_compressed, decode_image, ENCODINGS
+from camera_to_base.sources.source_kind import DEVICE
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
 from camera_to_base.surface.specs import SURFACE_DEFAULTS
@@ -136,7 +138,7 @@ def test_any_parameter_value_is_used_or_gives_our_error(specs, make):
     defaults = {spec.name: spec.default for spec in specs}
 
     def like(default):
-        # ROS has checked the type before; what is in a list and how long it is it has not.
+        # ROS has checked the type before.
         if isinstance(default, list):
             kind = st.integers(-2**63, 2**63 - 1) if default and isinstance(
                 default[0], int) else st.floats()
@@ -148,7 +150,9 @@ def test_any_parameter_value_is_used_or_gives_our_error(specs, make):
     @given(st.sampled_from(sorted(defaults)).flatmap(
         lambda name: st.tuples(st.just(name), like(defaults[name]))))
     def check(changed):
-        outcome('parameter values', make, {**defaults, **dict([changed])})
+        values = outcome('parameter values', checked_values, specs, dict([changed]))
+        if values is not None:
+            outcome('settings', make, values)
 
     check()
 
@@ -160,12 +164,12 @@ def test_any_transform_is_made_or_gives_our_error(rotation, displacement):
 
 
 @bounded
-@given(st.lists(numbers, min_size=9, max_size=9), values, values)
-def test_any_surface_and_any_pixel_gives_finite_points_or_our_error(matrix, pixels, width):
+@given(st.lists(numbers, min_size=9, max_size=9), values)
+def test_any_surface_and_any_pixel_gives_finite_points_or_our_error(matrix, pixels):
     surfaces = [
+        ParallelSurface(),
         outcome('surfaces', HomographySurface, np.array(matrix, dtype=object).reshape(3, 3),
                 (640, 480)),
-        outcome('surfaces', ParallelSurface, width, 640),
         outcome('surfaces', PolynomialSurface, y_of_v=matrix[:3], px_per_cm_of_y=matrix[3:6],
                 centre_u=matrix[6], image_size=(640, 480))]
     for surface in surfaces:
@@ -187,7 +191,7 @@ def test_any_two_pictures_are_detected_on_or_give_our_error(background, frame):
 def test_any_frames_go_through_the_pipeline_or_give_our_error(frames, background_frames):
     pipeline = CameraPipeline(
         ParallelSurface(36.0, 640), limits=Limits(check_period_s=0.0),
-        background_frames=background_frames)
+        background_frames=background_frames, kind=DEVICE)
     for frame in frames:
         outcome('frames', pipeline.process, frame, 0.0)
 
@@ -212,7 +216,7 @@ def test_any_damaged_jpeg_that_opencv_decodes_goes_through_the_pipeline(tail, cu
     frame = cv2.imdecode(np.frombuffer(bytes(content), np.uint8), cv2.IMREAD_COLOR) \
         if content else None
     if frame is not None and frame.size < 10**7:
-        pipeline = CameraPipeline(ParallelSurface(36.0, 640))
+        pipeline = CameraPipeline(ParallelSurface(36.0, 640), kind=DEVICE)
         outcome('jpegs', pipeline.process, frame, 0.0)
         outcome('jpegs', pipeline.process, frame, 0.0)
     counts['jpegs'] += 1

@@ -12,8 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import array
+
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameter_spec import checked_values, meant_name, ParameterSpec
+from camera_to_base.parameter_spec import checked_values, ParameterSpec
 from camera_to_base.settings.camera import CAMERA_SPECS
 import pytest
 
@@ -61,7 +63,39 @@ def test_defaults_of_the_camera_node_pass_their_own_check():
     assert checked_values(CAMERA_SPECS, defaults) == defaults
 
 
-def test_misspelt_name_is_recognized_and_a_foreign_one_is_not():
-    names = [spec.name for spec in CAMERA_SPECS]
-    assert meant_name('detector.treshold', names) == 'detector.threshold'
-    assert meant_name('pixel_format', names) is None
+@pytest.mark.parametrize('options, text', [
+    ({}, ''), ({'limits': (0.5, 1e6)}, '0.5 to 1000000'), ({'unit': 'cm'}, 'in cm'),
+    ({'limits': (1, 99), 'step': 2, 'unit': 'px'}, '1 to 99 px in steps of 2'),
+    ({'lengths': (0, 2), 'unit': 'cm'}, '0 or 2 numbers in cm'), ({'lengths': (9,)}, '9 numbers'),
+    ({'lengths': (2,), 'limits': (1, 10000), 'unit': 'px'}, '2 numbers, each 1 to 10000 px'),
+    ({'choices': ('camera', 'base')}, 'one of camera, base'),
+    ({'unit': 'px', 'constraints': 'u and v in turn'}, 'in px; u and v in turn')])
+def test_what_a_value_must_be_is_one_text(options, text):
+    assert ParameterSpec('any', 0, '', **options).constraint_text == text
+
+
+@pytest.mark.parametrize('spec, value, said', [
+    (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), [1, 10], 'each 1 to 9, got'),
+    (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), [1], 'must be 2 numbers, each'),
+    (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), [], 'must be 2 numbers, each'),
+    (ParameterSpec('size', [1, 1], '', (1, 9), lengths=(2,)), None, 'must be 2 numbers, each'),
+    (ParameterSpec('lengths', [1], ''), [], 'of type list of integer'),
+    (ParameterSpec('axis', [1.0], ''), [float('inf')], 'axis must be finite, got'),
+    (ParameterSpec('hull', [], '', unit='px'), [float('nan')], 'hull must be finite, got'),
+    (ParameterSpec('hull', [], ''), ['left'], 'hull must be of type list of double'),
+    (ParameterSpec('model', 'a', '', choices=('a', 'b')), 'c', "one of a, b, got 'c'")])
+def test_lists_and_texts_are_checked_as_numbers_are(spec, value, said):
+    with pytest.raises(InvalidValueError, match=said):
+        spec.checked(value)
+
+
+@pytest.mark.parametrize('value', [array.array('d', [1.0, 2.0]), array.array('q', [1, 2]),
+                                   (1, 2.0), '[1, 2.0]'])
+def test_numbers_come_out_as_a_list_of_doubles_however_they_were_sent(value):
+    found = ParameterSpec('hull', [], '').checked(value)
+    assert found == [1.0, 2.0] and list(map(type, found)) == [float, float]
+
+
+@pytest.mark.parametrize('value', [array.array('d'), array.array('q'), (), [], None])
+def test_empty_list_stays_empty_however_it_was_sent(value):
+    assert ParameterSpec('hull', [], '').checked(value) == []

@@ -28,9 +28,10 @@ from camera_to_base.calibration.report_text import figure_lines, Report
 from camera_to_base.calibration.rigid_fit import fit_rigid
 from camera_to_base.calibration.tables import refuse_other_size
 from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.surface import (
     camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
-    PointPairs, sees_y_clockwise, Surface, SURFACE_DEFAULTS, surface_values)
+    PointPairs, sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
 import numpy as np
 
 # Corners are found to 0.1 to 0.2 px, and so well do a lens's own intrinsics show them.
@@ -157,7 +158,7 @@ def check_surface(
             'expected the parameters of a surface, as calibrate board and calibrate points write '
             f'them, got {", ".join(values) or "none"}')
     # The points lie on the surface, whatever the height of the objects that are to come.
-    values = {**SURFACE_DEFAULTS, **values, 'object_height_cm': 0.0}
+    values = {**checked_values(SURFACE_SPECS, values), 'object_height_cm': 0.0}
     surface, hull = make_surface(values), make_hull(values)
     refuse_other_size(table_size, values['surface.image_size'])
     figures = error_figures(surface_errors(surface, matched), matched.rows)

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from camera_to_base.calibration.figures import leave_one_out
-from camera_to_base.calibration.least_squares import minimise
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.surface import (
     check_inside, check_spread, divide, homogeneous, HomographySurface, ImageSize, MatchedPoints,
     RadialDistortion, undivide)
+import cv2
 import numpy as np
 
 # With 8 points the coefficient costs little where the lens has no distortion (0.51 -> 0.62 mm on
@@ -38,6 +38,15 @@ EXPECTED_CENTRE = 0.03
 
 # Where the search starts: a lens without distortion, and a strong barrel.
 START_COEFFICIENTS = (0.0, -0.3)
+
+# Near the minimum each step is the square of the one before: after such a one nothing is left.
+SMALL_STEP = 1e-10
+
+_OPEN = ('the points do not determine the surface, too many of them lie on one line: spread them '
+         'over the picture')
+
+# A direction that changes the picture by less than this share of the strongest one is left open.
+OPEN_DIRECTION = 1e-6
 
 
 @dataclass(frozen=True)
@@ -99,9 +108,11 @@ def _fit_with_folds(problem):
 
 class _Problem:
     """
-    Nine numbers of a homography from surface to undistorted pixel, and three of the lens.
+    Eight numbers of a homography from surface to undistorted pixel, and three of the lens.
 
     Points and pixels are normalised first, so that neither units nor the picture's size matter.
+    The homography's ninth number is 1: it is the depth of the points' centre, which lies before
+    every camera that sees the points.
     """
 
     def __init__(self, matched, image_size, *, with_distortion):
@@ -128,7 +139,7 @@ class _Problem:
         parameters, noise = self._start(everything), 0.0
         freedom = max(2 * len(everything) - 9, 1)
         for _ in range(20 if self._with_distortion else 1):
-            left = np.linalg.norm(self._misfit(parameters[:, None], everything))
+            left = np.linalg.norm(self._misfit(parameters, everything))
             previous, noise = noise, left / np.sqrt(freedom)
             if abs(noise - previous) <= 1e-9 * noise:
                 break
@@ -146,9 +157,9 @@ class _Problem:
 
     def surface(self, parameters, kept):
         """Return the surface in the units that the points and pixels came in."""
-        pixel_from_surface = (np.linalg.inv(self._pixel_scale) @ parameters[:9].reshape(3, 3)
-                              @ self._point_scale)
-        w = homogeneous(parameters[:9].reshape(3, 3), self.points[kept])[:, 2]
+        homography = _homography(parameters)
+        pixel_from_surface = np.linalg.inv(self._pixel_scale) @ homography @ self._point_scale
+        w = homogeneous(homography, self.points[kept])[:, 2]
         if w.min() * w.max() <= 0:
             raise CalibrationError('no camera can see the points at these pixels, some of them '
                                    'would lie behind it: are rows swapped, or x and y?')
@@ -166,59 +177,49 @@ class _Problem:
     def _lens(self, parameters):
         if not self._with_distortion:
             return None
-        centre = self._picture.centre + self._picture.radius * parameters[10:12]
-        return RadialDistortion.of_picture(self._image_size, parameters[9], centre)
+        centre = self._picture.centre + self._picture.radius * parameters[9:11]
+        return RadialDistortion.of_picture(self._image_size, parameters[8], centre)
 
     def _start(self, kept):
         starts = START_COEFFICIENTS if self._with_distortion else (0.0,)
         candidates = [self._linear(coefficient, kept) for coefficient in starts]
-        misfits = [np.linalg.norm(self._misfit(candidate[:, None], kept))
-                   for candidate in candidates]
+        misfits = [np.linalg.norm(self._misfit(candidate, kept)) for candidate in candidates]
         return candidates[int(np.nanargmin(misfits))]
 
     def _linear(self, coefficient, kept):
         undistorted = divide(self.pixels[kept], coefficient)
-        homography = _direct_linear_transform(self.points[kept], undistorted).ravel()
-        return np.append(homography, [coefficient, 0, 0] if self._with_distortion else [])
+        homography, _ = cv2.findHomography(self.points[kept], undistorted)
+        if homography is None or not np.isfinite(homography).all():
+            raise CalibrationError(_OPEN)
+        lens = [coefficient, 0, 0] if self._with_distortion else []
+        return np.append(homography.ravel()[:8], lens)
 
     def _refine(self, parameters, kept, noise):
-        def residuals(trials):
-            expected = trials[9:] * (noise / self._expected)[:, None]
-            return np.concatenate([self._misfit(trials, kept), expected])
-        return minimise(residuals, parameters)
+        # Here, so that a node that reads a surface does not pay for the import.
+        from scipy.optimize import least_squares
 
-    def _misfit(self, trials, kept):
-        """Return where the trials (p, b) show the points minus their pixels, shape (2 n, b)."""
-        homography = trials[:9].T.reshape(-1, 1, 3, 3)
-        points = np.column_stack([self.points[kept], np.ones(len(kept))])
-        u, v, w = np.moveaxis((homography @ points[:, :, None])[..., 0], -1, 0)
-        shown = np.stack([u / w, v / w], axis=-1)
+        def residuals(trial):
+            expected = trial[8:] * (noise / self._expected)
+            return np.concatenate([self._misfit(trial, kept), expected])
+
+        found = least_squares(residuals, parameters, jac='cs', xtol=SMALL_STEP, ftol=None,
+                              gtol=None)
+        strength = np.linalg.svd(found.jac[:2 * len(kept), :8], compute_uv=False)
+        if strength[-1] < OPEN_DIRECTION * strength[0]:
+            raise CalibrationError(_OPEN)
+        return found.x
+
+    def _misfit(self, trial, kept):
+        """Return where a trial shows the points minus their pixels, shape (2 n,)."""
+        shown = homogeneous(_homography(trial), self.points[kept])
+        shown = shown[:, :2] / shown[:, 2:]
         if self._with_distortion:
-            coefficient, centre = trials[9][:, None, None], trials[10:12].T[:, None]
-            shown = centre + undivide(shown - centre, coefficient)
-        return (shown - self.pixels[kept]).reshape(len(homography), -1).T
+            shown = trial[9:11] + undivide(shown - trial[9:11], trial[8])
+        return (shown - self.pixels[kept]).ravel()
 
 
-def _direct_linear_transform(points, pixels):
-    """
-    Solve for the homography from points to pixels by least squares of the algebraic error.
-
-    :raises CalibrationError: If more than one homography fits.
-    """
-    pixel_centre = pixels.mean(axis=0)
-    pixel_scale = _similarity(pixel_centre, 1 / np.std(pixels - pixel_centre))
-    scaled = homogeneous(pixel_scale, pixels)
-    rows = np.column_stack([points, np.ones(len(points))])
-    empty = np.zeros_like(rows)
-    equations = np.vstack([np.hstack([rows, empty, -scaled[:, :1] * rows]),
-                           np.hstack([empty, rows, -scaled[:, 1:2] * rows]),
-                           np.zeros((1, 9))])  # Four points give 8 rows: a ninth for the svd.
-    _, weights, directions = np.linalg.svd(equations, full_matrices=False)
-    if weights[7] < 1e-6 * weights[0]:
-        raise CalibrationError('the points do not determine the surface, too many of them lie on '
-                               'one line: spread them over the picture')
-    homography = np.linalg.inv(pixel_scale) @ directions[8].reshape(3, 3)
-    return homography / np.linalg.norm(homography)
+def _homography(parameters):
+    return np.append(parameters[:8], 1).reshape(3, 3)
 
 
 def _similarity(centre, scale):

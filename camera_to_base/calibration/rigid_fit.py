@@ -58,7 +58,7 @@ def fit_rigid(pairs: PointPairs) -> RigidFit:
     folds = leave_one_out(lambda kept: _fit(pairs, kept), len(pairs))
     left_out = None if None in folds else np.stack(
         [_residuals(pairs, fold, index) for index, fold in enumerate(folds)])
-    return RigidFit(roll_pitch_yaw(rotation), tuple(displacement.tolist()), residuals, left_out)
+    return RigidFit(rotation_deg(rotation), tuple(displacement.tolist()), residuals, left_out)
 
 
 def _fit(pairs, kept):
@@ -68,7 +68,7 @@ def _fit(pairs, kept):
     if on_one_line(points) or on_one_line(targets):
         raise CalibrationError(f'all {len(kept)} pairs lie on one line, which leaves open to what '
                                'side of it the camera looks: add a pair off that line')
-    return kabsch(points, targets)
+    return align(points, targets)
 
 
 def _residuals(pairs, transform, indices):
@@ -76,31 +76,30 @@ def _residuals(pairs, transform, indices):
     return pairs.camera_points[indices] @ rotation.T + displacement - pairs.base_points[indices]
 
 
-def kabsch(points: np.ndarray, targets: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def align(points: np.ndarray, targets: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """
     Find the proper rotation and the displacement that take points to targets.
 
-    Both may lie in a plane: solved in three dimensions, a plane seen from its back is a rotation
-    by 180 degrees about an axis in it, and not a reflection, which a solution in two dimensions
-    would need.
-
-    Source: S. Umeyama, Least-squares estimation of transformation parameters between two point
-    patterns, IEEE PAMI 13(4), 1991.
+    Both may lie in a plane: a plane seen from its back is a rotation by 180 degrees about an axis
+    in it, and not a reflection.
 
     :param points: Shape (n, 3), not on one line.
     :param targets: Shape (n, 3), in the same unit.
     :returns: Rotation, shape (3, 3), and displacement, shape (3,).
     """
+    from scipy.spatial.transform import Rotation
+
     centre, target_centre = points.mean(axis=0), targets.mean(axis=0)
-    left, _, right = np.linalg.svd((targets - target_centre).T @ (points - centre))
-    proper = np.diag([1, 1, np.sign(np.linalg.det(left) * np.linalg.det(right))])
-    rotation = left @ proper @ right
+    rotation = Rotation.align_vectors(targets - target_centre, points - centre)[0].as_matrix()
     return rotation, target_centre - rotation @ centre
 
 
-def roll_pitch_yaw(rotation: np.ndarray) -> Tuple[float, float, float]:
+def rotation_deg(rotation: np.ndarray) -> Tuple[float, float, float]:
     """
     Write a rotation as Rz(yaw) Ry(pitch) Rx(roll).
+
+    Not by scipy's `as_euler`, which prints a warning where pitch is a right angle, as for a camera
+    frame on a wall.
 
     :param rotation: Shape (3, 3), proper.
     :returns: Roll, pitch and yaw in degrees, -180 < roll, yaw <= 180 and -90 <= pitch <= 90.
@@ -110,7 +109,7 @@ def roll_pitch_yaw(rotation: np.ndarray) -> Tuple[float, float, float]:
     if level > 1e-9:
         roll = np.arctan2(rotation[2, 1], rotation[2, 2])
         yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
-    else:  # Pointing along z, roll and yaw turn about the same axis: all of it goes to roll.
+    else:  # Roll and yaw turn about the same axis: all of it goes to roll.
         roll, yaw = np.arctan2(-rotation[1, 2], rotation[1, 1]), 0.0
     return tuple(_upper_half_open(np.degrees(angle)) for angle in (roll, pitch, yaw))
 

@@ -14,10 +14,10 @@
 
 """Read the tables of points that a calibration is made from."""
 
-import csv
 from pathlib import Path
 from typing import Optional, Tuple
 
+from camera_to_base.calibration.table_text import number, read_table
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import ImageSize, MatchedPoints, PointPairs
 import numpy as np
@@ -76,7 +76,8 @@ def refuse_other_size(table_size: Optional[ImageSize], image_size: ImageSize) ->
 
 def _read(path, required, optional):
     """Return a list of numbers for each column, and the rows' numbers."""
-    records = _records(Path(path))
+    table = read_table(Path(path))
+    records = table.records
     if not records:
         raise InvalidValueError(f'{path} is empty: expected a header with {", ".join(required)}')
     (_, header), *records = records
@@ -91,37 +92,24 @@ def _read(path, required, optional):
     if not records:
         raise InvalidValueError(f'{path} has a header but no rows: add the measured points')
     names = [name for name in (*required, *optional) if name in header]
-    values = {name: [_number(record, header.index(name), name, row) for row, record in records]
-              for name in names}
+    values = {name: [_number(table, cells, header.index(name), name, row)
+                     for row, cells in records] for name in names}
     return values, tuple(row for row, _ in records)
 
 
-def _records(path):
-    """Return the records that are not empty, each with its number."""
-    try:
-        text = path.read_text(encoding='utf-8-sig')
-        # Spreadsheets in countries with a decimal comma separate columns by semicolons.
-        delimiter = ';' if ';' in text.partition('\n')[0] else ','
-        records = list(csv.reader(text.splitlines(), delimiter=delimiter))
-    except (OSError, ValueError, csv.Error) as error:
-        raise InvalidValueError(f'cannot read the table {path}: {error}') from error
-    return [(row, record) for row, record in enumerate(records, start=1)
-            if any(field.strip() for field in record)]
-
-
-def _number(record, index, name, row):
+def _number(table, record, index, name, row):
     text = record[index].strip() if index < len(record) else ''
     if not text:
         raise InvalidValueError(f'row {row}: {name} is missing')
     try:
-        number = float(text)
-    except ValueError:
-        raise InvalidValueError(f'row {row}: {name} is not a number: {text!r}') from None
-    if not np.isfinite(number):
+        value = number(text, table.decimal_comma)
+    except InvalidValueError as error:
+        raise InvalidValueError(f'row {row}: {name}: {error}') from None
+    if not np.isfinite(value):
         raise InvalidValueError(f'row {row}: {name} is {text}: expected a finite number')
-    if abs(number) > LARGEST:
+    if abs(value) > LARGEST:
         raise InvalidValueError(f'row {row}: {name} is {text}: expected at most {LARGEST:g}')
-    return number
+    return value
 
 
 def _columns(values, *names):

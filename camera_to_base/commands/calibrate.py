@@ -27,15 +27,15 @@ from camera_to_base.calibration import (
 from camera_to_base.commands.calibrate_options import parse
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.files import refuse_existing, refuse_same_file, write_files
+from camera_to_base.files import (
+    check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.interrupt import serve_signals
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
 from camera_to_base.simulation import SimulatedChessboard
 from camera_to_base.sources import FrameSource, median_frame, open_frame_source, read_picture
 from camera_to_base.surface import MatchedPoints
 import numpy as np
-
-_DEFAULT_SIZE = (640, 480)
 
 
 def main(args: Optional[List[str]] = None) -> int:
@@ -82,11 +82,11 @@ def _run_points(options: argparse.Namespace) -> Report:
         refuse_other_size(table_size, options.image_size)
     image_size = options.image_size or table_size
     calibration = calibrate_surface(
-        matched, image_size or _DEFAULT_SIZE, source=options.table, model=options.model)
+        matched, image_size or DEFAULT_IMAGE_SIZE, source=options.table, model=options.model)
     if image_size is None:
         calibration.report['warnings'].append(
             'taken for granted: the points were measured in a picture of {} x {} px; say it with '
-            '--image-size'.format(*_DEFAULT_SIZE))
+            '--image-size'.format(*DEFAULT_IMAGE_SIZE))
     return _write(calibration, outputs)
 
 
@@ -120,7 +120,7 @@ def _board_picture(options: argparse.Namespace) -> Tuple[np.ndarray, str, Dict[s
 
 
 def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, Any]]:
-    size = options.image_size or _DEFAULT_SIZE
+    size = options.image_size or DEFAULT_IMAGE_SIZE
     if options.camera != 'simulated':
         return open_frame_source(options.camera, size), {}
     chessboard = SimulatedChessboard(
@@ -137,6 +137,9 @@ def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
     refuse_same_file([*sources, *outputs])
     for picture in outputs[1:]:
         check_picture_path(picture)
+    for output in outputs:
+        check_folder(output, 'file')
+        regular_target(output)
     if not options.force:
         refuse_existing(outputs)
     return outputs
@@ -154,12 +157,13 @@ def _write(
     contents = {outputs[0]: text.encode()}
     for path in outputs[1:]:
         contents[path] = encoded_picture(path, calibration.picture)
-    write_files(contents)
-    return {**calibration.report, **dict(zip(('file', 'picture'), outputs))}
+    kept = write_files(contents, keep_old=True)
+    return {**calibration.report, **dict(zip(('file', 'picture'), outputs)), 'kept': kept}
 
 
 def _lines(report: Report) -> List[str]:
     written = [f'{name}: {report[name]}' for name in ('file', 'picture') if name in report]
+    written += [f'the old one is kept: {path}' for path in report.get('kept', ())]
     advice = ['look at the picture before you trust the figures'] if 'picture' in report else []
     return [*report_lines(report), *written, *advice]
 

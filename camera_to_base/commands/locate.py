@@ -16,14 +16,15 @@
 
 import argparse
 from contextlib import ExitStack
+import csv
 import itertools
 import os
 import sys
-from typing import Iterator, List, Optional, TextIO
+from typing import Any, Iterator, List, Optional
 
 from camera_to_base.commands.locate_options import parse
 from camera_to_base.commands.position_table import (
-    csv_header, csv_line, positions, table_header, table_line)
+    COLUMNS, csv_cells, positions, table_header, table_line)
 from camera_to_base.commands.sighting_counter import SightingCounter
 from camera_to_base.commands.sweep import sweep, sweep_lines
 from camera_to_base.commands.sweep_picture import sweep_picture
@@ -32,14 +33,9 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.interrupt import Interrupt, serve_signals
 from camera_to_base.settings import CameraSettings, NodeSettings, read_node_settings
 from camera_to_base.sources import (
-    BagFile, is_bag, is_camera, LiveRecording, open_frame_source, PlayedRecording, Recording,
-    TimedFrame)
+    BAG, BagFile, kind_of, LiveRecording, open_frame_source, PlayedRecording, Recording,
+    SIMULATED, TimedFrame)
 from camera_to_base.trust import Sighting
-
-try:
-    from tqdm import tqdm
-except ImportError:
-    tqdm = None  # then there is no progress bar
 
 # One round of the simulated objects.
 _SIMULATED_S = 60
@@ -79,30 +75,30 @@ def _run(options: argparse.Namespace, interrupt: Interrupt) -> int:
             _locate(options, settings, recording, frames)
     finally:
         recording.release()
-    return 130 if interrupt.came and not recording.is_live else 0
+    return 130 if interrupt.came and recording.kind.ends else 0
 
 
 def _open(options: argparse.Namespace, settings: CameraSettings) -> Recording:
-    name = options.source
-    if is_bag(name):
+    name, kind = options.source, kind_of(options.source)
+    if kind == BAG:
         return BagFile(name, options.topic)
-    if name == 'simulated':
+    if kind == SIMULATED:
         board = settings.simulated.board(settings.image_size)
-        count = round(_SIMULATED_S * board.frame_rate)
+        count = round(_SIMULATED_S * board.kind.frame_rate)
         return PlayedRecording(board, count, last=count)
     source = open_frame_source(name, settings.image_size)
-    if is_camera(name):
+    if kind.is_live:
         return LiveRecording(source)
     return PlayedRecording(source, source.frame_count)
 
 
 def _frames(recording: Recording, every: int, interrupt: Interrupt) -> Iterator[TimedFrame]:
     """Walk over every Nth frame until Ctrl-C, with a progress bar on a terminal."""
+    from tqdm import tqdm
+
     count = recording.frame_count
     frames = itertools.takewhile(
         lambda _: not interrupt.came, itertools.islice(recording.frames(), 0, None, every))
-    if tqdm is None:
-        return frames
     return iter(tqdm(frames, total=count and -(-count // every), unit='frame', leave=False,
                      disable=None))
 
@@ -122,17 +118,17 @@ def _locate(
     options: argparse.Namespace, settings: NodeSettings, recording: Recording,
     frames: Iterator[TimedFrame],
 ) -> None:
-    counter, beyond_reach = SightingCounter(settings.camera, recording.is_live), 0
+    counter, beyond_reach = SightingCounter(settings.camera, recording.kind), 0
     with ExitStack() as files:
-        csv = files.enter_context(_open_csv(options.csv)) if options.csv else None
+        rows = _csv_writer(files, options.csv) if options.csv else None
         video = None
         if options.annotated:
-            video = AnnotatedVideo(options.annotated, recording.frame_rate / options.every)
+            video = AnnotatedVideo(options.annotated, recording.kind.frame_rate / options.every)
             files.callback(video.release)
-        _say(table_header(), csv, csv_header())
+        _say(table_header(), rows, [column.name for column in COLUMNS])
         for timed in frames:
             sighting = counter.see(timed)
-            beyond_reach += _tell(timed, sighting, settings, csv)
+            beyond_reach += _tell(timed, sighting, settings, rows)
             if video is not None:
                 _annotate(video, timed, sighting, settings.camera)
     counter.check_any_used()
@@ -142,30 +138,33 @@ def _locate(
               file=sys.stderr)
 
 
-def _open_csv(path: str) -> TextIO:
+def _csv_writer(files: ExitStack, path: str) -> Any:
     try:
-        return open(path, 'w', encoding='utf-8')
+        file = files.enter_context(open(path, 'w', encoding='utf-8', newline=''))
     except OSError as error:
         raise InvalidValueError(f"cannot write '{path}': {error.strerror}") from error
+    return csv.writer(file, lineterminator='\n')
 
 
 def _tell(
-    timed: TimedFrame, sighting: Sighting, settings: NodeSettings, csv: Optional[TextIO]
+    timed: TimedFrame, sighting: Sighting, settings: NodeSettings, rows: Any
 ) -> int:
     """Write the table's lines for a frame; return how many objects are beyond reach."""
     if sighting.reason is not None:
         return 0
     found = list(positions(timed, sighting.objects, settings.transform))
     for position in found:
-        _say(table_line(position), csv, csv_line(position))
+        _say(table_line(position), rows, csv_cells(position))
     return sum(position.base is None for position in found)
 
 
-def _say(line: str, csv: Optional[TextIO], csv_text: str) -> None:
-    if csv is not None:
-        csv.write(f'{csv_text}\n')
-    # Around the progress bar, where both are on one terminal.
-    (tqdm.write if tqdm else print)(line)
+def _say(line: str, rows: Any, cells: List[str]) -> None:
+    """Print a line, and write its row where there is a CSV file (a `csv.writer`, or None)."""
+    from tqdm import tqdm
+
+    if rows is not None:
+        rows.writerow(cells)
+    tqdm.write(line)  # around the progress bar, where both are on one terminal
     sys.stdout.flush()
 
 

@@ -101,15 +101,10 @@ def table_line(position: Position) -> str:
         for column, value in zip(COLUMNS, position.values) if column.width)
 
 
-def csv_header() -> str:
-    """Give the first line of a CSV file; the columns' names tell the units."""
-    return ','.join(column.name for column in COLUMNS)
-
-
-def csv_line(position: Position) -> str:
-    """Give an object's line of a CSV file; what there is not is empty."""
+def csv_cells(position: Position) -> List[str]:
+    """Give an object's row of a CSV file; what there is not is empty."""
     cells = ['' if value is None else f'{value:.{_CSV_DECIMALS if column.decimals else 0}f}'
              for column, value in zip(COLUMNS, position.values)]
     # A float cannot hold a time since 1970 to the ns, by which a message's stamp is found again.
     cells[1] = '{}.{:09d}'.format(*divmod(position.timed.stamp_ns, 10**9))
-    return ','.join(cells)
+    return cells

@@ -20,7 +20,7 @@ import re
 from typing import Iterable, Iterator, List, NamedTuple, Optional
 
 from camera_to_base.commands.sighting_counter import SightingCounter
-from camera_to_base.detection import DetectorSettings
+from camera_to_base.detection import DETECTOR_SPECS, DetectorSettings
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import TimedFrame
@@ -126,6 +126,7 @@ def _name_in(detector: DetectorSettings, name: str) -> str:
 
 
 def _values(name: str, values: List[float]) -> Iterator[float]:
-    is_whole = type(getattr(DetectorSettings, name)) is int
+    spec = next(spec for spec in DETECTOR_SPECS if spec.name == f'detector.{name}')
     for value in values:
-        yield int(value) if is_whole and value == int(value) else value
+        is_whole = type(spec.default) is int and value == int(value)
+        yield spec.checked(int(value) if is_whole else value)

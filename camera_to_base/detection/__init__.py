@@ -31,12 +31,12 @@ from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
 from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
-from camera_to_base.detection.settings import DetectorSettings, METHODS
-from camera_to_base.detection.shape import polygon_area
+from camera_to_base.detection.settings import DetectorSettings
+from camera_to_base.detection.specs import BACKGROUND_SPECS, DETECTOR_SPECS
 
 __all__ = [
-    'AbsoluteDifferenceDetector', 'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame',
-    'Detection', 'DetectorSettings', 'Found', 'LeftOut', 'locate_on_surface', 'locate_pixel',
-    'LocatedObject', 'mean_blocks', 'METHODS', 'ObjectLocator', 'Pixel', 'Point', 'polygon_area',
-    'PreciseDifferenceDetector', 'random_pixel', 'touches_edge',
+    'AbsoluteDifferenceDetector', 'BACKGROUND_SPECS', 'BackgroundTaker', 'Box', 'changed_blocks',
+    'check_frame', 'Detection', 'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'LeftOut',
+    'locate_on_surface', 'locate_pixel', 'LocatedObject', 'mean_blocks', 'ObjectLocator', 'Pixel',
+    'Point', 'PreciseDifferenceDetector', 'random_pixel', 'touches_edge',
 ]

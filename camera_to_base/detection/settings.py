@@ -15,12 +15,12 @@
 """Which detector finds the objects, and which of them count."""
 
 from dataclasses import dataclass
-from typing import List, Optional, Protocol, Tuple
+from typing import List, Optional, Protocol
 
-from camera_to_base.checks import finite_number
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import Hull
 import numpy as np
@@ -28,9 +28,8 @@ import numpy as np
 # What each method takes of the settings, beside the limits for the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
-    'precise': ('faintest', 'precise_threshold', 'publish_cut_off'),
+    'precise': ('faintest', 'publish_cut_off'),
 }
-METHODS = tuple(_METHOD_SETTINGS)
 
 
 class Detector(Protocol):
@@ -53,44 +52,37 @@ class Detector(Protocol):
 @dataclass(frozen=True)
 class DetectorSettings:
     """
-    Which detector, and which of its objects count.
+    Which detector, and which of its objects count; `specs` has each one's limits.
 
     :param method: 'tutorial', to the pixel, or 'precise'.
     :param threshold: tutorial: grey levels that make a pixel part of an object, 0..255.
     :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
     :param faintest: precise: how many grey levels an object must at least differ by, 0..255.
-    :param precise_threshold: precise: the old name of `faintest`; -1 for not given.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
     :param area: Objects outside of it do not count; None for everywhere.
     :param publish_cut_off: precise: whether an object that touches the picture's edge counts; the
         tutorial's method takes it for whole.
-    :raises InvalidValueError: If a value cannot be used.
+    :raises InvalidValueError: If the smallest area is above the largest.
     """
 
-    method: str = 'precise'
-    threshold: int = 95
-    closing_size: int = 20
-    median_size: int = 5
-    faintest: float = 13.0
-    precise_threshold: float = -1.0
-    min_area_cm2: float = 0.0
-    max_area_cm2: float = 1e6
-    publish_cut_off: bool = False
+    method: str = _DEFAULTS['method']
+    threshold: int = _DEFAULTS['threshold']
+    closing_size: int = _DEFAULTS['closing_size']
+    median_size: int = _DEFAULTS['median_size']
+    faintest: float = _DEFAULTS['faintest']
+    min_area_cm2: float = _DEFAULTS['min_area_cm2']
+    max_area_cm2: float = _DEFAULTS['max_area_cm2']
+    publish_cut_off: bool = _DEFAULTS['publish_cut_off']
     area: Optional[Hull] = None
 
     def __post_init__(self) -> None:
-        """Check what can be checked without a background."""
-        if self.method not in METHODS:
+        """Check what the limits of each setting do not."""
+        if self.min_area_cm2 > self.max_area_cm2:
             raise InvalidValueError(
-                f"detector.method must be one of {', '.join(METHODS)}, got '{self.method}'")
-        AbsoluteDifferenceDetector.check_parameters(
-            self.threshold, self.closing_size, self.median_size)
-        finite_number('faintest', self.faintest, 0, 255)
-        finite_number('precise_threshold', self.precise_threshold, -1, 255)
-        finite_number('min_area_cm2', self.min_area_cm2, 0, 1e6)
-        finite_number('max_area_cm2', self.max_area_cm2, self.min_area_cm2, 1e6)
+                f'detector.max_area_cm2 must not be below detector.min_area_cm2, '
+                f'{self.min_area_cm2:g} cm², got {self.max_area_cm2:g}')
 
     @property
     def without_effect(self) -> List[str]:
@@ -103,17 +95,10 @@ class DetectorSettings:
         return not any(name in names for method, names in _METHOD_SETTINGS.items()
                        if method != self.method)
 
-    @property
-    def renamed(self) -> List[Tuple[str, str]]:
-        """Old names that were given, each with the new one."""
-        return [('precise_threshold', 'faintest')] if self.precise_threshold >= 0 else []
-
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""
         if self.method == 'precise':
-            is_old_name_given = self.precise_threshold >= 0
-            return PreciseDifferenceDetector(background, faintest=(
-                self.precise_threshold if is_old_name_given else self.faintest))
+            return PreciseDifferenceDetector(background, faintest=self.faintest)
         return AbsoluteDifferenceDetector(
             background, threshold=self.threshold, closing_size=self.closing_size,
             median_size=self.median_size)

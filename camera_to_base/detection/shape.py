@@ -68,14 +68,3 @@ def polygon_centroid(corners: np.ndarray) -> np.ndarray:
         return corners.mean(axis=0)
     sums = ((x + np.roll(x, -1)) @ cross, (y + np.roll(y, -1)) @ cross)
     return corners[0] + np.array(sums) / (3 * cross.sum())
-
-
-def polygon_area(corners: np.ndarray) -> float:
-    """
-    Compute the area of a polygon, in its corners' unit squared.
-
-    :param corners: Shape (n, 2).
-    :returns: The area, never negative.
-    """
-    x, y = (corners - corners[0]).T.astype(float)
-    return abs(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2

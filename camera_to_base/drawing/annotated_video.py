@@ -18,7 +18,7 @@ from typing import Optional
 
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder
-from camera_to_base.surface import ImageSize
+from camera_to_base.image_size import ImageSize
 import cv2
 import numpy as np
 

@@ -20,10 +20,10 @@ import textwrap
 from typing import Callable, Sequence
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
-from camera_to_base.detection import check_frame, Detection, LocatedObject, Pixel, Point
+from camera_to_base.detection import Box, check_frame, Detection, LocatedObject, Pixel, Point
+from camera_to_base.drawing.labels import Labels, line_width, TextStyle
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder, write_files
-from camera_to_base.surface import ImageSize
 import cv2
 import numpy as np
 
@@ -32,11 +32,6 @@ Label = Callable[[Point], str]
 _OUTLINE_COLOUR = (216, 160, 32)
 _BOX_COLOUR = (36, 200, 36)
 _CENTRE_COLOUR = (32, 32, 240)
-_TEXT_COLOUR = (255, 255, 255)
-_PATCH_COLOUR = (40, 40, 40)
-_EMPTY_COLOUR = (208, 208, 208)
-# What a letter takes on average, and a line with its patch, in px.
-_LETTER_WIDTH, _LINE_HEIGHT = 9, 20
 
 
 def camera_label(point: Point) -> str:
@@ -56,30 +51,33 @@ def draw_objects(
     frame: np.ndarray, objects: Sequence[LocatedObject], label: Label = camera_label
 ) -> np.ndarray:
     """
-    Draw each object's outline, box, centre and position, and its direction where it has one.
+    Draw each object's outline, box and centre, its direction where it has one, and its label.
+
+    A label starts with the object's number, which is that of the table of `locate`.
 
     :param frame: Shape (h, w, 3), uint8, BGR; it is left as it is.
+    :param objects: The largest first: that is number 1.
     :param label: Makes the text of a position.
     :returns: A picture of the same shape.
     """
     picture = frame.copy()
     for found in objects:
-        detection, box = found.detection, found.detection.box
-        cv2.polylines(picture, [detection.outline], True, _OUTLINE_COLOUR, 1, cv2.LINE_AA)
-        cv2.rectangle(picture, (box.x, box.y), (box.x + box.width - 1, box.y + box.height - 1),
-                      _BOX_COLOUR, 2)
-        _draw_centre(picture, detection.centre)
-        if found.yaw is not None:
-            _draw_axis(picture, detection)
-        _draw_text(picture, label(found.point), (box.x, box.y - 8))
+        _draw_object(picture, found)
+    labels = Labels(picture, [found.detection.box for found in objects])
+    for number, found in enumerate(objects, start=1):
+        labels.add(f'{number}: {label(found.point)}', found.detection.box)
+    labels.draw()
     return picture
 
 
 def draw_note(picture: np.ndarray, note: str) -> None:
     """Write a text into a picture's top-left corner, in as many lines as it needs."""
-    letters = max(10, (picture.shape[1] - 16) // _LETTER_WIDTH)
-    for number, line in enumerate(textwrap.wrap(note, letters)):
-        _draw_text(picture, line, (8, 20 + _LINE_HEIGHT * number))
+    style, top = TextStyle.of(picture), 2
+    letter_width = style.size('n' * 10)[0] / 10
+    for line in textwrap.wrap(note, max(10, int((picture.shape[1] - 4) / letter_width))):
+        width, height = style.size(line)
+        style.write(picture, line, Box(2, top, width, height))
+        top += height
 
 
 def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:
@@ -93,19 +91,6 @@ def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarr
     for found in objects:
         cv2.fillPoly(mask, [found.detection.outline], 255)
     return mask
-
-
-def draw_pixel(image_size: ImageSize, pixel: Pixel, point: Point) -> np.ndarray:
-    """
-    Draw a pixel that comes without a frame, and its position, on an empty picture.
-
-    :param image_size: Width and height, in px.
-    :returns: Shape (h, w, 3), uint8, BGR.
-    """
-    picture = np.full((image_size[1], image_size[0], 3), _EMPTY_COLOUR, np.uint8)
-    _draw_centre(picture, pixel)
-    _draw_text(picture, camera_label(point), (round(pixel.u) + 8, round(pixel.v) - 8))
-    return picture
 
 
 def write_picture(path: str, picture: np.ndarray) -> None:
@@ -144,8 +129,19 @@ def check_picture_path(path: str) -> str:
     return ending
 
 
+def _draw_object(picture: np.ndarray, found: LocatedObject) -> None:
+    detection, box, width = found.detection, found.detection.box, line_width(picture)
+    cv2.polylines(picture, [detection.outline], True, _OUTLINE_COLOUR, width, cv2.LINE_AA)
+    cv2.rectangle(picture, (box.x, box.y), (box.x + box.width - 1, box.y + box.height - 1),
+                  _BOX_COLOUR, 2 * width)
+    _draw_centre(picture, detection.centre)
+    if found.yaw is not None:
+        _draw_axis(picture, detection)
+
+
 def _draw_centre(picture: np.ndarray, pixel: Pixel) -> None:
-    cv2.circle(picture, (round(pixel.u), round(pixel.v)), 3, _CENTRE_COLOUR, -1)
+    cv2.circle(picture, (round(pixel.u), round(pixel.v)), 3 * line_width(picture), _CENTRE_COLOUR,
+               -1)
 
 
 def _draw_axis(picture: np.ndarray, detection: Detection) -> None:
@@ -153,14 +149,4 @@ def _draw_axis(picture: np.ndarray, detection: Detection) -> None:
     half = max(detection.box.width, detection.box.height) / 2
     du, dv = half * math.cos(angle), half * math.sin(angle)
     cv2.line(picture, (round(u - du), round(v - dv)), (round(u + du), round(v + dv)),
-             _CENTRE_COLOUR, 1, cv2.LINE_AA)
-
-
-def _draw_text(picture: np.ndarray, text: str, corner: Sequence[int]) -> None:
-    # On a patch of its own, and kept inside the picture: readable on anything, at any edge.
-    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
-    x = max(2, min(corner[0], picture.shape[1] - width - 3))
-    y = max(height + 3, min(corner[1], picture.shape[0] - 5))
-    cv2.rectangle(picture, (x - 2, y - height - 3), (x + width + 2, y + 4), _PATCH_COLOUR, -1)
-    cv2.putText(picture, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.5, _TEXT_COLOUR, 1,
-                cv2.LINE_AA)
+             _CENTRE_COLOUR, line_width(picture), cv2.LINE_AA)

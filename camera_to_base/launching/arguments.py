@@ -17,21 +17,20 @@
 import math
 from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
-from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launching.cameras import Camera
 from camera_to_base.parameter_file import read_node_parameters
-from camera_to_base.parameter_spec import meant_name, unknown_name_text
-from camera_to_base.settings import CAMERA_SPECS, TOPIC_SOURCES
-from camera_to_base.sources import is_camera
-from camera_to_base.surface import check_image_size
+from camera_to_base.parameter_names import misspelt_name, unknown_name_text, with_new_names
+from camera_to_base.parameter_spec import checked_values, ParameterSpec
+from camera_to_base.settings import CAMERA_SPECS
+from camera_to_base.sources import kind_of
 from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 # Both drivers publish under this relative name.
 _DRIVER_TOPIC = 'image_raw'
 # Arguments that launch and launch_ros use themselves.
 _OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
-_DEFAULTS = {spec.name: spec.default for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
+_SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
 
 
 class ImageInput(NamedTuple):
@@ -64,7 +63,7 @@ def argument_warnings(
         that look misspelt are reported.
     """
     unknown = [name for name in given if name not in {*known, *_OF_LAUNCH}]
-    meant = {name: meant_name(name, known) for name in unknown}
+    meant = {name: misspelt_name(name, known) for name in unknown}
     return [unknown_name_text(name, meant[name], 'launch argument') for name in unknown
             if meant[name] or ours_alone]
 
@@ -90,9 +89,9 @@ def image_input(camera: Camera) -> ImageInput:
     """
     topic = camera.image_topic or (_DRIVER_TOPIC if camera.has_driver else '')
     if not topic:
-        named = camera.source != _DEFAULTS['source']
-        in_file = _parameters(camera, 'camera_publisher')['source']
-        return ImageInput(camera.source if named else str(in_file), [])
+        in_file = _parameter(camera, 'camera_publisher', 'source')
+        named = camera.source != _spec('camera_publisher', 'source').default
+        return ImageInput(camera.source if named else in_file, [])
     if topic.endswith('/compressed'):
         return ImageInput('compressed_topic', [('image/compressed', topic)])
     return ImageInput('topic', [('image', topic)])
@@ -106,8 +105,7 @@ def kept_background(camera: Camera, path: str) -> Dict[str, str]:
     :returns: Empty where the parameter file names a file, or no camera gives the frames.
     :raises InvalidValueError: If the parameter file cannot be read.
     """
-    source = image_input(camera).source
-    is_live = source in ('auto', *TOPIC_SOURCES) or is_camera(source)
+    is_live = kind_of(image_input(camera).source).is_live
     named = 'background_file' in _given_parameters(camera, 'camera_publisher')
     return {'background_file': path} if is_live and not named else {}
 
@@ -118,8 +116,7 @@ def driver_parameters(camera: Camera) -> Dict[str, Any]:
 
     :raises InvalidValueError: If the parameter file cannot be read, or has no proper size.
     """
-    values = _parameters(camera, 'camera_publisher')
-    width, height = check_image_size(values['surface.image_size'])
+    width, height = _parameter(camera, 'camera_publisher', 'surface.image_size')
     if camera.camera_driver == 'usb_cam':
         return {'video_device': camera.device, 'image_width': width, 'image_height': height}
     return {'video_device': camera.device, 'image_size': [width, height]}
@@ -134,11 +131,10 @@ def frames(camera: Camera) -> Frames:
 
     :raises InvalidValueError: If the parameter file cannot be read.
     """
-    prefix = f'{camera.namespace}/' if camera.namespace else ''
-    own = {'camera_frame_id': prefix + _DEFAULTS['camera_frame_id'],
-           **_given_parameters(camera, 'camera_publisher')}
-    base = _parameters(camera, 'robot_base_publisher')
-    return Frames(str(base['base_frame_id']), str(own['camera_frame_id']))
+    own = _parameter(camera, 'camera_publisher', 'camera_frame_id')
+    if camera.namespace and 'camera_frame_id' not in _given_parameters(camera, 'camera_publisher'):
+        own = f'{camera.namespace}/{own}'
+    return Frames(_parameter(camera, 'robot_base_publisher', 'base_frame_id'), own)
 
 
 def check_frames(cameras: List[Camera]) -> None:
@@ -168,9 +164,10 @@ def transform_arguments(camera: Camera) -> List[str]:
 
     :raises InvalidValueError: If the parameter file cannot be read, or has no such transform.
     """
-    values = _parameters(camera, 'robot_base_publisher')
-    x, y, z = finite_numbers('displacement_cm', values['displacement_cm'], 3) / 100
-    roll, pitch, yaw = map(math.radians, finite_numbers('rotation_deg', values['rotation_deg'], 3))
+    x, y, z = (length / 100 for length in _parameter(
+        camera, 'robot_base_publisher', 'displacement_cm'))
+    roll, pitch, yaw = map(math.radians, _parameter(
+        camera, 'robot_base_publisher', 'rotation_deg'))
     base, own = frames(camera)
     return [
         '--x', f'{x:.12g}', '--y', f'{y:.12g}', '--z', f'{z:.12g}',
@@ -189,10 +186,15 @@ def not_installed(package: str, argument: str, distribution: str) -> str:
             f"sudo apt install ros-{distribution}-{package.replace('_', '-')}")
 
 
-def _parameters(camera: Camera, node: str) -> Dict[str, Any]:
-    return {**_DEFAULTS, **_given_parameters(camera, node)}
+def _spec(node: str, name: str) -> ParameterSpec:
+    return next(spec for spec in _SPECS[node] if spec.name == name)
+
+
+def _parameter(camera: Camera, node: str, name: str) -> Any:
+    return checked_values([_spec(node, name)], _given_parameters(camera, node))[name]
 
 
 def _given_parameters(camera: Camera, node: str) -> Dict[str, Any]:
     namespace = f'/{camera.namespace}' if camera.namespace else ''
-    return read_node_parameters(camera.params_file, f'{namespace}/{node}')
+    given = read_node_parameters(camera.params_file, f'{namespace}/{node}')
+    return with_new_names(_SPECS[node], given)[0]

@@ -16,18 +16,15 @@
 
 from typing import Optional
 
-from camera_to_base.nodes.camera_health import (
-    camera_values, current_reason, DetectionRate, has_no_structure)
+from camera_to_base.nodes.camera_health import camera_values, DetectionRate, has_no_structure
+from camera_to_base.nodes.feeds import Feed
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
-from camera_to_base.sources import ReaderStatus
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
 _PERIOD_S = 0.2
 _ALL_WELL = all_well('objects on the surface are published')
-_RANDOM = Reason(
-    'random', Level.WARN, 'positions are random: name a camera with source')
 
 
 class CameraWatch:
@@ -44,25 +41,20 @@ class CameraWatch:
         self._reason: Optional[Reason] = None
         self._has_no_structure = False
         self._detection_rate = DetectionRate()
-        self._reader: Optional[ReaderStatus] = None
-        self._source: Optional[str] = None
+        self._feed: Optional[Feed] = None
         self._heartbeat = Heartbeat(node)
         self._diagnostics = Diagnostics(node, self._heartbeat, self._health)
         NameCheck(node, self._heartbeat)
 
-    def start(self, source: str, reader: Optional[ReaderStatus]) -> None:
-        """
-        Watch where frames come from.
-
-        :param source: Its name.
-        :param reader: None for a source that is no camera.
-        """
-        self._source, self._reader = source, reader
+    def start(self, feed: Feed) -> None:
+        """Watch where frames come from."""
+        self._feed = feed
+        # Of a source that is no camera the log has this already.
+        self._reason = feed.reason if feed.reader is None else None
         self._heartbeat.every(_PERIOD_S, self._watch)
 
     def _watch(self) -> None:
-        before, self._reason = self._reason, current_reason(
-            self._reader, self._pipeline, self._source)
+        before, self._reason = self._reason, self._feed.reason or self._pipeline.reason
         if _kind(self._reason) != _kind(before):
             self._tell(self._reason)
             self._diagnostics.publish()
@@ -82,11 +74,9 @@ class CameraWatch:
             self._logger.info(reason.sentence)
 
     def _health(self) -> Health:
-        values = {'source': self._source or 'random',
-                  **camera_values(self._reader, self._pipeline),
+        values = {'source': self._feed.name,
+                  **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
-        if self._source is None:
-            return Health(_RANDOM, values)
         return Health(self._reason or _ALL_WELL, values)
 
 

@@ -55,12 +55,13 @@ def start(node: str) -> int:
         return _refuse(name, 'expected ROS arguments only, after --ros-args, got '
                              f"'{plain[0]}': see {name} --help")
     try:
-        main = import_module(f'camera_to_base.nodes.{node}').main
+        import_module('rclpy')
     except ModuleNotFoundError as error:
         if error.name != 'rclpy':
             raise
-        return _refuse(name, 'ROS 2 is missing: source /opt/ros/jazzy/setup.bash')
-    return main()
+        return _refuse(name, 'ROS 2 is missing: source /opt/ros/jazzy/setup.bash, or install the '
+                             "extra ros: pip install '.[ros]'")
+    return import_module(f'camera_to_base.nodes.{node}').main()
 
 
 def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = None) -> int:

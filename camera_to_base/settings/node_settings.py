@@ -14,18 +14,19 @@
 
 """The settings that both nodes would have of a parameter file, without the nodes."""
 
-from typing import Any, Dict, List, NamedTuple, Optional
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.given_parameters import file_warnings
 from camera_to_base.parameter_file import node_namespaces, read_node_parameters
-from camera_to_base.parameter_spec import checked_values, meant_name, unknown_name_text
+from camera_to_base.parameter_names import all_names, name_warnings, with_new_names
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS, CameraSettings
 from camera_to_base.transform_parameters import (
     transform_node_settings, TRANSFORM_SPECS, TransformSettings)
 
 _CAMERA_NODE, _TRANSFORM_NODE = 'camera_publisher', 'robot_base_publisher'
-# Every node of ROS has these.
-_ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
+_SPECS = {_CAMERA_NODE: CAMERA_SPECS, _TRANSFORM_NODE: TRANSFORM_SPECS}
 
 
 class NodeSettings(NamedTuple):
@@ -48,14 +49,20 @@ def read_node_settings(path: Optional[str], namespace: Optional[str] = None) -> 
     :param namespace: The nodes'; None for the one that the file names, or none.
     :raises CameraToBaseError: If there is no such file, or a value cannot be used.
     """
-    given: Dict[str, Dict[str, Any]] = {_CAMERA_NODE: {}, _TRANSFORM_NODE: {}}
-    if path is not None:
-        prefix = _namespace(path, namespace)
-        given = {node: read_node_parameters(path, f'{prefix}/{node}') for node in given}
-    return NodeSettings(
-        camera_settings(checked_values(CAMERA_SPECS, given[_CAMERA_NODE])),
-        transform_node_settings(checked_values(TRANSFORM_SPECS, given[_TRANSFORM_NODE])),
-        _warnings({**given[_CAMERA_NODE], **given[_TRANSFORM_NODE]}))
+    values, warnings = {}, []
+    for node, specs in _SPECS.items():
+        given, told = _given(path, namespace, node) if path is not None else ({}, [])
+        values[node] = checked_values(specs, given)
+        warnings += [warning for warning in told if warning not in warnings]
+    return NodeSettings(camera_settings(values[_CAMERA_NODE]),
+                        transform_node_settings(values[_TRANSFORM_NODE]), warnings)
+
+
+def _given(path: str, namespace: Optional[str], node: str) -> Tuple[Dict[str, Any], List[str]]:
+    name = f'{_namespace(path, namespace)}/{node}'
+    given, old_names = with_new_names(_SPECS[node], read_node_parameters(path, name))
+    known = [name for specs in _SPECS.values() for name in all_names(specs)]
+    return given, [*file_warnings(path, name), *old_names, *name_warnings(given, known)]
 
 
 def _namespace(path: str, wanted: Optional[str]) -> str:
@@ -67,9 +74,3 @@ def _namespace(path: str, wanted: Optional[str]) -> str:
             f"'{path}' has parameters for nodes in several namespaces: choose one with "
             f'--namespace: {", ".join(name or "/" for name in found)}')
     return found[0] if found else ''
-
-
-def _warnings(given: Dict[str, Any]) -> List[str]:
-    known = {spec.name for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
-    return [unknown_name_text(name, meant_name(name, known)) for name in given
-            if name not in known and not name.startswith(_ROS_NAMES)]

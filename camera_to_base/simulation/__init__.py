@@ -24,8 +24,8 @@ Callers: `settings`, `nodes`, `commands` and benchmarks. No detector imports it.
 from camera_to_base.simulation.board import SimulatedBoard, TrueObject
 from camera_to_base.simulation.chessboard import SimulatedChessboard
 from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.parameters import (
-    simulation_settings, SIMULATION_SPECS, SimulationSettings)
+from camera_to_base.simulation.parameters import simulation_settings, SimulationSettings
+from camera_to_base.simulation.specs import SIMULATION_SPECS
 
 __all__ = [
     'BoardConditions', 'SimulatedBoard', 'SimulatedChessboard', 'simulation_settings',

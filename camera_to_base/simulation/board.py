@@ -17,12 +17,14 @@
 import math
 from typing import List, NamedTuple, Optional, Tuple
 
-from camera_to_base.checks import finite_number, whole_number
+from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.disturbances import BoardDisturbances
 from camera_to_base.simulation.drawing import draw_oval, draw_table
+from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
 from camera_to_base.simulation.view import BoardView, Oval
-from camera_to_base.surface import ImageSize
+from camera_to_base.sources import SIMULATED
 import numpy as np
 
 # One round of the path takes this long; 2 and 3 rounds in x and y make a closed figure.
@@ -70,17 +72,18 @@ class SimulatedBoard:
     def __init__(
         self,
         *,
-        image_size: ImageSize = (640, 480),
-        width_cm: float = 36.0,
-        tilt_deg: float = 0.0,
-        seed: int = 0,
-        frame_rate: float = 10.0,
+        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
+        width_cm: float = TUTORIAL_WIDTH_CM,
+        tilt_deg: float = _DEFAULTS['tilt_deg'],
+        seed: int = _DEFAULTS['seed'],
+        frame_rate: float = _DEFAULTS['frame_rate'],
         **conditions,
     ) -> None:
         self._view = BoardView(image_size, width_cm, tilt_deg)
         self._conditions = BoardConditions(**conditions)
-        self._seed = whole_number('seed', seed, 0, 2**31 - 1)
-        self.frame_rate = finite_number('frame_rate', frame_rate, 0.1, 1000.0)
+        self._seed = seed
+        self.frame_rate = frame_rate
+        self.kind = SIMULATED._replace(frame_rate=frame_rate)
         self._disturbances = BoardDisturbances(image_size, self._conditions, self._seed)
         self._table = draw_table(self._view, self._conditions, self._seed)
         self._frame_count = 0

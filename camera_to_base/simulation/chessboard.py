@@ -16,8 +16,10 @@
 """A printed chessboard on the simulated work surface, to calibrate the simulated camera with."""
 
 from camera_to_base.checks import finite_number, whole_number
+from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.simulation.view import BoardView
-from camera_to_base.surface import ImageSize
+from camera_to_base.sources import SIMULATED
 import numpy as np
 
 _TABLE_COLOUR = np.array([196.0, 202.0, 208.0])
@@ -41,7 +43,7 @@ class SimulatedChessboard:
     :raises InvalidValueError: If a value cannot be used.
     """
 
-    frame_rate = 10.0
+    kind = SIMULATED._replace(frame_rate=10.0)
 
     def __init__(
         self,
@@ -49,11 +51,11 @@ class SimulatedChessboard:
         rows: int,
         square_cm: float,
         *,
-        image_size: ImageSize = (640, 480),
+        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
         tilt_deg: float = 0.0,
         seed: int = 0,
     ) -> None:
-        self.view = BoardView(image_size, 36.0, tilt_deg)
+        self.view = BoardView(image_size, TUTORIAL_WIDTH_CM, tilt_deg)
         self._columns = whole_number('columns', columns, 1, 1000)
         self._rows = whole_number('rows', rows, 1, 1000)
         self._square_cm = finite_number('square_cm', square_cm, 0.001, 1e4)

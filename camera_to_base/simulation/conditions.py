@@ -17,7 +17,7 @@
 from dataclasses import dataclass
 from typing import Sequence
 
-from camera_to_base.checks import finite_number, finite_numbers, whole_number
+from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
 
 
 @dataclass(frozen=True)
@@ -44,33 +44,18 @@ class BoardConditions:
     :param rests: Whether the objects stop on their way, for as long as they move.
     """
 
-    noise: float = 2.0
-    light_drift: float = 0.0
-    exposure_step: float = 1.0
-    shadow: float = 0.0
-    hands: int = 0
-    table_level: float = 202.0
-    contrast: float = 142.0
-    diameters_cm: Sequence[float] = (2.4,)
-    elongation: float = 1.0
-    yaw_deg: float = 0.0
-    highlight: bool = False
-    texture: float = 0.0
-    over_edge: bool = False
-    in_first_frame: bool = False
-    rests: bool = False
-
-    def __post_init__(self) -> None:
-        """Check that the conditions can be rendered."""
-        finite_number('noise', self.noise, 0.0, 100.0)
-        finite_number('light_drift', self.light_drift, -255.0, 255.0)
-        finite_number('exposure_step', self.exposure_step, 0.01, 100.0)
-        finite_number('shadow', self.shadow, 0.0, 255.0)
-        whole_number('hands', self.hands, 0, 100)
-        finite_number('table_level', self.table_level, 1.0, 255.0)
-        finite_number('contrast', self.contrast, -255.0, 255.0)
-        finite_number('elongation', self.elongation, 1.0, 10.0)
-        finite_number('yaw_deg', self.yaw_deg, -180.0, 180.0)
-        finite_number('texture', self.texture, 0.0, 100.0)
-        for diameter in finite_numbers('diameters_cm', self.diameters_cm, -1):
-            finite_number('diameters_cm', diameter, 0.1, 100.0)
+    noise: float = _DEFAULTS['noise']
+    light_drift: float = _DEFAULTS['light_drift']
+    exposure_step: float = _DEFAULTS['exposure_step']
+    shadow: float = _DEFAULTS['shadow']
+    hands: int = _DEFAULTS['hands']
+    table_level: float = _DEFAULTS['table_level']
+    contrast: float = _DEFAULTS['contrast']
+    diameters_cm: Sequence[float] = tuple(_DEFAULTS['diameters_cm'])
+    elongation: float = _DEFAULTS['elongation']
+    yaw_deg: float = _DEFAULTS['yaw_deg']
+    highlight: bool = _DEFAULTS['highlight']
+    texture: float = _DEFAULTS['texture']
+    over_edge: bool = _DEFAULTS['over_edge']
+    in_first_frame: bool = _DEFAULTS['in_first_frame']
+    rests: bool = _DEFAULTS['rests']

@@ -17,9 +17,9 @@
 import math
 from typing import Optional
 
+from camera_to_base.image_size import ImageSize
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.view import Ellipse
-from camera_to_base.surface import ImageSize
 import numpy as np
 
 _HAND_COLOUR = np.array([66.0, 86.0, 116.0], np.float32)

@@ -12,65 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The parameters of the simulated board, and the settings that they make."""
+"""From the parameters of the simulated board to its settings."""
 
 from dataclasses import asdict, dataclass
 
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.image_size import ImageSize
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.surface import ImageSize
-
-SIMULATION_SPECS = [
-    ParameterSpec('simulated.tilt_deg', 0.0,
-                  "simulated: the camera's tilt, 0 looks straight down, in degrees.", (0, 60),
-                  fixed=True),
-    ParameterSpec('simulated.seed', 0, 'simulated: makes the noise.', (0, 2**31 - 1), fixed=True),
-    ParameterSpec('simulated.frame_rate', 10.0, 'simulated: frames per second.', (0.1, 1000),
-                  fixed=True),
-    ParameterSpec('simulated.noise', 2.0,
-                  'simulated: standard deviation of the noise, in grey levels.', (0, 100),
-                  fixed=True),
-    ParameterSpec('simulated.light_drift', 0.0,
-                  'simulated: what the table gains (or loses) in a minute, in grey levels.',
-                  (-255, 255), fixed=True),
-    ParameterSpec('simulated.exposure_step', 1.0,
-                  "simulated: the factor by which the camera's exposure jumps every 15 s.",
-                  (0.01, 100), fixed=True),
-    ParameterSpec('simulated.shadow', 0.0,
-                  'simulated: what a soft shadow takes away, in grey levels.', (0, 255),
-                  fixed=True),
-    ParameterSpec('simulated.hands', 0,
-                  'simulated: how often a hand reaches into the picture in a minute.', (0, 100),
-                  fixed=True),
-    ParameterSpec('simulated.table_level', 202.0,
-                  "simulated: the table's brightness, in grey levels.", (1, 255), fixed=True),
-    ParameterSpec('simulated.contrast', 142.0,
-                  'simulated: objects are that much darker than the table (lighter, where '
-                  'negative), in grey levels.', (-255, 255), fixed=True),
-    ParameterSpec('simulated.diameters_cm', [2.4],
-                  'simulated: the diameter of each object, in cm.', fixed=True),
-    ParameterSpec('simulated.elongation', 1.0,
-                  'simulated: objects are ovals that much longer than wide, the diameter being '
-                  'their length; 1 for coins.', (1, 10), fixed=True),
-    ParameterSpec('simulated.yaw_deg', 0.0,
-                  "simulated: the direction of the first oval's length, from x towards y, in "
-                  'degrees; each further one is turned by 50 degrees more.', (-180, 180),
-                  fixed=True),
-    ParameterSpec('simulated.highlight', False,
-                  'simulated: whether objects have a spot that looks like the table.', fixed=True),
-    ParameterSpec('simulated.texture', 0.0,
-                  "simulated: standard deviation of the table's pattern, in grey levels.",
-                  (0, 100), fixed=True),
-    ParameterSpec('simulated.over_edge', False,
-                  "simulated: whether the objects' paths lead beyond the picture's edge.",
-                  fixed=True),
-    ParameterSpec('simulated.in_first_frame', False,
-                  'simulated: whether the objects lie there on the first frame, the background.',
-                  fixed=True),
-    ParameterSpec('simulated.rests', False,
-                  'simulated: whether the objects stop on their way.', fixed=True),
-]
 
 
 @dataclass(frozen=True)
@@ -92,9 +40,5 @@ class SimulationSettings:
 def simulation_settings(
     tilt_deg: float, seed: int, frame_rate: float, **conditions
 ) -> SimulationSettings:
-    """
-    Make the simulation's settings of its parameters, by their names without 'simulated.'.
-
-    :raises InvalidValueError: If they cannot be rendered.
-    """
+    """Make the simulation's settings of its parameters, named without 'simulated.'."""
     return SimulationSettings(tilt_deg, seed, frame_rate, BoardConditions(**conditions))

@@ -18,7 +18,9 @@ import math
 from typing import NamedTuple, Tuple
 
 from camera_to_base.checks import finite_number
-from camera_to_base.surface import check_image_size, HomographySurface, ImageSize
+from camera_to_base.image_size import check_image_size, ImageSize
+from camera_to_base.simulation.specs import LARGEST_TILT_DEG
+from camera_to_base.surface import HomographySurface
 import numpy as np
 
 _CAMERA_DISTANCE_CM = 60.0
@@ -72,7 +74,7 @@ class BoardView:
     def __init__(self, image_size: ImageSize, width_cm: float, tilt_deg: float) -> None:
         self.width, self.height = check_image_size(image_size)
         self.cm_per_px = finite_number('width_cm', width_cm, 1.0, 1000.0) / self.width
-        tilt = math.radians(finite_number('tilt_deg', tilt_deg, 0.0, 60.0))
+        tilt = math.radians(finite_number('tilt_deg', tilt_deg, 0.0, LARGEST_TILT_DEG))
         self.pixel_from_surface = self._project(tilt)
         inverse = np.linalg.inv(self.pixel_from_surface)
         self.surface_from_pixel = inverse / inverse[2, 2]

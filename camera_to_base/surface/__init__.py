@@ -22,19 +22,20 @@ calibration, the camera's pose and the view from above are here.
 Callers: all rooms below. It imports numpy and OpenCV alone.
 """
 
+from camera_to_base.image_size import ImageSize
 from camera_to_base.surface.distortion import divide, RadialDistortion, undivide
 from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.matched_points import (
     check_inside, check_spread, MatchedPoints, on_one_line, PointPairs)
 from camera_to_base.surface.models import (
-    check_image_size, homogeneous, HomographySurface, ImageSize, PolynomialSurface, Surface)
+    homogeneous, HomographySurface, PolynomialSurface, Surface)
 from camera_to_base.surface.parameters import make_hull, make_surface, surface_values
 from camera_to_base.surface.pose import camera_pose, CameraIntrinsics
 from camera_to_base.surface.rectification import sees_y_clockwise, surface_extent, top_view
 from camera_to_base.surface.specs import SURFACE_DEFAULTS, SURFACE_SPECS
 
 __all__ = [
-    'camera_pose', 'CameraIntrinsics', 'check_image_size', 'check_inside', 'check_spread',
+    'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread',
     'divide', 'homogeneous', 'HomographySurface', 'Hull', 'ImageSize', 'make_hull', 'make_surface',
     'MatchedPoints', 'on_one_line', 'PointPairs', 'PolynomialSurface', 'RadialDistortion',
     'sees_y_clockwise', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent', 'SURFACE_SPECS',

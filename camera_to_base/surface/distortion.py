@@ -20,6 +20,9 @@ from typing import Optional, Sequence, Tuple
 from camera_to_base.checks import finite_number, finite_numbers
 import numpy as np
 
+# A stronger lens is not described by one coefficient.
+LARGEST_COEFFICIENT = 2.0
+
 
 @dataclass(frozen=True)
 class RadialDistortion:
@@ -50,15 +53,16 @@ class RadialDistortion:
         Make the distortion of a picture's lens; the radius is half the picture's diagonal.
 
         :param image_size: Width and height, in px.
-        :param coefficient: -2 to 2.
+        :param coefficient: At most `LARGEST_COEFFICIENT`, either sign.
         :param centre: u and v, in px; None for the picture's centre.
         :raises InvalidValueError: If a number is not finite, or the coefficient is no lens's.
         """
         if centre is None:
             centre = np.subtract(image_size, 1) / 2
         u, v = finite_numbers('distortion_centre', centre, 2).tolist()
-        return cls(finite_number('distortion_coefficient', coefficient, -2, 2), (u, v),
-                   float(np.hypot(*image_size) / 2))
+        checked = finite_number(
+            'distortion_coefficient', coefficient, -LARGEST_COEFFICIENT, LARGEST_COEFFICIENT)
+        return cls(checked, (u, v), float(np.hypot(*image_size) / 2))
 
     def undistort(self, pixels: np.ndarray) -> np.ndarray:
         """

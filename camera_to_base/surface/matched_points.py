@@ -19,7 +19,7 @@ from typing import Sequence, Tuple
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import CalibrationError, InvalidValueError
-from camera_to_base.surface.models import ImageSize
+from camera_to_base.image_size import ImageSize
 import numpy as np
 
 # Points whose spread across a line is below this share of their spread along it lie on one line:

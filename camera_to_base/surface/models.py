@@ -14,18 +14,18 @@
 
 """From a pixel to the work surface: three models of how a camera looks at it."""
 
-from typing import Optional, Protocol, Sequence, Tuple
+from typing import Optional, Protocol, Sequence
 
-from camera_to_base.checks import finite_number, finite_numbers, whole_number
+from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.image_size import check_image_size, DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.surface.distortion import RadialDistortion
+from camera_to_base.surface.specs import SURFACE_DEFAULTS
 import numpy as np
 
 # A pixel whose ray meets the surface a hundred times farther away than the centre's covers ten
 # thousand times the length along the ray: it says nothing about a position.
 _HORIZON = 0.01
-
-ImageSize = Tuple[int, int]
 
 
 class Surface(Protocol):
@@ -57,13 +57,17 @@ class ParallelSurface:
     The field of view stays as wide when the picture has more pixels, so the same width in cm
     serves every picture size.
 
-    :param width_cm: What the picture's width sees of the surface, in cm.
-    :param image_width: The picture's width, in px.
+    :param width_cm: What the picture's width sees of the surface, in cm, above 0.
+    :param image_width: The picture's width, in px, at least 1.
     """
 
-    def __init__(self, width_cm: float = 36.0, image_width: int = 640) -> None:
-        self._width_cm = finite_number('width_cm', width_cm, 1e-3, 1e6)
-        self._image_width = whole_number('image_width', image_width, 1, 10000)
+    def __init__(
+        self,
+        width_cm: float = SURFACE_DEFAULTS['surface.parallel.width_cm'],
+        image_width: int = DEFAULT_IMAGE_SIZE[0],
+    ) -> None:
+        self._width_cm = width_cm
+        self._image_width = image_width
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`; there is no horizon."""
@@ -90,10 +94,10 @@ class PolynomialSurface:
 
     def __init__(
         self,
-        y_of_v: Sequence[float] = (0.00006, -0.0833, 25.848),
-        px_per_cm_of_y: Sequence[float] = (0.0625, -1.6393, 29.071),
-        centre_u: float = 292.0,
-        image_size: ImageSize = (640, 480),
+        y_of_v: Sequence[float] = SURFACE_DEFAULTS['surface.polynomial.y_of_v'],
+        px_per_cm_of_y: Sequence[float] = SURFACE_DEFAULTS['surface.polynomial.px_per_cm_of_y'],
+        centre_u: float = SURFACE_DEFAULTS['surface.polynomial.centre_u'],
+        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
     ) -> None:
         self.y_of_v = finite_numbers('y_of_v', y_of_v, 3)
         self.px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
@@ -149,7 +153,7 @@ class HomographySurface:
     def __init__(
         self,
         surface_from_pixel: np.ndarray,
-        image_size: ImageSize = (640, 480),
+        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
         distortion: Optional[RadialDistortion] = None,
     ) -> None:
         matrix = finite_numbers('surface_from_pixel', surface_from_pixel, 3, 3)
@@ -204,18 +208,6 @@ def homogeneous(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     :returns: Shape (n, 3).
     """
     return points @ matrix[:, :2].T + matrix[:, 2]
-
-
-def check_image_size(image_size: Sequence[int]) -> ImageSize:
-    """
-    Check a picture size.
-
-    :returns: Width and height, in px.
-    :raises InvalidValueError: If it is not two whole numbers from 1.
-    """
-    width, height = finite_numbers('image_size', image_size, 2)
-    return (whole_number("image_size's width", width, 1, 10000),
-            whole_number("image_size's height", height, 1, 10000))
 
 
 def _check_same_size(image_size: ImageSize, calibrated_size: ImageSize) -> None:

@@ -15,16 +15,17 @@
 
 """From the parameters that describe a calibration to the surface and the area it holds for."""
 
-from typing import Any, Dict, Mapping, Optional, Union
+from functools import lru_cache
+from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
-from camera_to_base.checks import finite_number, finite_numbers
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.image_size import ImageSize
 from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.models import (
-    check_image_size, HomographySurface, ImageSize, ParallelSurface, PolynomialSurface, Surface)
+    HomographySurface, ParallelSurface, PolynomialSurface, Surface)
 from camera_to_base.surface.raised import RaisedSurface
-from camera_to_base.surface.specs import SURFACE_MODELS
+from camera_to_base.surface.specs import SURFACE_SPECS
 import numpy as np
 
 
@@ -32,26 +33,32 @@ def make_surface(values: Mapping[str, Any]) -> Surface:
     """
     Make the surface of its parameters, for the height of the objects on it.
 
-    :param values: By their full names, 'surface.model' and so on.
+    The same values give the same object, so that a change of other parameters is none of it.
+
+    :param values: By their full names, 'surface.model' and so on, as the specs allow them.
     :raises InvalidValueError: If they describe none, or do not say where the camera is although
         the objects have a height.
     """
+    return _made_surface(tuple((spec.name, _frozen(values[spec.name])) for spec in SURFACE_SPECS))
+
+
+@lru_cache(maxsize=8)
+def _made_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
+    values = dict(items)
     surface = _flat_surface(values)
-    object_height_cm = finite_number('object_height_cm', values['object_height_cm'], 0, 1e4)
-    camera_height_cm = finite_number(
-        'surface.camera_height_cm', values['surface.camera_height_cm'], 0, 1e5)
-    foot_cm = finite_numbers('surface.camera_foot_cm', values['surface.camera_foot_cm'], -1)
-    if len(foot_cm) not in (0, 2):
-        raise InvalidValueError(
-            f'surface.camera_foot_cm must be x and y, or empty, got {len(foot_cm)} numbers')
-    if object_height_cm == 0:
+    if values['object_height_cm'] == 0:
         return surface
-    if camera_height_cm == 0:
+    foot_cm = values['surface.camera_foot_cm'] or None
+    if values['surface.camera_height_cm'] == 0:
         raise InvalidValueError(_where_is_the_camera('surface.camera_height_cm'))
-    if len(foot_cm) == 0 and values['surface.model'] != 'parallel':
+    if foot_cm is None and values['surface.model'] != 'parallel':
         raise InvalidValueError(_where_is_the_camera('surface.camera_foot_cm'))
-    return RaisedSurface(surface, object_height_cm, camera_height_cm,
-                         foot_cm if len(foot_cm) else None, values['surface.image_size'])
+    return RaisedSurface(surface, values['object_height_cm'], values['surface.camera_height_cm'],
+                         foot_cm, values['surface.image_size'])
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _where_is_the_camera(name: str) -> str:
@@ -61,31 +68,34 @@ def _where_is_the_camera(name: str) -> str:
 
 def _flat_surface(values: Mapping[str, Any]) -> Surface:
     model = values['surface.model']
-    image_size = check_image_size(values['surface.image_size'])
+    image_size = values['surface.image_size']
     if model == 'parallel':
         return ParallelSurface(values['surface.parallel.width_cm'], image_size[0])
     if model == 'polynomial':
         return PolynomialSurface(
             values['surface.polynomial.y_of_v'], values['surface.polynomial.px_per_cm_of_y'],
             values['surface.polynomial.centre_u'], image_size)
-    if model == 'homography':
-        return _homography_surface(values, image_size)
-    raise InvalidValueError(
-        f'surface.model must be one of {", ".join(SURFACE_MODELS)}, got \'{model}\'')
+    return _homography_surface(values, image_size)
 
 
 def make_hull(values: Mapping[str, Any]) -> Optional[Hull]:
     """
     Make the area that the calibration was measured in; None where it is not known.
 
+    The same values give the same object.
+
     :param values: 'surface.hull' is u and v of one corner after the other, in px, or empty.
     :raises InvalidValueError: If it is no area.
     """
-    numbers = finite_numbers('surface.hull', values['surface.hull'], -1)
+    return _made_hull(tuple(values['surface.hull']))
+
+
+@lru_cache(maxsize=8)
+def _made_hull(numbers: Tuple[float, ...]) -> Optional[Hull]:
     if len(numbers) % 2:
         raise InvalidValueError(
             f'surface.hull must be pairs of u and v, got {len(numbers)} numbers')
-    return Hull(numbers.reshape(-1, 2)) if len(numbers) else None
+    return Hull(np.reshape(numbers, (-1, 2))) if numbers else None
 
 
 def surface_values(
@@ -111,8 +121,7 @@ def surface_values(
 
 
 def _homography_surface(values: Mapping[str, Any], image_size: ImageSize) -> HomographySurface:
-    matrix = finite_numbers('surface.homography.surface_from_pixel',
-                            values['surface.homography.surface_from_pixel'], 9).reshape(3, 3)
+    matrix = np.reshape(values['surface.homography.surface_from_pixel'], (3, 3))
     distortion = RadialDistortion.of_picture(
         image_size, values['surface.homography.distortion_coefficient'],
         values['surface.homography.distortion_centre'])

@@ -19,8 +19,8 @@ from typing import NamedTuple, Tuple
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.image_size import check_image_size, ImageSize
 from camera_to_base.surface.matched_points import check_spread, MatchedPoints
-from camera_to_base.surface.models import check_image_size, ImageSize
 import cv2
 import numpy as np
 

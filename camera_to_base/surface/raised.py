@@ -16,12 +16,11 @@
 
 from typing import Optional, Sequence
 
-from camera_to_base.checks import finite_number, finite_numbers
+from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.surface.models import check_image_size, ImageSize, Surface
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
+from camera_to_base.surface.models import Surface
 import numpy as np
-
-_LARGEST_CM = 1e5
 
 
 class RaisedSurface:
@@ -47,7 +46,7 @@ class RaisedSurface:
     :param camera_foot_cm: The point of the surface below the camera, x and y, in cm, in the camera
         frame; None for what the picture's centre looks at, as with a parallel camera.
     :param image_size: Width and height of the pictures, in px.
-    :raises InvalidValueError: If a value cannot be used, or the camera is not above the objects.
+    :raises InvalidValueError: If the camera is not above the objects.
     """
 
     def __init__(
@@ -56,20 +55,18 @@ class RaisedSurface:
         object_height_cm: float,
         camera_height_cm: float,
         camera_foot_cm: Optional[Sequence[float]] = None,
-        image_size: ImageSize = (640, 480),
+        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
     ) -> None:
         self._surface = surface
-        self._object_height_cm = finite_number(
-            'object_height_cm', object_height_cm, 0, _LARGEST_CM)
-        self._camera_height_cm = finite_number(
-            'camera_height_cm', camera_height_cm, 0, _LARGEST_CM)
-        if not self._object_height_cm < self._camera_height_cm:
+        self._object_height_cm = object_height_cm
+        self._camera_height_cm = camera_height_cm
+        if not object_height_cm < camera_height_cm:
             raise InvalidValueError(
                 f"object_height_cm must be below the camera's height, {camera_height_cm:g} cm, "
                 f'got {object_height_cm:g}')
         self._given_foot_cm = camera_foot_cm
         if camera_foot_cm is None:
-            centre = np.subtract(check_image_size(image_size), 1) / 2
+            centre = np.subtract(image_size, 1) / 2
             camera_foot_cm = surface.locate([centre])[0]
         self._foot_cm = finite_numbers('camera_foot_cm', camera_foot_cm, 2)
 

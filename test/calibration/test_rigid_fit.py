@@ -14,7 +14,7 @@
 
 """The transform from the camera frame to the base frame."""
 
-from camera_to_base.calibration.rigid_fit import fit_rigid, kabsch, roll_pitch_yaw
+from camera_to_base.calibration.rigid_fit import align, fit_rigid, rotation_deg
 from camera_to_base.coordinate_transform import rotation_matrix
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface.matched_points import PointPairs
@@ -59,13 +59,14 @@ def test_exact_pairs_recover_any_rotation(angles):
 
 def test_the_rotation_is_proper_even_for_mirrored_bodies():
     body = np.random.default_rng(0).normal(size=(8, 3))
-    rotation, _ = kabsch(body, body * [1, 1, -1])
+    rotation, _ = align(body, body * [1, 1, -1])
     assert np.linalg.det(rotation) == pytest.approx(1)
 
 
-def test_angles_go_round_trip_where_pitch_is_a_right_angle():
+def test_angles_go_round_trip_where_pitch_is_a_right_angle(recwarn):
     truth = rotation_matrix(40, 90, 0)
-    np.testing.assert_allclose(rotation_matrix(*roll_pitch_yaw(truth)), truth, atol=1e-9)
+    np.testing.assert_allclose(rotation_matrix(*rotation_deg(truth)), truth, atol=1e-9)
+    assert rotation_deg(truth)[2] == 0 and not recwarn.list
 
 
 def test_pairs_that_nothing_fits_are_refused_by_the_worst_row():

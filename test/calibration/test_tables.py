@@ -54,12 +54,55 @@ def test_the_picture_size_is_read_where_it_is_there(table):
         read_points(table(text.replace('2,640', '2,320')))
 
 
+GERMAN = 'x_cm;y_cm;u_px;v_px;Höhe\n0;0;20,5;10,25;ä\n30;0,5;1.220,75;11;\n'
+
+
+@pytest.mark.parametrize('text, encoding', [
+    (GERMAN, 'cp1252'), (GERMAN, 'utf-8'), (GERMAN, 'utf-8-sig'), (GERMAN, 'utf-16'),
+    (GERMAN, 'utf-16-le'), (GERMAN, 'utf-16-be'), (GERMAN.replace(';', '\t'), 'utf-16'),
+    ('sep=;\n' + GERMAN, 'cp1252'), (GERMAN.replace('\n', '\r\n'), 'cp1252'),
+    (GERMAN.replace('1.220', '1\u202f220'), 'utf-8'),
+    (GERMAN.replace('1.220', '1\u00a0220'), 'cp1252'),
+    (GERMAN.replace('1.220,75', '"1.220,75"'), 'utf-8'), ('\n\n' + GERMAN, 'utf-8'),
+    (GERMAN.replace('1.220', '1220').replace(',', '.').replace(';', ','), 'utf-8'),
+    (GERMAN.replace('1.220,75', '"1,220.75"').replace(',5', '.5').replace(',25', '.25').replace(
+        ';', ','), 'utf-8')])
+def test_tables_of_german_french_and_english_spreadsheets_are_read(table, text, encoding):
+    matched, _ = read_points(table(text, encoding))
+    np.testing.assert_array_equal(matched.points, [[0, 0], [30, 0.5]])
+    np.testing.assert_array_equal(matched.pixels, [[20.5, 10.25], [1220.75, 11]])
+
+
+@pytest.mark.parametrize('old, new, message', [
+    ('0,5;', '0.5;', "row 3: y_cm: '0.5' has a point in a table with decimal commas"),
+    ('0,5;', '1_0;', "row 3: y_cm: not a number: '1_0'"),
+    ('0,5;', '1,2,3;', "row 3: y_cm: not a number: '1,2,3'"),
+    ('0,5;', '5 cm;', "row 3: y_cm: not a number: '5 cm'"),
+    ('0,5;', '#WERT!;', "row 3: y_cm: not a number: '#WERT!'"),
+    (';', ',', 'row 2 has 7 cells, but the header has 5: .* Save the table with semicolons')])
+def test_cell_that_can_be_misread_is_refused_by_row_and_column(table, old, new, message):
+    with pytest.raises(InvalidValueError, match=message):
+        read_points(table(GERMAN.replace(old, new)))
+
+
+def test_comma_that_groups_or_divides_is_refused(table):
+    with pytest.raises(InvalidValueError, match="row 4: u_px: '1,220' can be two numbers"):
+        read_points(table(GOOD.replace('220', '"1,220"').replace('0.5', '5')))
+
+
+def test_workbook_is_refused_with_the_cure(tmp_path):
+    path = tmp_path / 'table.xlsx'
+    path.write_bytes(b'PK\x03\x04\x14\x00\x06\x00\x08')
+    with pytest.raises(InvalidValueError, match="it is a spreadsheet's workbook: save it as CSV"):
+        read_points(path)
+
+
 @pytest.mark.parametrize('text, message', [
     ('', 'is empty: expected a header with x_cm'),
     ('x_cm,y_cm,u_px\n1,2,3\n', 'has no column v_px: its header is x_cm, y_cm, u_px'),
     ('x_cm,y_cm,u_px,v_px,x_cm\n1,2,3,4,5\n', 'has column x_cm twice'),
     ('x_cm,y_cm,u_px,v_px\n', 'has a header but no rows'),
-    (GOOD.replace('30', 'thirty'), "row 4: x_cm is not a number: 'thirty'"),
+    (GOOD.replace('30', 'thirty'), "row 4: x_cm: not a number: 'thirty'"),
     (GOOD.replace('30', 'nan'), 'row 4: x_cm is nan: expected a finite number'),
     (GOOD.replace('220', '1e300'), 'row 4: u_px is 1e300: expected at most 1e'),
     (GOOD.replace('220', '-inf'), 'row 4: u_px is -inf: expected a finite number'),

@@ -255,6 +255,7 @@ def test_files_are_overwritten_when_told_to_only(run):
     Path('surface.yaml').write_text('mine')
     assert run('board', picture, *BOARD, '-o', 'surface.yaml', '--force')[0] == 0
     assert 'homography' in Path('surface.yaml').read_text()
+    assert Path('surface.yaml.bak').read_text() == 'mine'
 
 
 def flat_picture(name='flat.png', width=640):
@@ -315,7 +316,7 @@ BAD_INPUTS = {
     'missing table': (lambda: ('points', 'none.csv'), 'cannot read the table none.csv'),
     'missing column': (lambda: ('points', table(header='x_cm,y_cm,u_px,v')), 'no column v_px'),
     'not a number': (lambda: ('points', written('a.csv', LINE + '6,six,7,8\n')),
-                     "row 7: y_cm is not a number: 'six'"),
+                     "row 7: y_cm: not a number: 'six'"),
     'nan': (lambda: ('points', written('a.csv', LINE + '6,nan,7,8\n')), 'row 7: y_cm is nan'),
     'infinity': (lambda: ('points', written('a.csv', LINE + '6,1,inf,8\n')), 'row 7: u_px is inf'),
     'three points': (lambda: ('points', table(points=POINTS[:3])), '3 points are too few'),
@@ -343,6 +344,8 @@ BAD_INPUTS = {
                        "cannot write picture 'none/surface_report.png': there is no folder"),
     'output over the input': (lambda: ('points', table(), '-o', 'points.csv', '--force'),
                               'different files to read and to write'),
+    'a device': (lambda: ('points', table(), '-o', '/dev/null', '--force', '--picture', 'a.png'),
+                 "cannot write '/dev/null': a device or a pipe is there, not a file"),
     'picture of no format': (lambda: ('points', table(), '--picture', 'report.doc'),
                              'must end in .png or .jpg'),
     'no such subcommand': (lambda: ('bored',), "invalid choice: 'bored'"),

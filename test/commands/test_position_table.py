@@ -15,7 +15,7 @@
 import math
 
 from camera_to_base.commands.position_table import (
-    csv_header, csv_line, positions, table_header, table_line)
+    csv_cells, positions, table_header, table_line)
 from camera_to_base.detection.detection import Box, Detection, Pixel
 from camera_to_base.detection.locator import LocatedObject, Point
 from camera_to_base.settings.node_settings import read_node_settings
@@ -35,14 +35,13 @@ def test_lines_of_one_frame():
     long, round_, far = positions(timed, [
         located(390.0, 275.25, 19.5, 13.75, math.radians(30)), located(1.0, 2.0, 3.0, 4.0),
         located(0.0, 0.0, 2000.0, 0.0)], TRANSFORM)
-    assert csv_header() == ('frame,time_s,object,u_px,v_px,x_cam_cm,y_cam_cm,x_base_cm,y_base_cm,'
-                            'z_base_cm,yaw_base_deg')
     # The default base frame looks from below: its y and the yaw change their signs.
-    assert csv_line(long) == (
-        '7,1700000000.000000009,1,390.0000,275.2500,19.5000,13.7500,'
-        '1.7000,10.6500,0.0000,-30.0000')
-    assert csv_line(round_).endswith(',2,1.0000,2.0000,3.0000,4.0000,-14.8000,20.4000,0.0000,')
-    assert csv_line(far).endswith(',3,0.0000,0.0000,2000.0000,0.0000,,,,')
+    assert csv_cells(long) == [
+        '7', '1700000000.000000009', '1', '390.0000', '275.2500', '19.5000', '13.7500',
+        '1.7000', '10.6500', '0.0000', '-30.0000']
+    assert csv_cells(round_)[2:] == [
+        '2', '1.0000', '2.0000', '3.0000', '4.0000', '-14.8000', '20.4000', '0.0000', '']
+    assert csv_cells(far)[2:] == ['3', '0.0000', '0.0000', '2000.0000', '0.0000', '', '', '', '']
     assert table_line(long).split() == [
         '7', '1700000000.000', '1', '390.0', '275.2', '19.50', '13.75', '1.70', '10.65', '-30.0']
     assert table_line(far).split()[-3:] == ['-', '-', '-']

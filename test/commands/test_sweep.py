@@ -85,19 +85,28 @@ def test_value_that_cannot_be_used_is_refused(settings, text, said):
         sweep(settings, sweep_range(text), frames())
 
 
+# matplotlib's first, second and fourth colour, as blue, green and red.
+ANY, ONE, NOW = (180, 119, 31), (14, 127, 255), (40, 39, 214)
+
+
+def places(picture, colour):
+    """Return the v and u of the pixels of a colour."""
+    return np.nonzero((picture == colour).all(axis=2))
+
+
 def test_picture_shows_both_curves_and_the_current_value():
     result = sweep(SETTINGS, sweep_range('threshold=20:200:20'), frames())._replace(current=45.0)
-    picture = sweep_picture(result).astype(int)
-    blue, green, red = picture[..., 0], picture[..., 1], picture[..., 2]
-    chart = np.s_[91:470, 81:930]
-
-    def rows_of(mask):
-        return np.flatnonzero(mask[chart].any(axis=1)) + 91
-
-    # 6 frames are 380 px: 3 with any object, 2 with exactly one, from the bottom at 470.
-    assert rows_of((blue > 150) & (red < 90) & (green < 160)).min() == pytest.approx(280, abs=8)
-    assert rows_of((green > 130) & (red < 90) & (blue < 90)).min() == pytest.approx(343, abs=8)
-    now = np.flatnonzero(((red > 180) & (green < 90))[chart].any(axis=0)) + 81
-    assert now.mean() == pytest.approx(80 + 850 * (45 - 20) / 180, abs=2)
-    beyond = sweep_picture(result._replace(current=300.0)).astype(int)
-    assert not ((beyond[..., 2] > 180) & (beyond[..., 1] < 90))[chart].any()
+    picture = sweep_picture(result)
+    any_v, any_u = places(picture, ANY)
+    one_v, one_u = places(picture, ONE)
+    _, now_u = places(picture, NOW)
+    assert picture.shape == (540, 960, 3) and any_v.size and one_v.size
+    # Three frames have any object, two exactly one; at the last value both curves are at 0.
+    bottom = one_v.max()
+    chart = one_u < 700  # left of the legend
+    assert (bottom - one_v[chart].min()) / (bottom - any_v[any_u < 700].min()) == pytest.approx(
+        2 / 3, abs=0.05)
+    left, right = one_u.min(), one_u.max()
+    assert np.median(now_u) == pytest.approx(left + (right - left) * (45 - 20) / 180, abs=6)
+    beyond = sweep_picture(result._replace(current=300.0))
+    assert not places(beyond, NOW)[0].size

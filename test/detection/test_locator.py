@@ -17,7 +17,9 @@ import math
 from camera_to_base.detection.detection import Pixel
 from camera_to_base.detection.locator import locate_pixel, ObjectLocator, Point
 from camera_to_base.detection.settings import DetectorSettings
+from camera_to_base.detection.specs import DETECTOR_SPECS
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.reason import Level
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.surface.hull import Hull
@@ -229,11 +231,15 @@ def test_object_narrower_than_two_closing_kernels_has_no_yaw_for_the_tutorial():
 
 @pytest.mark.parametrize('field, value', [
     ('method', 'best'), ('threshold', 256), ('median_size', 4), ('closing_size', 0),
-    ('faintest', -1.0), ('precise_threshold', 256.0), ('min_area_cm2', math.nan),
-    ('max_area_cm2', -1.0)])
+    ('faintest', -1.0), ('min_area_cm2', math.nan), ('max_area_cm2', -1.0)])
 def test_setting_that_cannot_be_used_is_refused_by_its_name(field, value):
     with pytest.raises(InvalidValueError, match=field):
-        DetectorSettings(**{field: value})
+        checked_values(DETECTOR_SPECS, {f'detector.{field}': value})
+
+
+def test_largest_area_below_the_smallest_is_refused():
+    with pytest.raises(InvalidValueError, match=r'max_area_cm2 must not be below .*10 cm².*got 9'):
+        DetectorSettings(min_area_cm2=10.0, max_area_cm2=9.0)
 
 
 @pytest.mark.parametrize('surface', [ParallelSurface(), PolynomialSurface(), ROAD])

@@ -12,12 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+from itertools import combinations
+
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.absolute_difference import Box, Detection, Pixel
 from camera_to_base.detection.locator import LocatedObject, Point
 from camera_to_base.drawing.overlay import (
-    base_label, check_picture_path, draw_note, draw_objects, draw_pixel, object_mask,
-    write_picture)
+    base_label, check_picture_path, draw_note, draw_objects, object_mask, write_picture)
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
@@ -77,7 +78,7 @@ def test_rest_of_the_frame_is_left_as_it_is():
 
 def test_text_tells_the_position_in_cm(texts):
     draw_objects(grey_frame(), [located((200, 150, 60, 40), (19.504, -13.75))])
-    assert [text for text, *_ in texts] == ['x 19.50, y -13.75 cm']
+    assert [text for text, *_ in texts] == ['1: x 19.50, y -13.75 cm']
 
 
 def test_every_object_is_drawn(texts):
@@ -85,7 +86,7 @@ def test_every_object_is_drawn(texts):
     drawn = changed(draw_objects(
         grey_frame(), [located(box, (x, 0)) for x, box in enumerate(boxes)]))
     assert all(drawn[y, x] and drawn[y + h // 2, x + w // 2] for x, y, w, h in boxes)
-    assert [text for text, *_ in texts] == [f'x {x}.00, y 0.00 cm' for x in range(3)]
+    assert [text for text, *_ in texts] == [f'{x + 1}: x {x}.00, y 0.00 cm' for x in range(3)]
 
 
 @pytest.mark.parametrize('x', [0, 300, 636])
@@ -95,6 +96,49 @@ def test_text_stays_inside_the_picture(texts, x, y):
     (_, left, top, width, height), = texts
     assert 0 <= left and left + width <= 640
     assert 0 <= top and top + height <= 480
+
+
+def overlap(one, other):
+    (_, x, y, width, height), (_, other_x, other_y, other_width, other_height) = one, other
+    return (x < other_x + other_width and other_x < x + width
+            and y < other_y + other_height and other_y < y + height)
+
+
+@pytest.mark.parametrize('magnification', [0.5, 1, 3])
+def test_labels_of_neighbours_do_not_cover_each_other_nor_the_objects(texts, magnification):
+    boxes = [(200, 150, 60, 40), (250, 195, 70, 30), (210, 230, 50, 50), (262, 150, 40, 30),
+             (100, 150, 90, 60), (560, 20, 60, 60), (10, 430, 50, 40)]
+    boxes = [tuple(int(magnification * value) for value in box) for box in boxes]
+    frame = grey_frame(int(640 * magnification), int(480 * magnification))
+    draw_objects(frame, [located(box) for box in boxes])
+    assert len(texts) == len(boxes)
+    assert not any(overlap(one, other) for one, other in combinations(texts, 2))
+    assert not any(overlap(one, ('', *box)) for one in texts for box in boxes)
+
+
+def test_objects_in_a_heap_have_labels_beside_each_other_with_lines_to_them(texts):
+    picture = draw_objects(
+        grey_frame(), [located((300 + x, 240, 20, 20)) for x in range(0, 50, 5)])
+    assert not any(overlap(one, other) for one, other in combinations(texts, 2))
+    # Outside of the labels and the objects, a red line remains.
+    picture[240:260, 300:366] = GREY
+    assert (picture.astype(int) @ [-1, -1, 2] > 150).any()
+
+
+@pytest.mark.parametrize('magnification', [0.8, 1, 2, 4])
+def test_labels_grow_with_the_picture(texts, magnification):
+    draw_objects(grey_frame(), [located((20, 200, 8, 8))])
+    draw_objects(grey_frame(int(640 * magnification), int(480 * magnification)),
+                 [located((20, 200, 8, 8))])
+    (*_, width, height), (*_, larger_width, larger_height) = texts
+    assert larger_width / width == pytest.approx(magnification, rel=0.1)
+    assert larger_height / height == pytest.approx(magnification, rel=0.2)
+
+
+def test_label_leaves_the_topmost_line_to_a_note(texts):
+    picture = draw_objects(grey_frame(), [located((30, 24, 20, 20))])
+    draw_note(picture, 'background taken 3 s ago')
+    assert not overlap(*texts)
 
 
 def test_frame_is_left_as_it_is():
@@ -123,19 +167,11 @@ def test_frame_need_not_be_contiguous():
         draw_objects(grey_frame(), [located((200, 150, 60, 40))]))
 
 
-def test_pixel_without_a_frame_is_drawn_on_an_empty_picture(texts):
-    picture = draw_pixel((640, 480), Pixel(390, 275), Point(19.5, 13.75))
-    empty = picture[0, 0]
-    assert picture.shape == (480, 640, 3) and picture.dtype == np.uint8
-    assert (picture[275, 390] != empty).any()
-    assert (picture[300:] == empty).all() and (picture[:, :380] == empty).all()
-    assert [text for text, *_ in texts] == ['x 19.50, y 13.75 cm']
-
-
-def test_pixel_is_drawn_at_the_nearest_whole_one():
-    np.testing.assert_array_equal(
-        draw_pixel((64, 48), Pixel(30.6, 20.4), Point(1.0, 2.0)),
-        draw_pixel((64, 48), Pixel(31, 20), Point(1.0, 2.0)))
+def test_long_note_is_written_in_lines_that_fit(texts):
+    draw_note(grey_frame(), 'the view has moved by 7.2 px: ' + 'move the camera back, ' * 5)
+    assert len(texts) > 1 and texts[0][0].startswith('the view has moved')
+    assert all(x + width < 640 for _, x, _, width, _ in texts)
+    assert all(above[2] + above[4] <= below[2] for above, below in zip(texts, texts[1:]))
 
 
 def test_written_picture_is_read_back_as_it_was(tmp_path):

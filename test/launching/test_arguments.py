@@ -76,7 +76,7 @@ def test_transform_comes_from_the_sections_of_the_transform_node(section, yaw, c
 
 
 def test_transform_that_is_no_numbers_is_named(camera):
-    with pytest.raises(InvalidValueError, match='rotation_deg must be .*shape'):
+    with pytest.raises(InvalidValueError, match='rotation_deg must be 3 numbers'):
         transform_arguments(camera('{rotation_deg: [0.0, 0.0]}'))
 
 

@@ -182,6 +182,8 @@ def test_camera_node_gets_the_file_the_source_and_the_frame(prefix):
     assert 'config/overhead_camera.yaml' in command
     text = Path(command.split()[-1]).read_text()
     assert "source: '0'" in text and 'camera_frame_id: cell_1/camera_surface' in text
+    transform = Path(command_of('robot_base_publisher', commands).split()[-1]).read_text()
+    assert 'camera_frame_id: cell_1/camera_surface' in transform
 
 
 def background_files(commands):

@@ -45,6 +45,7 @@ def keep_empty_table(file, change=lambda table: table):
     BackgroundFile(str(file)).keep(change(scenes.still_coin(empty_s=60.0)()))
 
 
+@pytest.mark.slow
 def test_coin_at_rest_is_published_again_within_5_s_of_a_kill(ros, start, file, tell):
     positions = ros.listen_with_time(CAMERA_TOPIC)
     objects = ros.listen_to(PoseArray, '/objects_in_cam_frame')
@@ -92,6 +93,7 @@ def test_file_of_another_picture_size_publishes_nothing_until_it_is_taken_anew(r
     assert positions[0] == pytest.approx(TRUE, abs=0.05)
 
 
+@pytest.mark.slow
 def test_file_that_holds_no_picture_is_said_and_replaced(ros, start, file):
     file.write_bytes(b'half of a picture')
     positions = ros.listen(CAMERA_TOPIC)
@@ -103,6 +105,7 @@ def test_file_that_holds_no_picture_is_said_and_replaced(ros, start, file):
     assert cv2.imread(str(file)).shape == (480, 640, 3)
 
 
+@pytest.mark.slow
 def test_file_that_cannot_be_written_is_said_once_and_positions_come(ros, start, file):
     file.mkdir()
     positions = ros.listen(CAMERA_TOPIC)

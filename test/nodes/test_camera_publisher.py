@@ -20,6 +20,7 @@ from camera_to_base.nodes import background_service
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.settings import named_source
 from camera_to_base.simulation.board import SimulatedBoard
+from camera_to_base.sources.source_kind import DEVICE
 from captures import Device
 import cv2
 from geometry_msgs.msg import PoseArray
@@ -37,7 +38,7 @@ ERROR = 40
 class GivenFrames:
     """A camera that plays given frames, the last one for ever; an error among them is raised."""
 
-    frame_rate = 0.0
+    kind = DEVICE
 
     def __init__(self, frames):
         self._frames = list(frames)
@@ -202,7 +203,6 @@ def test_bad_value_is_rejected_with_the_reason_and_changes_nothing(ros, name, va
 @pytest.mark.parametrize('argument', [
     'detector.threshold:=300', 'detector.threshold:=95.5', 'detector.median_size:=2',
     'period:=soon', 'surface.model:=cubic', 'surface.image_size:=[640]', 'period:=.nan',
-    'annotated_picture:=picture.doc', 'annotated_picture:=/does/not/exist.png',
     'surface.polynomial.y_of_v:=text',
     'surface.hull:=[1.0, 2.0, 3.0]', 'surface.hull:=[1.0, 1.0, 2.0, 2.0, 3.0, 3.0]',
     'surface.homography.distortion_coefficient:=5.0',
@@ -235,23 +235,11 @@ def test_every_parameter_is_described_and_every_number_has_a_range(ros):
             assert descriptor.integer_range or descriptor.floating_point_range, name
 
 
-def test_annotated_picture_shows_a_box_around_the_object(ros, play, tmp_path):
-    picture = tmp_path / 'picture.png'
-    received = listen_for_camera(ros)
-    frame = table_with_disc(320, 240)
-    play([table(), frame], '-p', f'annotated_picture:={picture}')
-    assert ros.spin_until(lambda: received and picture.exists())
-    drawn = (cv2.absdiff(cv2.imread(str(picture)), frame) > 3).any(axis=2)
-    assert drawn[215:265, 290:350].any()
-    assert not drawn[300:, :].any()
-
-
-def test_picture_that_cannot_be_written_does_not_stop_the_positions(ros, play, tmp_path):
-    folder = tmp_path / 'picture.png'
-    folder.mkdir()
-    received = listen_for_camera(ros)
-    play([table(), table_with_disc(320, 240)], '-p', f'annotated_picture:={folder}')
-    assert ros.spin_until(lambda: len(received) >= 3)
+def test_annotated_picture_is_said_to_have_no_effect_any_more(ros, tmp_path):
+    lines = ros.listen_to_log('camera_publisher')
+    ros.add(CameraPublisher, '-p', 'source:=random', '-p', f'annotated_picture:={tmp_path}/it.png')
+    assert ros.spin_until(lambda: any(
+        'annotated_picture has no effect any more' in line.text for line in lines))
 
 
 def warnings_of(node, monkeypatch):

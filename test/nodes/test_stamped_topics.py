@@ -93,11 +93,37 @@ def test_stamp_passes_through_the_transform_unchanged(ros):
 def test_names_of_the_frames_are_parameters(ros):
     objects = ros.listen_to(PoseArray, BASE_OBJECTS)
     seen = ros.listen_to(PoseArray, CAMERA_OBJECTS)
-    ros.add(RobotBasePublisher, '-p', 'base_frame_id:=cell_2/base_link')
+    ros.add(RobotBasePublisher, '-p', 'base_frame_id:=cell_2/base_link',
+            '-p', 'camera_frame_id:=table')
     ros.add(CameraPublisher, '-p', 'source:=simulated', '-p', 'camera_frame_id:=table')
     assert ros.spin_until(lambda: objects and seen)
     assert objects[0].header.frame_id == 'cell_2/base_link'
     assert seen[0].header.frame_id == 'table'
+
+
+def test_messages_in_another_frame_are_dropped_and_counted(ros):
+    node, point_talker, object_talker, points, objects = connect(ros)
+    statuses = ros.listen_to_diagnostics('/robot_base_publisher')
+    for name in ('base_link', 'camera_surface', ''):
+        header = Header(stamp=STAMP, frame_id=name)
+        point_talker.publish(PointStamped(header=header, point=Point(x=len(name) / 100)))
+        object_talker.publish(poses_message(header, [Pose(len(name), 0.0, 0.0, 0.0)]))
+    assert ros.spin_until(lambda: len(points) == len(objects) == 2)
+    assert [point.point.x for point in points] == pytest.approx([-0.038, -0.178])
+    assert node.dropped_count == 2
+    assert ros.spin_until(lambda: statuses and statuses[-1].values.get(
+        'dropped: in another frame') == '2')
+
+
+@pytest.mark.parametrize('section', ['/**', 'camera_publisher'])
+def test_camera_frame_that_a_file_names_is_the_one_that_is_converted(ros, tmp_path, section):
+    path = tmp_path / 'cell.yaml'
+    path.write_text(f'{section}: {{ros__parameters: {{camera_frame_id: table}}}}')
+    node, point_talker, _, points, _ = connect(ros, '--params-file', str(path))
+    point_talker.publish(PointStamped(header=Header(frame_id='table')))
+    assert ros.spin_until(lambda: points)
+    assert node.dropped_count == 0
+    assert node.get_parameter('camera_frame_id').value == 'table'
 
 
 @pytest.mark.parametrize('name', ['/base_link', "''"])

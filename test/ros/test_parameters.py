@@ -14,8 +14,12 @@
 
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
+from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.ros.parameters import NodeParameters
 import pytest
-from rclpy.parameter import parameter_value_to_python
+from rcl_interfaces.msg import Parameter as ParameterMessage, ParameterType, ParameterValue
+from rclpy.node import Node
+from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 import yaml
 
@@ -72,3 +76,92 @@ def test_node_that_is_started_with_the_dump_of_another_has_the_same_parameters(
     second = ros.add(node_class, '--params-file', str(tmp_path / 'dump.yaml'))
     found = second.get_parameters_by_prefix('')
     assert {name: each.get_parameter_value() for name, each in found.items()} == values
+
+
+CAMERA = CameraPublisher, '/camera_publisher'
+BASE = RobotBasePublisher, '/robot_base_publisher'
+
+
+@pytest.mark.parametrize('kind', [ParameterType.PARAMETER_DOUBLE_ARRAY,
+                                  ParameterType.PARAMETER_INTEGER_ARRAY])
+@pytest.mark.parametrize('node_class, node_name, name, accepted', [
+    (*CAMERA, 'surface.hull', True), (*CAMERA, 'surface.camera_foot_cm', True),
+    (*CAMERA, 'surface.image_size', False), (*BASE, 'rotation_deg', False)])
+def test_client_may_clear_a_list_and_the_node_lives(
+        ros, kind, node_class, node_name, name, accepted):
+    arguments = ['-p', 'source:=random', '-p', 'surface.hull:=[0.0, 0.0, 9.0, 0.0, 9.0, 9.0]']
+    node = ros.add(node_class, *(arguments if node_class is CameraPublisher else []))
+    before = node.get_parameter(name).value
+    client = AsyncParameterClient(ros.node, node_name)
+    assert ros.spin_until(client.services_are_ready)
+    future = client.set_parameters([ParameterMessage(name=name, value=ParameterValue(type=kind))])
+    assert ros.spin_until(future.done)
+    result, = future.result().results
+    assert result.successful == accepted and bool(result.reason) != accepted
+    assert list(node.get_parameter(name).value) == ([] if accepted else list(before))
+    assert node._settings is not None
+
+
+def test_cleared_hull_warns_of_nothing_any_more(ros):
+    node = ros.add(CameraPublisher, '-p', 'source:=random',
+                   '-p', 'surface.hull:=[0.0, 0.0, 9.0, 0.0, 9.0, 9.0]')
+    assert node._settings.hull is not None
+    cleared = Parameter('surface.hull', Parameter.Type.DOUBLE_ARRAY, [])
+    assert node.set_parameters([cleared])[0].successful
+    assert node._settings.hull is None
+
+
+class Renamed(Node):
+    """A node whose parameter was called `reach` before."""
+
+    def __init__(self, **options):
+        super().__init__('renamed', **options)
+        specs = [ParameterSpec('reach_cm', 9.0, '', (0, 99), old_names=('reach',))]
+        self.parameters = NodeParameters(self, specs, dict, cli_args=options.get('cli_args'))
+
+
+def test_old_name_works_at_the_start_and_later_with_a_warning(ros):
+    log = ros.listen_to_log('renamed')
+    node = ros.add(Renamed, '-p', 'reach:=3')
+    assert node.parameters.current == {'reach_cm': 3.0}
+    assert node.get_parameter('reach_cm').value == 3.0 and not node.has_parameter('reach')
+    result, = node.set_parameters([Parameter('reach', value=4)])
+    assert result.successful and node.parameters.current == {'reach_cm': 4.0}
+    assert ros.spin_until(lambda: len(log) == 2)
+    assert all("'reach' is called 'reach_cm' now" in line.text for line in log)
+
+
+def test_what_a_file_says_in_vain_is_told(ros, tmp_path):
+    log = ros.listen_to_log('camera_publisher')
+    path = tmp_path / 'cell.yaml'
+    path.write_text('/**:\n  ros__parameters: {surface: 5, reach: 3, reach_cm: 9, foo: 1}\n'
+                    '/camera_publisher:\n  ros__parameters: {threshold: 5, period: 2}\n')
+    ros.add(CameraPublisher, '-p', 'source:=random', '--params-file', str(path))
+    texts = [
+        "there is no parameter 'foo', it is left out",
+        "there is no parameter 'reach', it is left out: did you mean 'reach_cm'?",
+        "there is no parameter 'surface', it is left out: did you mean 'surface.model'?",
+        "there is no parameter 'threshold', it is left out: did you mean 'detector.threshold'?"]
+    assert ros.spin_until(lambda: set(texts) <= {line.text for line in log})
+    assert sum('there is no parameter' in line.text for line in log) == len(texts)
+
+
+def test_node_name_that_is_misspelt_in_a_file_is_told(ros, tmp_path):
+    log = ros.listen_to_log('robot_base_publisher')
+    path = tmp_path / 'cell.yaml'
+    path.write_text('/robot_base_publsher:\n  ros__parameters: {reach_cm: 5.0}\n')
+    ros.add(RobotBasePublisher, '--params-file', str(path))
+    assert ros.spin_until(lambda: any(
+        "has parameters for '/robot_base_publsher'" in line.text for line in log))
+
+
+@pytest.mark.parametrize('node_class, node_name', [CAMERA, BASE])
+def test_one_file_for_both_nodes_is_no_reason_to_warn(ros, tmp_path, node_class, node_name):
+    log = ros.listen_to_log(node_name.strip('/'))
+    path = tmp_path / 'cell.yaml'
+    path.write_text('/**:\n  ros__parameters: {source: random, reach_cm: 50, use_sim_time: false, '
+                    'simulated.yaw_deg: 3, view: {check_period: 1}}\n')
+    ros.add(node_class, '--params-file', str(path))
+    assert ros.spin_until(lambda: any('publishing on' in line.text or 'RANDOM' in line.text
+                                      for line in log))
+    assert not any('there is no' in line.text or 'cell.yaml' in line.text for line in log)

@@ -89,7 +89,21 @@ def test_unknown_names_are_told_with_what_was_meant(read):
                                    'qos_overrides: {/mask: {publisher: {depth: 3}}}'))
     assert settings.warnings == [
         "there is no parameter 'detector.treshold', it is left out: did you mean "
-        "'detector.threshold'?", "there is no parameter 'reach', it is left out"]
+        "'detector.threshold'?",
+        "there is no parameter 'reach', it is left out: did you mean 'reach_cm'?"]
+
+
+def test_a_node_name_that_is_misspelt_is_told_and_that_of_another_node_is_not(read):
+    text = section('camera_publsher', 'period: 2') + section('usb_cam', 'framerate: 3')
+    for everyone in ('', section('/**', 'period: 1')):
+        warning, = read(everyone + text).warnings
+        assert warning.endswith("has parameters for '/camera_publsher', and none for this node "
+                                "alone, '/camera_publisher'")
+
+
+def test_a_file_without_a_parameter_is_told(read):
+    warning, = read('/**:\n  ros__parameters:\n').warnings
+    assert warning.endswith("cell.yaml' holds no parameters")
 
 
 @pytest.mark.parametrize('name', ['overhead_camera', 'tilted_camera', 'simulated_tilted_camera'])

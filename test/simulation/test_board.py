@@ -15,7 +15,9 @@
 import math
 
 from camera_to_base.errors import HorizonError, InvalidValueError
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.simulation.board import SimulatedBoard
+from camera_to_base.simulation.specs import SIMULATION_SPECS
 import numpy as np
 import pytest
 
@@ -262,11 +264,18 @@ def test_board_can_be_released_as_any_source():
 
 @pytest.mark.parametrize('name, value', [
     ('tilt_deg', -1.0), ('tilt_deg', 61.0), ('tilt_deg', float('nan')),
-    ('noise', -0.1), ('noise', float('inf')),
-    ('width_cm', 0.0), ('width_cm', float('nan')),
+    ('noise', -0.1), ('noise', float('inf')), ('diameters_cm', [2.4, 0.0]),
     ('frame_rate', 0.0), ('frame_rate', -10.0),
     ('seed', -1),
     ('elongation', 0.9), ('elongation', 11.0), ('yaw_deg', 181.0),
+])
+def test_error_names_the_bad_parameter(name, value):
+    with pytest.raises(InvalidValueError, match=name):
+        checked_values(SIMULATION_SPECS, {f'simulated.{name}': value})
+
+
+@pytest.mark.parametrize('name, value', [
+    ('tilt_deg', 61.0), ('width_cm', 0.0), ('width_cm', float('nan')),
     ('image_size', (0, 480)), ('image_size', (640,)),
 ])
 def test_error_names_the_bad_value(name, value):

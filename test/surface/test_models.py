@@ -15,9 +15,11 @@
 import re
 
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.surface.distortion import RadialDistortion
-from camera_to_base.surface.models import (
-    check_image_size, HomographySurface, ParallelSurface, PolynomialSurface)
+from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
+from camera_to_base.surface.parameters import make_hull, make_surface
+from camera_to_base.surface.specs import SURFACE_DEFAULTS, SURFACE_SPECS
 import cv2
 import numpy as np
 import pytest
@@ -231,13 +233,26 @@ def test_pixel_beyond_what_a_float_holds_is_refused(v):
 @pytest.mark.parametrize('width_cm', [0, -36.0, float('nan'), float('inf')])
 def test_width_in_cm_must_be_positive_and_finite(width_cm):
     with pytest.raises(InvalidValueError, match='width_cm'):
-        ParallelSurface(width_cm)
+        checked_values(SURFACE_SPECS, {'surface.parallel.width_cm': width_cm})
 
 
-@pytest.mark.parametrize('image_width', [0, -640])
-def test_width_in_px_must_be_positive(image_width):
-    with pytest.raises(InvalidValueError, match='image_width'):
-        ParallelSurface(36.0, image_width)
+@pytest.mark.parametrize('image_size', [
+    [0, 480], [640, -1], [640], [640, 480, 3], [640, 10001], [640.5, 480.0]])
+def test_picture_size_must_be_two_positive_whole_numbers(image_size):
+    with pytest.raises(InvalidValueError, match='surface.image_size must be'):
+        checked_values(SURFACE_SPECS, {'surface.image_size': image_size})
+
+
+def test_same_parameters_make_the_same_surface_and_hull():
+    values = {**SURFACE_DEFAULTS, 'surface.model': 'polynomial',
+              'surface.hull': [0, 0, 9, 0, 9, 9]}
+    again = {name: list(value) if isinstance(value, list) else value
+             for name, value in values.items()}
+    assert make_surface(values) is make_surface(again)
+    assert make_hull(values) is make_hull(again)
+    other = {**values, 'surface.polynomial.centre_u': 293.0}
+    assert make_surface(other) is not make_surface(values)
+    assert make_hull(other) is make_hull(values)
 
 
 @pytest.mark.parametrize('name, value', [
@@ -299,14 +314,3 @@ def test_measured_surface_holds_for_its_own_picture_size_only(make):
     for size in ((640, 480), (600, 800), (800, 480), (640, 600)):
         with pytest.raises(FrameSizeError, match=f'{size[0]} x {size[1]} px.*800 x 600 px'):
             surface.for_image_size(size)
-
-
-def test_image_size_comes_back_as_two_whole_numbers():
-    assert check_image_size([640.0, 480]) == (640, 480)
-
-
-@pytest.mark.parametrize('image_size', [(), (640,), (640, 480, 3), (0, 480), (640, -1),
-                                        (640.5, 480)])
-def test_image_size_that_is_none_is_refused(image_size):
-    with pytest.raises(InvalidValueError, match='image_size'):
-        check_image_size(image_size)

@@ -19,10 +19,11 @@ import re
 from camera_to_base.detection.locator import ObjectLocator
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.parameter_spec import checked_values
 from camera_to_base.surface.models import HomographySurface, ParallelSurface
 from camera_to_base.surface.parameters import make_surface
 from camera_to_base.surface.raised import RaisedSurface
-from camera_to_base.surface.specs import SURFACE_DEFAULTS
+from camera_to_base.surface.specs import SURFACE_SPECS
 import numpy as np
 import pytest
 
@@ -32,7 +33,8 @@ MM = ParallelSurface(64.0)  # 1 px is 1 mm
 
 
 def raised(**values):
-    return make_surface({**SURFACE_DEFAULTS, 'surface.parallel.width_cm': 64.0, **values})
+    return make_surface(checked_values(
+        SURFACE_SPECS, {'surface.parallel.width_cm': 64.0, **values}))
 
 
 def test_an_object_of_4_cm_is_7_mm_nearer_to_the_foot_point_than_it_is_seen():
@@ -115,12 +117,14 @@ CANNOT_BE_USED = {
         {'object_height_cm': 60.0, 'surface.camera_height_cm': 60.0}, 'got 60'),
     'negative height': ({'object_height_cm': -1.0}, 'object_height_cm must be 0'),
     'height that is not finite': ({'surface.camera_height_cm': np.nan},
-                                  'surface.camera_height_cm must be finite'),
-    'foot point of one number': ({'surface.camera_foot_cm': [1.0]},
-                                 'surface.camera_foot_cm must be x and y, or empty, got 1'),
-    'foot point in three dimensions': ({'surface.camera_foot_cm': [1.0, 2.0, 3.0]}, 'got 3'),
+                                  'surface.camera_height_cm must be 0 to 100000 cm, got nan'),
+    'foot point of one number': (
+        {'surface.camera_foot_cm': [1.0]},
+        r'surface.camera_foot_cm must be 0 or 2 numbers in cm, got \[1.0\]'),
+    'foot point in three dimensions': (
+        {'surface.camera_foot_cm': [1.0, 2.0, 3.0]}, r'got \[1.0, 2.0, 3.0\]'),
     'foot point that is no number': ({'surface.camera_foot_cm': ['left']},
-                                     'surface.camera_foot_cm must be numbers'),
+                                     'surface.camera_foot_cm must be of type list of double'),
 }
 
 

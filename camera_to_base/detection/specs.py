@@ -1,0 +1,57 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The parameters of the detector, and of the background that it compares with."""
+
+from typing import Any, Mapping
+
+from camera_to_base.parameter_spec import default_values, grouped, ParameterSpec
+
+METHODS = ('tutorial', 'precise')
+_LARGEST_AREA_CM2 = 1e6
+
+BACKGROUND_SPECS = [
+    ParameterSpec(
+        'background_frames', 1,
+        'The background is the median of this many frames; 1 takes the first one, as the '
+        'tutorial does (of a camera, the first one that the next one confirms).', (1, 1000)),
+]
+DETECTOR_SPECS = [
+    ParameterSpec('detector.method', 'precise',
+                  "tutorial: the tutorial's result, to the pixel; precise: right to a tenth of a "
+                  'pixel, also in changing light.', choices=METHODS),
+    ParameterSpec('detector.threshold', 95,
+                  "tutorial: a pixel whose grey level differs from the background's by more than "
+                  'this belongs to an object.', (0, 255), unit='grey levels'),
+    ParameterSpec('detector.closing_size', 20,
+                  'tutorial: edge of the square kernel that closes gaps.', (1, 500), unit='px'),
+    ParameterSpec('detector.median_size', 5,
+                  "tutorial: edge of the median filter's window, odd.", (1, 99), step=2,
+                  unit='px'),
+    ParameterSpec('detector.faintest', 13.0,
+                  'precise: how faint an object may be: by how much it must at least differ from '
+                  'the surface, in one of the colours. Ten times the noise is needed in any case.',
+                  (0, 255), unit='grey levels', old_names=('detector.precise_threshold',)),
+    ParameterSpec('detector.min_area_cm2', 0.0,
+                  'Smaller objects are not published; their area on the surface.',
+                  (0, _LARGEST_AREA_CM2), unit='cm²'),
+    ParameterSpec('detector.max_area_cm2', _LARGEST_AREA_CM2,
+                  'Larger objects (a hand) are not published; their area on the surface.',
+                  (0, _LARGEST_AREA_CM2), unit='cm²'),
+    ParameterSpec('detector.publish_cut_off', False,
+                  "precise: whether an object that touches the picture's edge is published; the "
+                  'tutorial publishes it.'),
+]
+# By their names without 'detector.'.
+DETECTOR_DEFAULTS: Mapping[str, Any] = grouped(default_values(DETECTOR_SPECS), 'detector.')

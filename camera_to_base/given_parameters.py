@@ -1,0 +1,126 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a node was given on its command line, and what of that reaches no parameter."""
+
+from typing import Any, Collection, Iterable, List, NamedTuple, Optional, Sequence
+
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameter_file import read_sections, Section
+from camera_to_base.parameter_names import (
+    meant_name, misspelt_name, name_warnings, unknown_name_text, unknown_names)
+
+
+class GivenArguments(NamedTuple):
+    """
+    Where a node's command line takes parameters from.
+
+    :param files: The parameter files, in order.
+    :param names: Those of the parameters whose values stand on the command line itself.
+    """
+
+    files: List[str]
+    names: List[str]
+
+
+def given_arguments(arguments: Sequence[str]) -> GivenArguments:
+    """Find the parameters in a command line, between `--ros-args` and `--`."""
+    found = GivenArguments([], [])
+    is_for_ros = False
+    for argument, value in zip(arguments, [*arguments[1:], '']):
+        is_for_ros = argument == '--ros-args' or is_for_ros and argument != '--'
+        if is_for_ros and argument == '--params-file':
+            found.files.append(value)
+        elif is_for_ros and argument in ('-p', '--param'):
+            # A node's name may stand before the parameter's.
+            found.names.append(value.partition(':=')[0].rpartition(':')[2])
+    return found
+
+
+def value_in_files(arguments: Sequence[str], node: str, name: str) -> Any:
+    """
+    Tell what the parameter files of a command line give another node; None for nothing.
+
+    :param node: The other node's full name.
+    :param name: The parameter's.
+    """
+    values = [section.values[name] for path in given_arguments(arguments).files
+              for section in _readable_sections(path) or ()
+              if section.stands_for(node) and name in section.values]
+    return values[-1] if values else None
+
+
+def given_warnings(
+    node: str, given: Iterable[str], arguments: Sequence[str], own: Collection[str],
+    others: Optional[Collection[str]],
+) -> List[str]:
+    """
+    Warn of what a node was given in vain: unknown names, and files without a word for it.
+
+    :param node: Its full name.
+    :param given: The names of all parameters that it was given.
+    :param arguments: The command line that they came by.
+    :param own: The names of its own parameters.
+    :param others: Those of the other nodes that share its files. None where they are not known:
+        what a file says to several nodes is then told only where it looks like one of its own.
+    """
+    files = given_arguments(arguments).files
+    shared = set()
+    if others is None:
+        sections = [section for path in files for section in _readable_sections(path) or ()]
+        for_all, for_one = (
+            {name for section in sections if section.is_for_several is several
+             and section.stands_for(node) for name in section.values}
+            for several in (True, False))
+        shared = for_all - for_one - set(given_arguments(arguments).names)
+    known = [*own, *(others or ())]
+    return [
+        *(warning for path in files for warning in file_warnings(path, node)),
+        *name_warnings([name for name in given if name not in shared], known),
+        *(unknown_name_text(name, meant_name(name, own))
+          for name in unknown_names(shared & set(given), own) if meant_name(name, own))]
+
+
+def file_warnings(path: str, node: str) -> List[str]:
+    """
+    Warn of a parameter file that says nothing to a node, unless it is for quite different ones.
+
+    :param node: Its full name.
+    """
+    sections = _readable_sections(path)
+    if sections is None:
+        return []
+    if not any(section.values for section in sections):
+        return [f"'{path}' holds no parameters"]
+    own = [section for section in sections if section.stands_for(node)]
+    if any(not section.is_for_several for section in own):
+        return []
+    name = _last(node)
+    # The same name in another namespace is that of another node, where the file is for both.
+    return [
+        f"'{path}' has parameters for '{section.node}', and none for this node alone, '{node}'"
+        for section in sections if misspelt_name(name, [_last(section.node)])
+        and not section.is_for_several and not (own and _last(section.node) == name)]
+
+
+def _readable_sections(path: str) -> Optional[List[Section]]:
+    # ROS has refused before what cannot be read at all.
+    try:
+        return read_sections(path)
+    except InvalidValueError:
+        return None
+
+
+def _last(name: str) -> str:
+    return name.rpartition('/')[2]
