@@ -20,6 +20,7 @@ from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameter_file import read_sections, Section
 from camera_to_base.parameter_names import (
     meant_name, misspelt_name, name_warnings, unknown_name_text, unknown_names)
+from camera_to_base.parameter_spec import ParameterSpec
 
 
 class GivenArguments(NamedTuple):
@@ -59,6 +60,19 @@ def value_in_files(arguments: Sequence[str], node: str, name: str) -> Any:
               for section in _readable_sections(path) or ()
               if section.stands_for(node) and name in section.values]
     return values[-1] if values else None
+
+
+def gives_other_values(
+    arguments: Sequence[str], node: str, specs: Iterable[ParameterSpec]
+) -> bool:
+    """
+    Tell whether the parameter files of a command line set a node's parameter to no default.
+
+    :param node: The node's full name.
+    """
+    values = {spec.name: value_in_files(arguments, node, spec.name) for spec in specs}
+    return any(values[spec.name] is not None
+               and spec.converted(values[spec.name]) != spec.default for spec in specs)
 
 
 def given_warnings(

@@ -15,6 +15,8 @@
 """Arguments of the processes that the launch file starts: topics, frames, transforms, devices."""
 
 import math
+import os
+import signal
 from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
 from camera_to_base.errors import InvalidValueError
@@ -30,6 +32,9 @@ from camera_to_base.transform_parameters import TRANSFORM_SPECS
 _DRIVER_TOPIC = 'image_raw'
 # Arguments that launch and launch_ros use themselves.
 _OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
+# What a defect, in this package or in a library, ends a process with.
+_CRASHES = (os.EX_SOFTWARE, *(-number for number in (
+    signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGSEGV)))
 _SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
 
 
@@ -95,6 +100,29 @@ def image_input(camera: Camera) -> ImageInput:
     if topic.endswith('/compressed'):
         return ImageInput('compressed_topic', [('image/compressed', topic)])
     return ImageInput('topic', [('image', topic)])
+
+
+def plays_recording(camera: Camera) -> bool:
+    """
+    Tell whether a camera node ends by itself, with its source.
+
+    :raises InvalidValueError: If the parameter file cannot be read.
+    """
+    return kind_of(image_input(camera).source).ends
+
+
+def recording_failure(camera: Camera, exit_code: int) -> str:
+    """
+    Tell why a camera node that died is not started again: its recording would kill it again.
+
+    :param exit_code: Negative after a signal.
+    :returns: '' for a node that is started again.
+    """
+    if exit_code not in _CRASHES or not plays_recording(camera):
+        return ''
+    cause = f'signal {-exit_code}' if exit_code < 0 else f'exit code {exit_code}'
+    return (f"camera_publisher has died ({cause}) while it played '{image_input(camera).source}'"
+            ': the launch ends')
 
 
 def kept_background(camera: Camera, path: str) -> Dict[str, str]:

@@ -15,6 +15,7 @@
 """Node: wires a source, the camera pipeline and publishers."""
 
 import os
+import sys
 import time
 from typing import List, Optional
 
@@ -22,6 +23,7 @@ from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import locate_pixel, Pixel
 from camera_to_base.errors import CameraToBaseError
+from camera_to_base.given_parameters import gives_other_values
 from camera_to_base.nodes.background_keeper import BackgroundKeeper
 from camera_to_base.nodes.background_service import BackgroundService
 from camera_to_base.nodes.camera_watch import CameraWatch
@@ -33,8 +35,8 @@ from camera_to_base.parameter_names import all_names
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
-from camera_to_base.sources import is_reader_hanging, RANDOM
-from camera_to_base.transform_parameters import TRANSFORM_SPECS
+from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
+from camera_to_base.transform_parameters import TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS
 from camera_to_base.trust import CameraPipeline, Sighting
 import numpy as np
 from rclpy.node import Node
@@ -56,7 +58,8 @@ class CameraPublisher(Node):
                 self, CAMERA_SPECS, camera_settings, self._on_new_settings,
                 others=all_names(TRANSFORM_SPECS), cli_args=node_options.get('cli_args'))
             settings = self._settings
-            self._source = open_named_source(settings)
+            self._source = open_named_source(
+                settings, may_be_random=not self._is_configured(node_options.get('cli_args')))
             self._pipeline = CameraPipeline(
                 settings.surface, settings.detector, settings.limits, settings.background_frames,
                 self._source.kind)
@@ -68,7 +71,7 @@ class CameraPublisher(Node):
                 self, self._pipeline, lambda: self._settings.background_frames,
                 has_frames=self._source.kind != RANDOM)
             self._warn_of_settings_without_effect()
-            watch = CameraWatch(self, self._pipeline)
+            watch = CameraWatch(self, self._pipeline, self._is_calibrated)
             self._started_at = time.monotonic()
             self._feed = self._start_feed()
             watch.start(self._feed)
@@ -82,6 +85,18 @@ class CameraPublisher(Node):
     @property
     def _settings(self) -> CameraSettings:
         return self._node_parameters.current
+
+    def _is_configured(self, cli_args: Optional[List[str]]) -> bool:
+        # Whoever has set up a camera or a robot, or has tried to, wants no random positions.
+        transform = f'{self.get_namespace().rstrip("/")}/robot_base_publisher'
+        return (self._settings.is_configured or bool(self._node_parameters.left_out)
+                or gives_other_values(
+                    [*sys.argv, *(cli_args or ())], transform, TRANSFORM_SETUP_SPECS))
+
+    def _is_calibrated(self) -> bool:
+        # Random pixels have a warning of their own, and the simulated camera is the tutorial's.
+        return (self._settings.is_calibrated
+                or self._source.kind.form in (RANDOM.form, SIMULATED.form))
 
     def _start_feed(self) -> Feed:
         feed = start_feed(self, self._source, self._settings, self._positions.topic, FeedCallbacks(

@@ -14,7 +14,7 @@
 
 """Tells in the log and the diagnostics how a camera node is."""
 
-from typing import Optional
+from typing import Callable, Optional
 
 from camera_to_base.nodes.camera_health import camera_values, DetectionRate, has_no_structure
 from camera_to_base.nodes.feeds import Feed
@@ -25,6 +25,10 @@ from rclpy.node import Node
 
 _PERIOD_S = 0.2
 _ALL_WELL = all_well('objects on the surface are published')
+_NOT_CALIBRATED = Reason(
+    'not_calibrated', Level.WARN,
+    "the surface is not calibrated: positions are those that the tutorial's camera would have, "
+    'whose picture is 36 cm wide; run calibrate, and start the node with the file that it writes')
 
 
 class CameraWatch:
@@ -33,11 +37,15 @@ class CameraWatch:
 
     :param node: The camera node.
     :param pipeline: Its pipeline.
+    :param is_calibrated: Whether positions hold for the camera that gives the frames.
     """
 
-    def __init__(self, node: Node, pipeline: CameraPipeline) -> None:
+    def __init__(
+        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool]
+    ) -> None:
         self._logger = node.get_logger()
         self._pipeline = pipeline
+        self._is_calibrated = is_calibrated
         self._reason: Optional[Reason] = None
         self._has_no_structure = False
         self._detection_rate = DetectionRate()
@@ -52,6 +60,8 @@ class CameraWatch:
         # Of a source that is no camera the log has this already.
         self._reason = feed.reason if feed.reader is None else None
         self._heartbeat.every(_PERIOD_S, self._watch)
+        if not self._is_calibrated():
+            self._logger.warning(_NOT_CALIBRATED.sentence)
 
     def _watch(self) -> None:
         before, self._reason = self._reason, self._feed.reason or self._pipeline.reason
@@ -77,7 +87,8 @@ class CameraWatch:
         values = {'source': self._feed.name,
                   **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
-        return Health(self._reason or _ALL_WELL, values)
+        well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
+        return Health(self._reason or well, values)
 
 
 def _kind(reason: Optional[Reason]) -> Optional[str]:

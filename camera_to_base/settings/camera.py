@@ -32,7 +32,13 @@ from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """All that `camera_publisher` takes from its parameters."""
+    """
+    All that `camera_publisher` takes from its parameters.
+
+    :param is_configured: Whether any number is another than the tutorial's, so that an arm may
+        follow what is published.
+    :param is_calibrated: Whether the surface is another than the tutorial's.
+    """
 
     source: str
     period: float
@@ -49,6 +55,8 @@ class CameraSettings:
     hull: Optional[Hull]
     simulated: SimulationSettings
     debug_label: Label
+    is_configured: bool
+    is_calibrated: bool
 
     @property
     def warnings(self) -> List[str]:
@@ -67,8 +75,9 @@ class CameraSettings:
 _SOURCE_SPECS = [
     ParameterSpec(
         'source', 'auto',
-        'Where frames come from: auto (the first attached camera, or random pixels where none '
-        "is attached), random, a device index or path, a video file, a stream's URL, topic (a "
+        'Where frames come from: auto (the first attached camera; where none is attached, random '
+        'pixels with the default parameters, and a camera is waited for with others), random, '
+        "a device index or path, a video file, a stream's URL, topic (a "
         "camera driver's image), compressed_topic (its image/compressed), or simulated.",
         fixed=True),
     ParameterSpec('period', 3.0, 'Time between two random pixels.', (0.001, 3600), unit='s'),
@@ -101,6 +110,13 @@ CAMERA_SPECS = [
     *PLACEMENT_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS]
 
 
+# Whoever sets only these has set up neither a camera nor a robot.
+_NOT_OF_A_SETUP = (
+    'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'background_file',
+    'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
+_NOT_OF_A_CALIBRATION = ('surface.image_size', 'surface.reject_outside_hull')
+
+
 def camera_settings(values: Values) -> CameraSettings:
     """
     Make the camera node's settings of its parameters.
@@ -128,7 +144,14 @@ def camera_settings(values: Values) -> CameraSettings:
         surface=make_surface(values),
         hull=hull,
         simulated=simulation_settings(**grouped(values, 'simulated.')),
-        debug_label=_debug_label(values))
+        debug_label=_debug_label(values),
+        is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
+        is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
+                          for name in _other_than_default(values)))
+
+
+def _other_than_default(values: Values) -> List[str]:
+    return [spec.name for spec in CAMERA_SPECS if values[spec.name] != spec.default]
 
 
 def _debug_label(values: Values) -> Label:

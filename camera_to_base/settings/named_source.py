@@ -18,8 +18,8 @@ from typing import NamedTuple, Optional
 
 from camera_to_base.settings.camera import CameraSettings
 from camera_to_base.sources import (
-    AUTO, Camera, COMPRESSED_TOPIC, DEVICE, first_camera, FrameSource, kind_of, open_frame_source,
-    RANDOM, SIMULATED, SourceKind, STREAM, TOPIC)
+    AUTO, Camera, COMPRESSED_TOPIC, DEVICE, first_camera, FirstCamera, FrameSource, kind_of,
+    open_frame_source, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC)
 
 
 class NamedSource(NamedTuple):
@@ -35,19 +35,23 @@ class NamedSource(NamedTuple):
     frames: Optional[FrameSource] = None
 
 
-def open_named_source(settings: CameraSettings) -> NamedSource:
+def open_named_source(settings: CameraSettings, may_be_random: bool) -> NamedSource:
     """
     Open what a camera node's parameter source names.
 
     A camera that is named is opened by its first read.
 
+    :param may_be_random: Whether auto stands for random pixels where no camera is attached;
+        otherwise a camera is waited for.
     :raises FrameSourceError: If it names a file that holds no video.
     """
     name, kind = settings.source, kind_of(settings.source)
     if kind == AUTO:
         camera = first_camera(settings.image_size)
-        return NamedSource(name, RANDOM) if camera is None else NamedSource(
-            camera.name, camera.kind, camera)
+        if camera is None and may_be_random:
+            return NamedSource(name, RANDOM)
+        frames = camera or FirstCamera(settings.image_size)
+        return NamedSource(frames.name, frames.kind, frames)
     if kind in (RANDOM, TOPIC, COMPRESSED_TOPIC):
         return NamedSource(name, kind)
     if kind == SIMULATED:

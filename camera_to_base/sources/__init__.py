@@ -22,7 +22,7 @@ Callers: `drawing`, `calibration` and the rooms below them. Nothing here detects
 """
 
 from camera_to_base.sources.bag_file import BagFile
-from camera_to_base.sources.cameras import Camera, first_camera
+from camera_to_base.sources.cameras import Camera, first_camera, FirstCamera
 from camera_to_base.sources.decoding import (
     decode_compressed, frame_from_compressed_message, frame_from_image_message)
 from camera_to_base.sources.reader import FrameReader, is_reader_hanging
@@ -38,9 +38,9 @@ from camera_to_base.sources.video_file import FrameSource, open_frame_source, Vi
 
 __all__ = [
     'AUTO', 'BAG', 'BagFile', 'Camera', 'COMPRESSED_TOPIC', 'decode_compressed', 'DEVICE',
-    'first_camera', 'frame_from_compressed_message', 'frame_from_image_message', 'FrameReader',
-    'FrameSource', 'is_reader_hanging', 'kind_of', 'LiveRecording', 'LOST_AFTER_S', 'median_frame',
-    'open_frame_source', 'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderState',
-    'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason', 'SourceKind',
-    'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
+    'first_camera', 'FirstCamera', 'frame_from_compressed_message', 'frame_from_image_message',
+    'FrameReader', 'FrameSource', 'is_reader_hanging', 'kind_of', 'LiveRecording', 'LOST_AFTER_S',
+    'median_frame', 'open_frame_source', 'PlayedRecording', 'RANDOM', 'read_picture',
+    'ReaderState', 'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason',
+    'SourceKind', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

@@ -23,7 +23,7 @@ from typing import Optional
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.sources.capture import open_device, open_stream
-from camera_to_base.sources.source_kind import kind_of, STREAM
+from camera_to_base.sources.source_kind import AUTO, DEVICE, kind_of, STREAM
 import cv2
 import numpy as np
 
@@ -108,6 +108,41 @@ def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]
         except FrameSourceError:
             camera.release()
     return None
+
+
+class FirstCamera:
+    """
+    The first attached camera, sought by each read while there is none.
+
+    :param image_size: The picture size to ask for, in px; can be changed at any time.
+    """
+
+    kind = DEVICE
+    name = AUTO.form
+
+    def __init__(self, image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> None:
+        self.image_size = image_size
+        self._camera: Optional[Camera] = None
+
+    def read(self) -> np.ndarray:
+        """Wait for the next frame, see :meth:`Camera.read`."""
+        if self._camera is None:
+            self._camera = first_camera(self.image_size)
+        if self._camera is None:
+            raise FrameSourceError(
+                'no camera is attached: plug one in, or name a camera or a file with the '
+                'parameter source (random for random pixels)')
+        try:
+            return self._camera.read()
+        except FrameSourceError:
+            self._camera = None
+            raise
+
+    def release(self) -> None:
+        """Give the device back."""
+        if self._camera is not None:
+            self._camera.release()
+            self._camera = None
 
 
 def _device_number(path: str) -> float:

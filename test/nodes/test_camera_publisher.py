@@ -13,8 +13,10 @@
 # limitations under the License.
 
 import math
+import os
 import time
 
+from ament_index_python.packages import get_package_share_directory
 from camera_to_base.errors import CameraToBaseError, FrameSourceError
 from camera_to_base.nodes import background_service
 from camera_to_base.nodes.camera_publisher import CameraPublisher
@@ -33,6 +35,10 @@ from ros_helpers import assert_in_time, CAMERA_TOPIC, TRUE_TOPIC
 
 
 ERROR = 40
+OVERHEAD = os.path.join(
+    get_package_share_directory('camera_to_base'), 'config', 'overhead_camera.yaml')
+# The tutorial's surface to a hundredth of a mm, and yet a calibration of one's own.
+CALIBRATED = 'surface.parallel.width_cm:=36.001'
 
 
 class GivenFrames:
@@ -66,7 +72,7 @@ def play(ros, monkeypatch):
     def play_frames(frames, *arguments):
         monkeypatch.setattr(
             named_source, 'open_frame_source', lambda name: GivenFrames(frames))
-        return ros.add(CameraPublisher, '-p', 'source:=given', *arguments)
+        return ros.add(CameraPublisher, '-p', 'source:=given', '-p', CALIBRATED, *arguments)
     return play_frames
 
 
@@ -342,7 +348,8 @@ def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ro
     received = listen_for_camera(ros)
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     # Shorter than the time between two frames, so that each of them is checked.
-    ros.add(CameraPublisher, '-p', 'source:=given', '-p', 'view.check_period:=0.01')
+    ros.add(CameraPublisher, '-p', 'source:=given', '-p', CALIBRATED,
+            '-p', 'view.check_period:=0.01')
     assert ros.spin_until(lambda: received and statuses and int(
         statuses[-1].values.get('frames', 0)) > 40)
     assert statuses[-1].level == 0
@@ -428,3 +435,54 @@ def test_diagnostics_come_once_a_second_with_what_a_user_should_know(ros, play):
     assert {'source', 'detection rate (frames/s)', 'frames with an object (1/s)', 'frames read',
             'frames dropped: damaged', 'reconnects', 'background', 'view shift (px)',
             'age of the last frame (s)'} <= set(statuses[-1].values)
+
+
+@pytest.mark.parametrize('text', [
+    '/**: {ros__parameters: {surface: {parallel: {width_cm: 50.0}}}}',
+    'camera_publisher: {ros__parameters: {detector: {threshold: 60}}}',
+    'robot_base_publisher: {ros__parameters: {displacement_cm: [1.0, 2.0, 0.0]}}',
+    '/**: {ros__parameters: {sourc: /dev/video2}}',
+    'camera_publsher: {ros__parameters: {source: /dev/video2}}', ''])
+def test_node_that_was_set_up_waits_for_a_camera_instead_of_random_pixels(
+        ros, monkeypatch, tmp_path, text):
+    monkeypatch.setattr('glob.glob', lambda pattern: [])
+    (tmp_path / 'cell.yaml').write_text(text)
+    received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    ros.add(CameraPublisher, '--params-file', str(tmp_path / 'cell.yaml'), '-p', 'period:=0.05')
+    assert ros.spin_until(lambda: statuses and statuses[-1].level == 2)
+    assert statuses[-1].values['reason'] == 'camera_waiting'
+    assert 'no camera is attached: plug one in' in statuses[-1].message
+    ros.spin_for(0.5)
+    assert received == []
+    assert sum('no camera is attached' in line.text for line in lines) == 1
+
+
+@pytest.mark.parametrize('arguments', [
+    [], ['--params-file', OVERHEAD], ['--params-file', OVERHEAD, '-p', 'camera_frame_id:=cell/1',
+                                      '-p', 'background_file:=kept.png']])
+def test_node_that_was_not_set_up_has_the_tutorials_random_pixels(ros, monkeypatch, arguments):
+    monkeypatch.setattr('glob.glob', lambda pattern: [])
+    received = listen_for_camera(ros)
+    ros.add(CameraPublisher, *arguments, '-p', 'period:=0.05')
+    assert ros.spin_until(lambda: len(received) >= 3)
+
+
+def test_surface_that_is_the_tutorials_is_told_once_and_a_warning_until_it_is_calibrated(
+        ros, monkeypatch):
+    monkeypatch.setattr(named_source, 'open_frame_source', lambda name: GivenFrames([table()]))
+    lines = ros.listen_to_log('camera_publisher')
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    node = ros.add(CameraPublisher, '-p', 'source:=given')
+    assert ros.spin_until(
+        lambda: statuses and statuses[-1].values['reason'] == 'not_calibrated')
+    assert statuses[-1].level == 1 and 'run calibrate' in statuses[-1].message
+    node.set_parameters([Parameter('surface.parallel.width_cm', value=50.0)])
+    assert ros.spin_until(lambda: statuses[-1].level == 0)
+    assert sum('is not calibrated' in line.text for line in lines) == 1
+
+
+def test_simulated_surface_needs_no_calibration(ros):
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    ros.add(CameraPublisher, '-p', 'source:=simulated')
+    assert ros.spin_until(lambda: statuses and statuses[-1].level == 0)

@@ -24,9 +24,9 @@ import cv2
 import pytest
 
 
-def open_source(name):
+def open_source(name, may_be_random=True):
     values = {spec.name: spec.default for spec in CAMERA_SPECS}
-    return open_named_source(camera_settings({**values, 'source': name}))
+    return open_named_source(camera_settings({**values, 'source': name}), may_be_random)
 
 
 @pytest.mark.parametrize('name', ['random', 'topic', 'compressed_topic'])
@@ -66,3 +66,16 @@ def test_camera_is_opened_by_its_first_read(monkeypatch, name):
 def test_auto_is_random_pixels_where_no_camera_is_attached(monkeypatch):
     monkeypatch.setattr('glob.glob', lambda pattern: [])
     assert open_source('auto').kind == RANDOM
+
+
+def test_auto_waits_for_a_camera_where_pixels_may_not_be_random(monkeypatch):
+    monkeypatch.setattr('glob.glob', lambda pattern: [])
+    source = open_source('auto', may_be_random=False)
+    assert source.kind == DEVICE and source.name == 'auto'
+    for _ in range(2):
+        with pytest.raises(FrameSourceError, match='no camera is attached: plug one in'):
+            source.frames.read()
+    monkeypatch.setattr('glob.glob', lambda pattern: ['/dev/video7'])
+    monkeypatch.setattr(cv2, 'VideoCapture', Device)
+    assert source.frames.read() is not None
+    source.frames.release()

@@ -110,3 +110,24 @@ def test_a_file_without_a_parameter_is_told(read):
 def test_files_of_this_package_are_read_without_a_warning(name):
     config = Path(__file__).parents[2] / 'config'
     assert read_node_settings(str(config / f'{name}.yaml')).warnings == []
+
+
+CONFIG = Path(__file__).parents[2] / 'config'
+
+
+@pytest.mark.parametrize('file, is_configured, is_calibrated', [
+    (None, False, False), ('overhead_camera.yaml', False, False),
+    ('tilted_camera.yaml', True, True), ('simulated_tilted_camera.yaml', True, True)])
+def test_the_tutorials_numbers_are_no_setup(file, is_configured, is_calibrated):
+    camera = read_node_settings(file and str(CONFIG / file)).camera
+    assert (camera.is_configured, camera.is_calibrated) == (is_configured, is_calibrated)
+
+
+@pytest.mark.parametrize('values, is_configured, is_calibrated', [
+    ('surface.parallel.width_cm: 36', False, False), ('period: 0.1', False, False),
+    ('surface.parallel.width_cm: 36.5', True, True), ('displacement_cm: [1, 2, 0]', True, False),
+    ('surface.image_size: [1280, 720]', True, False), ('detector.threshold: 60', True, False)])
+def test_other_numbers_are_a_setup_and_those_of_the_surface_a_calibration(
+        read, values, is_configured, is_calibrated):
+    camera = read(section('/**', values)).camera
+    assert (camera.is_configured, camera.is_calibrated) == (is_configured, is_calibrated)
