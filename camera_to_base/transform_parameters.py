@@ -38,11 +38,15 @@ CAMERA_FRAME_SPEC = ParameterSpec(
     "The stamped topics' name for the camera frame, which lies on the surface; "
     'robot_base_publisher drops what is stamped in another frame.',
     constraints='a frame name without a leading /')
-TRANSFORM_SPECS = [
+# Whoever sets one of these has set up a robot.
+TRANSFORM_SETUP_SPECS = [
     *PLACEMENT_SPECS,
     ParameterSpec('reach_cm', 1000.0,
                   "A position farther than this from the robot's base is dropped: set it to your "
                   "arm's reach.", (0.001, 1000000.0), unit='cm'),
+]
+TRANSFORM_SPECS = [
+    *TRANSFORM_SETUP_SPECS,
     ParameterSpec('base_frame_id', 'base_link',
                   "The stamped topics' name for the robot's base frame.",
                   constraints='a frame name without a leading /'),

@@ -30,7 +30,8 @@ from ament_index_python.packages import (
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
     argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
-    image_input, is_wanted, kept_background, not_installed, transform_arguments)
+    image_input, is_wanted, kept_background, not_installed, plays_recording, recording_failure,
+    transform_arguments)
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown
@@ -165,9 +166,12 @@ def _value(context, name):
 
 def _end_with_recordings(camera, playing, event, context):
     _end_without_start(event, context)
-    if event.returncode != 0:
+    failure = recording_failure(camera, event.returncode)
+    if failure and not context.is_shutdown:
+        raise CameraToBaseError(failure)
+    # Of another source, 0 says that somebody has ended the node: it is started again.
+    if event.returncode != 0 or not plays_recording(camera):
         return None
-    # A camera node that ends by itself, without an error, has played its recording to the end.
     playing.discard(camera)
     if playing:
         return EmitEvent(event=ShutdownProcess(process_matcher=matches_action(event.action)))

@@ -19,6 +19,8 @@ from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from typing import Any, Dict, Mapping, Optional, Sequence, Union
 
+from camera_to_base.calibration.base_checks import (
+    check_pairs, check_with_surface, check_without_surface)
 from camera_to_base.calibration.figures import (
     coverage, error_figures, ErrorFigures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.calibration.homography_fit import fit_homography, POINTS_FOR_DISTORTION
@@ -26,6 +28,7 @@ from camera_to_base.calibration.polynomial_fit import fit_polynomial
 from camera_to_base.calibration.report_drawing import report_picture
 from camera_to_base.calibration.report_text import figure_lines, Report
 from camera_to_base.calibration.rigid_fit import fit_rigid
+from camera_to_base.calibration.surface_checks import check_fit, refuse_outlier
 from camera_to_base.calibration.tables import refuse_other_size
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.parameter_spec import checked_values
@@ -82,13 +85,16 @@ def calibrate_surface(
         fit = fit_polynomial(matched, image_size)
         found = {'equations': list(fit.equations),
                  'r_squared': [fit.y_r_squared, fit.px_per_cm_r_squared]}
+    if points_are == 'row' and model == 'homography':
+        refuse_outlier(fit.surface, fit.without, matched)
+    doubts = check_fit(fit.surface, matched, image_size)
     hull = Hull(matched.pixels)
     covered = coverage(hull, image_size)
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
                             left_out_errors(fit.without, matched))
     report = {**_origin(model, source), 'image_size': list(image_size), **found,
               **_axes(fit.surface, matched), **_figures(figures, points_are),
-              'coverage': covered, 'warnings': warnings(figures, covered)}
+              'coverage': covered, 'warnings': [*warnings(figures, covered), *doubts]}
     picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
                              lines=figure_lines(report))
     return Calibration(report, surface_values(fit.surface, hull), picture)
@@ -122,15 +128,27 @@ def add_camera_pose(
                 **{f'surface.{name}': value for name, value in found.items()}})
 
 
-def calibrate_base(pairs: PointPairs, *, source: str) -> Calibration:
+def calibrate_base(
+    pairs: PointPairs, *, source: str, surface_values: Optional[Mapping[str, Any]] = None,
+    base_z: str = 'up',
+) -> Calibration:
     """
     Fit the transform from the camera frame to the base frame.
 
     :param source: What the report says that the pairs are from.
-    :raises CameraToBaseError: If the pairs do not determine it, or none fits them.
+    :param surface_values: The parameters of the surface that the camera points were measured
+        with, by full name; None if they are not known.
+    :param base_z: Where the base frame's z points at the table: 'up', away from it, or 'down'.
+    :raises CameraToBaseError: If the pairs do not determine it, none fits them, or they cannot be
+        pairs of this surface.
     """
     _refuse_too_many(pairs)
     fit = fit_rigid(pairs)
+    doubts = check_pairs(pairs, fit)
+    if surface_values is None:
+        doubts += check_without_surface(pairs)
+    else:
+        doubts += check_with_surface(pairs, fit, surface_values, base_z)
     left_out = fit.left_out_residuals
     figures = error_figures(
         np.linalg.norm(fit.residuals, axis=1), pairs.rows,
@@ -138,7 +156,7 @@ def calibrate_base(pairs: PointPairs, *, source: str) -> Calibration:
     values = {'rotation_deg': list(fit.rotation_deg),
               'displacement_cm': list(fit.displacement_cm)}
     report = {**_origin('rigid', source), **values, **_figures(figures, 'row'),
-              'warnings': warnings(figures)}
+              'warnings': [*warnings(figures), *doubts]}
     return Calibration(report, values)
 
 

@@ -18,12 +18,19 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from camera_to_base.calibration.figures import leave_one_out
+from camera_to_base.calibration.outliers import find_outlier
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface import on_one_line, PointPairs
 import numpy as np
 
 # A ruler and a gripper tip are a few millimetres off; more than this is a swapped row or a sign.
 LARGEST_RESIDUAL_CM = 2.0
+# With fewer pairs each fits about as well as another.
+PAIRS_TO_TELL_A_BAD_ONE = 5
+# A deviation that no ruler shows.
+_FLOOR_CM = 0.03
+# Beyond it the two frames do not have the same unit.
+_LARGEST_RATIO = 1.25
 
 
 @dataclass(frozen=True)
@@ -31,34 +38,43 @@ class RigidFit:
     """
     A rigid transform, as the transform node takes it.
 
-    :param rotation_deg: Roll, pitch and yaw about the fixed axes x, y and z.
+    :param rotation: Shape (3, 3), from the camera frame to the base frame.
     :param displacement_cm: x, y and z.
     :param residuals: Shape (n, 3): transformed camera point minus base point, in cm.
     :param left_out_residuals: Shape (n, 3), each under the transform from all other pairs; None
         where the others do not suffice.
     """
 
-    rotation_deg: Tuple[float, float, float]
+    rotation: np.ndarray
     displacement_cm: Tuple[float, float, float]
     residuals: np.ndarray
     left_out_residuals: Optional[np.ndarray]
+
+    @property
+    def rotation_deg(self) -> Tuple[float, float, float]:
+        """Roll, pitch and yaw about the fixed axes x, y and z."""
+        return rotation_deg(self.rotation)
 
 
 def fit_rigid(pairs: PointPairs) -> RigidFit:
     """
     Fit a rotation and a displacement by least squares, and refuse pairs that none fits.
 
-    :raises CalibrationError: If there are fewer than three pairs, all on one line, or the largest
-        residual is over 20 mm; the message names the worst row.
+    :raises CalibrationError: If there are fewer than three pairs, all on one line, one of them
+        does not belong to the others, or the largest residual is over 20 mm; the message names
+        the row.
     """
     everything = np.arange(len(pairs))
-    rotation, displacement = _fit(pairs, everything)
-    residuals = _residuals(pairs, (rotation, displacement), everything)
-    _refuse_misfit(residuals, pairs.rows)
+    transform = _fit(pairs, everything)
+    residuals = _residuals(pairs, transform, everything)
     folds = leave_one_out(lambda kept: _fit(pairs, kept), len(pairs))
     left_out = None if None in folds else np.stack(
         [_residuals(pairs, fold, index) for index, fold in enumerate(folds)])
-    return RigidFit(rotation_deg(rotation), tuple(displacement.tolist()), residuals, left_out)
+    _refuse_other_unit(pairs)
+    if left_out is not None and len(pairs) >= PAIRS_TO_TELL_A_BAD_ONE:
+        _refuse_outlier(pairs, residuals, left_out, folds)
+    _refuse_misfit(residuals, pairs.rows)
+    return RigidFit(transform[0], tuple(transform[1].tolist()), residuals, left_out)
 
 
 def _fit(pairs, kept):
@@ -118,6 +134,50 @@ def _upper_half_open(degrees):
     """Round to 1e-9 degrees, so that -180 + 1e-14 and -0.0 come out as 180 and 0."""
     rounded = round(float(degrees), 9)
     return 180.0 if rounded == -180.0 else rounded + 0.0
+
+
+def _refuse_other_unit(pairs):
+    # The median, so that it is not one bad row that makes them differ.
+    ratio = float(np.median(_distances(pairs.base_points) / _distances(pairs.camera_points)))
+    if not 1 / _LARGEST_RATIO < ratio < _LARGEST_RATIO:
+        raise CalibrationError(
+            f'no rigid transform fits the pairs: the base points lie {ratio:.3g} times as far '
+            'apart as the camera points: are all numbers in cm, and their columns the right ones?')
+
+
+def _distances(points):
+    """Return the distances between all points (n, d), shape (n (n - 1) / 2,)."""
+    one, other = np.triu_indices(len(points), 1)
+    return np.linalg.norm(points[one] - points[other], axis=1)
+
+
+def spread(points: np.ndarray) -> float:
+    """
+    Tell how far apart the farthest two points lie.
+
+    :param points: Shape (n, d), n at least 2.
+    :returns: In the points' unit.
+    """
+    return float(_distances(points).max())
+
+
+def _refuse_outlier(pairs, residuals, left_out, folds):
+    count = len(pairs)
+    flat = not (pairs.camera_points[:, 2].any() or pairs.base_points[:, 2].any())
+    kept = [np.delete(np.arange(count), index) for index in range(count)]
+    squares = np.array([np.sum(_residuals(pairs, fold, rest) ** 2)
+                        for fold, rest in zip(folds, kept)])
+    index = find_outlier(np.sum(residuals ** 2), squares, dimensions=2 if flat else 3,
+                         parameters=3 if flat else 6, floor=_FLOOR_CM)
+    if index is None:
+        return
+    rotation, displacement = folds[index]
+    raise CalibrationError(
+        f'row {pairs.rows[index]} does not belong to the others: it is off by '
+        f'{10 * np.linalg.norm(left_out[index]):.1f} mm from the fit to them, which they meet to '
+        f'{10 * np.sqrt(squares[index] / (count - 1)):.1f} mm rms: measure it again or delete it. '
+        'Without it: rotation ({:.2f}, {:.2f}, {:.2f}) degrees, displacement '
+        '({:.2f}, {:.2f}, {:.2f}) cm'.format(*rotation_deg(rotation), *displacement))
 
 
 def _refuse_misfit(residuals, rows):

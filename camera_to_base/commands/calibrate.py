@@ -92,10 +92,12 @@ def _run_points(options: argparse.Namespace) -> Report:
 
 def _run_base(options: argparse.Namespace) -> Report:
     outputs = _outputs(options, options.table)
-    calibration = calibrate_base(read_pairs(options.table), source=options.table)
+    pairs = read_pairs(options.table)
     if options.surface is None:
-        return _write(calibration, outputs)
+        return _write(calibrate_base(pairs, source=options.table), outputs)
     surface = read_parameter_file(options.surface)
+    calibration = calibrate_base(
+        pairs, source=options.table, surface_values=surface.values, base_z=options.base_z)
     return _write(calibration, outputs, surface.values,
                   ['', f'The surface, from {options.surface}:', *surface.comments])
 

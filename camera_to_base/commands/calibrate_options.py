@@ -94,7 +94,11 @@ def _parser() -> argparse.ArgumentParser:
     base.add_argument('table', metavar='PAIRS.csv')
     base.add_argument('--surface', metavar='FILE',
                       help='a parameter file whose parameters and comments are copied into the '
-                           'output, so that one file serves both nodes')
+                           'output, so that one file serves both nodes; the pairs are checked '
+                           'against it')
+    base.add_argument('--base-z', choices=('up', 'down'), default='up',
+                      help="where the base frame's z points at the table: up, away from it, or "
+                           'down, as for a hanging robot (default: %(default)s)')
     _add_output(base, with_picture=False)
     check = _command(commands, 'check', 'the error of a calibration on other points')
     check.add_argument('file', metavar='FILE', help='of calibrate board or calibrate points')

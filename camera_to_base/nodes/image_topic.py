@@ -20,9 +20,10 @@ from typing import Any, Callable, Dict, Optional, Union
 from builtin_interfaces.msg import Time
 from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicTypeError
 from camera_to_base.reason import Level, Reason
+from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import (
     frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderState,
-    ReaderStatus, SilenceLimit)
+    ReaderStatus, SilenceLimit, source_reason)
 import numpy as np
 from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -68,11 +69,17 @@ class ImageTopic(ReaderStatus):
             event_callbacks=SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch),
             qos_overriding_options=QoSOverridingOptions([QoSPolicyKind.RELIABILITY]))
         self.topic_name: str = self._subscription.topic_name
+        self.name = self.topic_name
 
     @property
     def reader(self) -> ReaderStatus:
         """Give what knows how the camera does: as a feed, it is its own reader."""
         return self
+
+    @property
+    def reason(self) -> Optional[Reason]:
+        """Why no good frame comes."""
+        return source_reason(self, self.name)
 
     @property
     def error(self) -> Optional[FrameSourceError]:
@@ -86,6 +93,9 @@ class ImageTopic(ReaderStatus):
     def longest_silence_s(self) -> float:
         """See :class:`ReaderStatus`; a driver may publish less than one picture a second."""
         return self._silence_limit.seconds
+
+    def configure(self, settings: CameraSettings) -> None:
+        """Go on as before: the driver's settings are its own."""
 
     def close(self) -> None:
         """Receive no more pictures."""

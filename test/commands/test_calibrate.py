@@ -39,6 +39,10 @@ PAIRS = ('x_cam_cm,y_cam_cm,x_base_cm,y_base_cm\n'
          '0,0,-17.8,24.4\n36,0,18.2,24.4\n36,27,18.2,-2.6\n0,27,-17.8,-2.6\n')
 
 
+# On the board; its frame's z points into the table, so that the base's y runs the other way.
+TOUCHED = np.array([[1.0, 1.0], [18.5, 1.5], [17.0, 11.0], [2.0, 10.5], [9.0, 4.0], [11.0, 9.0]])
+
+
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -77,6 +81,18 @@ def table(name='points.csv', points=None, surface=None, header='x_cm,y_cm,u_px,v
     pixels = project(pixel_from_surface(), points) if surface is None else surface.pixels(points)
     rows = [','.join(map(repr, row)) for row in np.hstack([points, pixels]).tolist()]
     Path(name).write_text('\n'.join([header, *rows]) + '\n')
+    return name
+
+
+def touched(camera=TOUCHED, base=TOUCHED * [1, -1] + [-17.8, 24.4], name='pairs.csv'):
+    rows = [','.join(map(repr, row)) for row in np.hstack([camera, base]).tolist()]
+    Path(name).write_text('\n'.join([PAIRS.split()[0], *rows]) + '\n')
+    return name
+
+
+def surface_file(name='board.yaml'):
+    """Write the surface of the rendered board, as `calibrate points` does."""
+    assert main(['points', table(), '-o', name, '--image-size', '640x480']) == 0
     return name
 
 
@@ -223,8 +239,9 @@ def test_pairs_give_the_transform_nodes_parameters(report):
 def test_one_file_can_serve_both_nodes(report):
     report('board', board_picture(), *BOARD, '-o', 'cell.yaml')
     surface = read_parameter_file('cell.yaml')
-    Path('pairs.csv').write_text(PAIRS)
-    report('base', 'pairs.csv', '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
+    touched()
+    found = report('base', 'pairs.csv', '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
+    assert found['warnings'] == []
     both = read_parameter_file('cell.yaml')
     assert set(both.values) == {*surface.values, 'rotation_deg', 'displacement_cm'}
     assert all(both.values[name] == value for name, value in surface.values.items())
@@ -333,7 +350,10 @@ BAD_INPUTS = {
     'no rows of one y': (lambda: ('points', table(points=POINTS), '--model', 'polynomial'),
                          'at least three values of y_cm'),
     'no rigid transform': (lambda: ('base', written('a.csv', PAIRS + '10,10,20,20\n')),
-                           r'no rigid transform fits the pairs: row 6 is off by \d+ mm'),
+                           r'row 6 does not belong to the others: it is off by 283.6 mm'),
+    'four pairs that nothing fits': (
+        lambda: ('base', written('a.csv', PAIRS.replace('-17.8,-2.6', '-17.8,2.6'))),
+        r'no rigid transform fits the pairs: row \d is off by \d+ mm'),
     'two pairs': (lambda: ('base', written('a.csv', '\n'.join(PAIRS.split()[:3]))),
                   '2 pairs are too few'),
     'no column of pairs': (lambda: ('base', table()), 'no column x_cam_cm'),
@@ -364,6 +384,99 @@ def test_bad_input_is_one_sentence_and_exit_code_1_and_nothing_is_written(run, b
     assert error.startswith('calibrate: ') and error.count('\n') == 1
     assert re.search(said, error), error
     assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+BASE = TOUCHED * [1, -1] + [-17.8, 24.4]
+ONE_BAD = BASE + 0.8 * np.eye(6)[:, [4, 0]] * [1, 0]
+LIES = {
+    'mirrored base frame': (TOUCHED, TOUCHED + [-17.8, 24.4], 'so it is mirrored'),
+    'x and y of the base exchanged': (TOUCHED, BASE[:, ::-1], 'so it is mirrored'),
+    'frames exchanged': (BASE, TOUCHED, 'are the columns of the two frames exchanged'),
+    'mm in both': (10 * TOUCHED, 10 * BASE, r'row \d: the camera point .* is it in mm'),
+    'm in both': (TOUCHED / 100, BASE / 100, r'within 1\.9 mm, too near .* are the numbers in m'),
+    'mm in the base': (TOUCHED, 10 * BASE, 'the base points lie 10 times as far apart'),
+    'a corner of the table': (TOUCHED[:3] / 16, (TOUCHED * [1, -1])[:3] / 16,
+                              r'errors of 1.0 mm in them become \d+ mm at the far end'),
+    'one bad pair of six': (TOUCHED, ONE_BAD, r'row 6 does not belong .* off by \d+.\d mm'),
+}
+
+
+@pytest.mark.parametrize('lie', LIES)
+def test_pairs_that_cannot_be_of_this_table_are_refused_and_nothing_is_written(run, lie):
+    camera, base, said = LIES[lie]
+    surface = surface_file()
+    run('check', surface, 'points.csv')  # takes what the making of the surface has printed
+    touched(camera, base)
+    before = {path: path.read_bytes() for path in Path().iterdir()}
+    code, output, error = run('base', 'pairs.csv', '--surface', surface, '-o', 'cell.yaml')
+    assert (code, output) == (1, '') and error.count('\n') == 1
+    assert re.search(said, error), error
+    assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+def test_hanging_robot_counts_z_downwards(run):
+    surface, pairs = surface_file(), touched(TOUCHED, TOUCHED + [-17.8, 24.4])
+    code, _, error = run('base', pairs, '--surface', surface, '-o', 'a.yaml', '--base-z', 'down')
+    assert (code, error) == (0, '')
+    code, _, error = run('base', touched(), '--surface', surface, '-o', 'b.yaml', '--base-z',
+                         'down')
+    assert code == 1 and "the pairs put the base frame's z away from the table" in error
+
+
+def test_what_pairs_alone_cannot_tell_is_a_warning(report, run):
+    Path('pairs.csv').write_text(PAIRS)
+    warnings = report('base', 'pairs.csv', '-o', 'base.yaml')['warnings']
+    assert any('without --surface nothing shows whether' in text for text in warnings)
+    assert any('with 4 pairs a bad one cannot be told' in text for text in warnings)
+    assert all(f'warning: {text}' in read_parameter_file('base.yaml').comments
+               for text in warnings)
+    touched(10 * TOUCHED, 10 * BASE)
+    code, _, error = run('base', 'pairs.csv', '-o', 'far.yaml')
+    assert code == 1 and 'which is no table: are the numbers in mm' in error
+
+
+def test_pairs_outside_of_the_calibrated_area_are_named(run):
+    points = np.array([[x, y] for y in (2.0, 5.0, 8.0) for x in (3.0, 8.0, 12.0)])
+    assert main(['points', table(points=points), '-o', 'a.yaml', '--image-size', '640x480']) == 0
+    code, output, _ = run('base', touched(), '--surface', 'a.yaml', '-o', 'cell.yaml')
+    assert code == 0 and 'do not hold: 2, 3, 4, 5, 7' in output
+
+
+def measured(seed=0, noise=0.5):
+    """Give points of the table and pixels with the errors of clicks, (n, 2) each."""
+    rng = np.random.default_rng(seed)
+    points = np.array([[x, y] for y in (-2.0, 4.0, 9.0, 14.0) for x in (-2.0, 10.0, 22.0)])
+    return points, project(pixel_from_surface(), points) + rng.normal(0, noise, points.shape)
+
+
+def write_points(points, pixels):
+    rows = [','.join(map(repr, row)) for row in np.hstack([points, pixels]).tolist()]
+    return written('points.csv', '\n'.join(['x_cm,y_cm,u_px,v_px', *rows]))
+
+
+@pytest.mark.parametrize('spoil, said', [
+    (lambda points, pixels: (points, pixels[[3, 1, 2, 0, 4, 5, 9, 7, 8, 6, 10, 11]]),
+     'no measurement of a surface: .* rms, .* % of their extent|no camera can see|horizon'),
+    (lambda points, pixels: (points + np.eye(12)[:, [7, 0]] * [2.0, 0.0], pixels),
+     r'row 9 does not belong to the others: it is off by (1[89]|2[012])\.\d mm'),
+    (lambda points, pixels: (points, 300 + (pixels - pixels.mean(axis=0)) / 30),
+     r'all points lie within \d+ x \d+ px of a picture of 640 x 480 px, too near each other')])
+def test_points_that_are_no_measurement_are_refused_and_nothing_is_written(run, spoil, said):
+    write_points(*spoil(*measured()))
+    code, output, error = run('points', 'points.csv', '-o', 'a.yaml', '--image-size', '640x480')
+    assert (code, output) == (1, '') and error.count('\n') == 1
+    assert re.search(said, error), error
+    assert [path.name for path in Path().iterdir()] == ['points.csv']
+
+
+def test_points_with_the_errors_of_clicks_are_taken_and_mm_are_doubted(report):
+    points, pixels = measured()
+    write_points(points, pixels)
+    found = report('points', 'points.csv', '-o', 'a.yaml', '--image-size', '640x480')
+    assert found['warnings'] == []
+    write_points(100 * points, pixels)
+    found = report('points', 'points.csv', '-o', 'b.yaml', '--image-size', '640x480')
+    assert 'which is an unusual table: are all numbers in cm?' in found['warnings'][-1]
 
 
 @pytest.mark.parametrize('text, said', [
