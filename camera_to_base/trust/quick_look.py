@@ -117,7 +117,8 @@ class QuickLook:
             self._variance = max(float(np.median(seen.residuals[seen.is_seen])),
                                  self._background_variance)
         motion = MotionFit(places, self._size, fit.information).solve(seen.shifts, seen.is_seen)
-        return motion.agrees & (motion.agrees.mean() >= _LEAST_AT_REST)
+        weights = np.trace(fit.information, axis1=1, axis2=2)
+        return motion.agrees & (weights @ motion.agrees >= _LEAST_AT_REST * weights.sum())
 
     def _use(self, places: np.ndarray) -> None:
         self._fit = self._make_fit(places)

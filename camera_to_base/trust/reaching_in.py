@@ -31,6 +31,8 @@ _EDGE_SHARE = 0.4
 # Rounds of the fit of smooth light, and what counts half in it, in shares of the light.
 _ROUNDS, _HALF_WEIGHT = 8, 0.03
 _GRID_STEP = 4
+# Of a large picture some pixels are enough: this many along a cell.
+_SAMPLES = 4
 
 
 class ReachingIn:
@@ -47,11 +49,13 @@ class ReachingIn:
         height, width = background.shape[:2]
         self.scale = max(1, round(max(height, width) / _LONGEST))
         self._size = max(1, width // self.scale), max(1, height // self.scale)
+        self._step = max(1, self.scale // _SAMPLES)
         small = self._small(background)
         self._background = np.maximum(small, 1)
         self._range = (cv2.dilate(small, np.ones((3, 3))) - cv2.erode(small, np.ones((3, 3)))) / 2
-        noise = np.median(np.abs(np.diff(background[:, ::2].astype(np.int16), axis=1)))
-        self._noise = float(noise) / 0.6745 / self.scale
+        noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
+        # Of the mean of a cell; that of a frame and the background's together.
+        self._noise = float(noise) / 0.6745 * self._step / self.scale
         self._terms = _quadratic_terms(*self._size)
 
     def find(self, frame: np.ndarray, shift_px: float) -> np.ndarray:
@@ -93,7 +97,8 @@ class ReachingIn:
         return (self._terms @ factors).astype(np.float32)
 
     def _small(self, picture: np.ndarray) -> np.ndarray:
-        return cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA).astype(np.float32)
+        return cv2.resize(np.ascontiguousarray(picture[::self._step, ::self._step]), self._size,
+                          interpolation=cv2.INTER_AREA).astype(np.float32)
 
 
 def _edge(mask: np.ndarray) -> np.ndarray:
