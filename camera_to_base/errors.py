@@ -39,6 +39,10 @@ class OutOfReachError(CameraToBaseError):
     """A position lies farther from the robot's base than its arm can reach."""
 
 
+class OtherFrameError(CameraToBaseError):
+    """A position is given in another coordinate frame than the one that is converted."""
+
+
 class HorizonError(CameraToBaseError):
     """A pixel does not look at the work surface: it lies near the horizon or beyond it."""
 

@@ -14,12 +14,13 @@
 
 """What a node was given on its command line, and what of that reaches no parameter."""
 
-from typing import Collection, Iterable, List, NamedTuple, Optional, Sequence
+from typing import Any, Collection, Iterable, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameter_file import read_sections, Section
 from camera_to_base.parameter_names import (
     meant_name, misspelt_name, name_warnings, unknown_name_text, unknown_names)
+from camera_to_base.parameter_spec import ParameterSpec
 
 
 class GivenArguments(NamedTuple):
@@ -46,6 +47,32 @@ def given_arguments(arguments: Sequence[str]) -> GivenArguments:
             # A node's name may stand before the parameter's.
             found.names.append(value.partition(':=')[0].rpartition(':')[2])
     return found
+
+
+def value_in_files(arguments: Sequence[str], node: str, name: str) -> Any:
+    """
+    Tell what the parameter files of a command line give another node; None for nothing.
+
+    :param node: The other node's full name.
+    :param name: The parameter's.
+    """
+    values = [section.values[name] for path in given_arguments(arguments).files
+              for section in _readable_sections(path) or ()
+              if section.stands_for(node) and name in section.values]
+    return values[-1] if values else None
+
+
+def gives_other_values(
+    arguments: Sequence[str], node: str, specs: Iterable[ParameterSpec]
+) -> bool:
+    """
+    Tell whether the parameter files of a command line set a node's parameter to no default.
+
+    :param node: The node's full name.
+    """
+    values = {spec.name: value_in_files(arguments, node, spec.name) for spec in specs}
+    return any(values[spec.name] is not None
+               and spec.converted(values[spec.name]) != spec.default for spec in specs)
 
 
 def given_warnings(
@@ -90,12 +117,15 @@ def file_warnings(path: str, node: str) -> List[str]:
         return []
     if not any(section.values for section in sections):
         return [f"'{path}' holds no parameters"]
-    if any(section.stands_for(node) for section in sections):
+    own = [section for section in sections if section.stands_for(node)]
+    if any(not section.is_for_several for section in own):
         return []
     name = _last(node)
+    # The same name in another namespace is that of another node, where the file is for both.
     return [
-        f"'{path}' has parameters for '{section.node}', and none for this node, '{node}'"
-        for section in sections if misspelt_name(name, [_last(section.node)])]
+        f"'{path}' has parameters for '{section.node}', and none for this node alone, '{node}'"
+        for section in sections if misspelt_name(name, [_last(section.node)])
+        and not section.is_for_several and not (own and _last(section.node) == name)]
 
 
 def _readable_sections(path: str) -> Optional[List[Section]]:

@@ -21,7 +21,7 @@ from typing import Tuple
 from camera_to_base.checks import frame_id
 from camera_to_base.coordinate_transform import (
     CameraToRobotBaseConversion, Pose, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
-from camera_to_base.errors import OutOfReachError
+from camera_to_base.errors import OtherFrameError, OutOfReachError
 from camera_to_base.parameter_spec import ParameterSpec, Values
 
 PLACEMENT_SPECS = [
@@ -32,14 +32,25 @@ PLACEMENT_SPECS = [
                   "The camera frame's origin in the base frame: x, y and z.",
                   unit='cm', lengths=(3,)),
 ]
-TRANSFORM_SPECS = [
+# Both nodes have it: one names the frame in its messages, the other takes no message in another.
+CAMERA_FRAME_SPEC = ParameterSpec(
+    'camera_frame_id', 'camera_surface',
+    "The stamped topics' name for the camera frame, which lies on the surface; "
+    'robot_base_publisher drops what is stamped in another frame.',
+    constraints='a frame name without a leading /')
+# Whoever sets one of these has set up a robot.
+TRANSFORM_SETUP_SPECS = [
     *PLACEMENT_SPECS,
     ParameterSpec('reach_cm', 1000.0,
                   "A position farther than this from the robot's base is dropped: set it to your "
                   "arm's reach.", (0.001, 1000000.0), unit='cm'),
+]
+TRANSFORM_SPECS = [
+    *TRANSFORM_SETUP_SPECS,
     ParameterSpec('base_frame_id', 'base_link',
                   "The stamped topics' name for the robot's base frame.",
                   constraints='a frame name without a leading /'),
+    CAMERA_FRAME_SPEC,
 ]
 
 
@@ -50,6 +61,19 @@ class TransformSettings:
     conversion: CameraToRobotBaseConversion
     reach_cm: float
     base_frame_id: str
+    camera_frame_id: str
+
+    def check_frame(self, name: str) -> None:
+        """
+        Check in which coordinate frame a position is given.
+
+        :param name: The message's frame_id; an empty one is taken for the camera frame.
+        :raises OtherFrameError: If it names another frame.
+        """
+        if name.lstrip('/') not in ('', self.camera_frame_id):
+            raise OtherFrameError(
+                f"its frame_id is '{name[:80]}', not '{self.camera_frame_id}': send positions in "
+                'the camera frame, or give both nodes the same camera_frame_id')
 
     def base_point(self, x: float, y: float, z: float = 0.0) -> Tuple[float, float, float]:
         """
@@ -84,7 +108,8 @@ def transform_node_settings(values: Values) -> TransformSettings:
     """
     return TransformSettings(
         transform_settings(values), values['reach_cm'],
-        frame_id('base_frame_id', values['base_frame_id']))
+        frame_id('base_frame_id', values['base_frame_id']),
+        frame_id('camera_frame_id', values['camera_frame_id']))
 
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:

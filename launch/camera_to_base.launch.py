@@ -30,7 +30,8 @@ from ament_index_python.packages import (
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
     argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
-    image_input, is_wanted, kept_background, not_installed, transform_arguments)
+    image_input, is_wanted, kept_background, not_installed, plays_recording, recording_failure,
+    transform_arguments)
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown
@@ -111,16 +112,17 @@ def _folder_of_this_launch():
 
 def _camera_actions(camera, playing, background_file):
     source, remappings = image_input(camera)
+    # A node drops what is stamped in another frame.
+    camera_frame = {'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}
     actions = [
         _node(
             camera, 'camera_to_base', 'camera_publisher', remappings=remappings,
             on_exit=functools.partial(_end_with_recordings, camera, playing),
             parameters=[camera.params_file, {
                 'source': ParameterValue(source, value_type=str),
-                'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str),
-                **kept_background(camera, background_file)}]),
+                **camera_frame, **kept_background(camera, background_file)}]),
         _node(camera, 'camera_to_base', 'robot_base_publisher', on_exit=_end_without_start,
-              parameters=[camera.params_file]),
+              parameters=[camera.params_file, camera_frame]),
     ]
     if camera.has_driver:
         _require(camera.camera_driver, f'camera_driver:={camera.camera_driver}')
@@ -164,9 +166,12 @@ def _value(context, name):
 
 def _end_with_recordings(camera, playing, event, context):
     _end_without_start(event, context)
-    if event.returncode != 0:
+    failure = recording_failure(camera, event.returncode)
+    if failure and not context.is_shutdown:
+        raise CameraToBaseError(failure)
+    # Of another source, 0 says that somebody has ended the node: it is started again.
+    if event.returncode != 0 or not plays_recording(camera):
         return None
-    # A camera node that ends by itself, without an error, has played its recording to the end.
     playing.discard(camera)
     if playing:
         return EmitEvent(event=ShutdownProcess(process_matcher=matches_action(event.action)))

@@ -22,6 +22,9 @@ import sys
 import threading
 import time
 
+import cv2
+import numpy as np
+
 PICTURE = 'demo.png'
 # A signal only sets this: an exception out of the middle of rclpy would not always come through.
 told_to_end = threading.Event()
@@ -44,8 +47,8 @@ def main(arguments):
     try:
         nodes.append(start('robot_base_publisher', {}))
         nodes.append(start('camera_publisher', {
-            'source': source, 'annotated_picture': os.path.abspath(PICTURE),
-            'wait_for_subscribers': 2, 'wait_for_camera': False, **method_for(source)}))
+            'source': source, 'wait_for_subscribers': 2, 'wait_for_camera': False,
+            **method_for(source)}))
         return listen(nodes)
     except BrokenPipeError:
         # Who read our lines has seen enough. What is still to be written goes nowhere.
@@ -92,25 +95,33 @@ class Report:
     """Prints a line for each position in the base frame, beside what it was computed from."""
 
     def __init__(self, node):
-        from std_msgs.msg import Float64MultiArray
         from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
+        from geometry_msgs.msg import PointStamped
+        from sensor_msgs.msg import Image
+        from std_msgs.msg import Float64MultiArray
         self._conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
         self._camera_positions = []
         self._true_positions = []
         self._waiting = []
         self._last_stamp = 0
         self._count = 0
-        self._picture_seen = False
+        self._node = node
+        self._picture_saved = False
+        self._stamps, self._newest_image = set(), None
         for topic, callback in (('pos_in_cam_frame', self._on_camera_position),
                                 ('true_pos_in_cam_frame', self._on_true_position),
                                 ('pos_in_robot_base_frame', self._on_base_position)):
             node.create_subscription(Float64MultiArray, topic, callback, 100)
+        self._for_picture = [
+            node.create_subscription(PointStamped, 'pos_in_cam_frame/point', self._on_point, 100),
+            node.create_subscription(Image, 'debug_image', self._on_image, 1)]
         node.create_timer(0.05, self._print_settled)
 
     def close(self):
         """Say how many positions there were, and where the picture is."""
         print(f'{self._count} positions')
-        self._name_picture()
+        if self._picture_saved:
+            print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
 
     def _on_camera_position(self, message, info):
         remember(self._camera_positions, info['source_timestamp'], message.data)
@@ -140,8 +151,6 @@ class Report:
             error_mm = 10 * ((x - true_x) ** 2 + (y - true_y) ** 2) ** 0.5
             line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.2f} mm'
         print(line, flush=True)
-        if not self._picture_seen:
-            self._name_picture()
 
     def _origin(self, stamp):
         # A position carries no time of its own. The transform keeps the order, so it belongs to
@@ -151,10 +160,31 @@ class Report:
         in_order = self._last_stamp and len(waiting) <= 10
         return waiting[0 if in_order else -1] if waiting else None
 
-    def _name_picture(self):
-        if os.path.exists(PICTURE):
-            self._picture_seen = True
-            print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
+    def _on_point(self, message):
+        self._stamps.add(stamp_of(message))
+        self._save_picture()
+
+    def _on_image(self, message):
+        self._newest_image = message
+        self._save_picture()
+
+    def _save_picture(self):
+        # The first one with a published object; the image or its position may come first.
+        image = self._newest_image
+        if self._picture_saved or image is None or stamp_of(image) not in self._stamps:
+            return
+        picture = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
+        cv2.imwrite(PICTURE, picture)
+        self._picture_saved = True
+        # The node draws for as long as somebody listens.
+        for subscription in self._for_picture:
+            self._node.destroy_subscription(subscription)
+        print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
+
+
+def stamp_of(message):
+    """Give the time at which a message's frame was taken."""
+    return message.header.stamp.sec, message.header.stamp.nanosec
 
 
 def remember(positions, stamp, position):

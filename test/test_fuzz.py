@@ -35,6 +35,7 @@ from camera_to_base.ros.messages import (
     MOST_POSES, point_from_message, poses_from_message, position_from_message)
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.sources.decoding import decode_compressed, decode_image, ENCODINGS
+from camera_to_base.sources.source_kind import DEVICE
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
 from camera_to_base.surface.specs import SURFACE_DEFAULTS
@@ -190,7 +191,7 @@ def test_any_two_pictures_are_detected_on_or_give_our_error(background, frame):
 def test_any_frames_go_through_the_pipeline_or_give_our_error(frames, background_frames):
     pipeline = CameraPipeline(
         ParallelSurface(36.0, 640), limits=Limits(check_period_s=0.0),
-        background_frames=background_frames)
+        background_frames=background_frames, kind=DEVICE)
     for frame in frames:
         outcome('frames', pipeline.process, frame, 0.0)
 
@@ -215,7 +216,7 @@ def test_any_damaged_jpeg_that_opencv_decodes_goes_through_the_pipeline(tail, cu
     frame = cv2.imdecode(np.frombuffer(bytes(content), np.uint8), cv2.IMREAD_COLOR) \
         if content else None
     if frame is not None and frame.size < 10**7:
-        pipeline = CameraPipeline(ParallelSurface(36.0, 640))
+        pipeline = CameraPipeline(ParallelSurface(36.0, 640), kind=DEVICE)
         outcome('jpegs', pipeline.process, frame, 0.0)
         outcome('jpegs', pipeline.process, frame, 0.0)
     counts['jpegs'] += 1

@@ -79,7 +79,17 @@ def test_file_without_parameters_is_told(file, text):
 def test_file_for_a_node_of_nearly_this_name_is_told(file, name):
     path = file(section(name, 'reach_cm: 3') + section('usb_cam', 'framerate: 3'))
     assert file_warnings(path, NODE) == [
-        f"'{path}' has parameters for '/{name.lstrip('/')}', and none for this node, '{NODE}'"]
+        f"'{path}' has parameters for '/{name.lstrip('/')}', and none for this node alone, "
+        f"'{NODE}'"]
+
+
+def test_misspelt_node_is_told_beside_a_section_for_all_nodes(file):
+    everyone = section('/**', 'reach_cm: 3')
+    assert len(file_warnings(file(everyone + section('robot_base_publsher', 'a: 3')), NODE)) == 1
+    assert file_warnings(file(everyone + section(
+        '/other/robot_base_publisher', 'a: 3')), NODE) == []
+    assert file_warnings(file(section(NODE, 'a: 3') + section(
+        '/cell/robot_base_publisher2', 'a: 3')), NODE) == []
 
 
 @pytest.mark.parametrize('name', [

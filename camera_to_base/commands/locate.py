@@ -33,8 +33,8 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.interrupt import Interrupt, serve_signals
 from camera_to_base.settings import CameraSettings, NodeSettings, read_node_settings
 from camera_to_base.sources import (
-    BagFile, is_bag, is_camera, LiveRecording, open_frame_source, PlayedRecording, Recording,
-    TimedFrame)
+    BAG, BagFile, kind_of, LiveRecording, open_frame_source, PlayedRecording, Recording,
+    SIMULATED, TimedFrame)
 from camera_to_base.trust import Sighting
 
 # One round of the simulated objects.
@@ -75,19 +75,19 @@ def _run(options: argparse.Namespace, interrupt: Interrupt) -> int:
             _locate(options, settings, recording, frames)
     finally:
         recording.release()
-    return 130 if interrupt.came and not recording.is_live else 0
+    return 130 if interrupt.came and recording.kind.ends else 0
 
 
 def _open(options: argparse.Namespace, settings: CameraSettings) -> Recording:
-    name = options.source
-    if is_bag(name):
+    name, kind = options.source, kind_of(options.source)
+    if kind == BAG:
         return BagFile(name, options.topic)
-    if name == 'simulated':
+    if kind == SIMULATED:
         board = settings.simulated.board(settings.image_size)
-        count = round(_SIMULATED_S * board.frame_rate)
+        count = round(_SIMULATED_S * board.kind.frame_rate)
         return PlayedRecording(board, count, last=count)
     source = open_frame_source(name, settings.image_size)
-    if is_camera(name):
+    if kind.is_live:
         return LiveRecording(source)
     return PlayedRecording(source, source.frame_count)
 
@@ -118,12 +118,12 @@ def _locate(
     options: argparse.Namespace, settings: NodeSettings, recording: Recording,
     frames: Iterator[TimedFrame],
 ) -> None:
-    counter, beyond_reach = SightingCounter(settings.camera, recording.is_live), 0
+    counter, beyond_reach = SightingCounter(settings.camera, recording.kind), 0
     with ExitStack() as files:
         rows = _csv_writer(files, options.csv) if options.csv else None
         video = None
         if options.annotated:
-            video = AnnotatedVideo(options.annotated, recording.frame_rate / options.every)
+            video = AnnotatedVideo(options.annotated, recording.kind.frame_rate / options.every)
             files.callback(video.release)
         _say(table_header(), rows, [column.name for column in COLUMNS])
         for timed in frames:

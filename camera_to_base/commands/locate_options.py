@@ -22,7 +22,7 @@ from camera_to_base.commands.sweep import MOST_VALUES, NAMES, sweep_range
 from camera_to_base.drawing import check_picture_path, check_video_path
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import refuse_existing, refuse_same_file
-from camera_to_base.sources import is_bag
+from camera_to_base.sources import BAG, kind_of
 
 DESCRIPTION = """
 Finds objects on a recording, without ROS: prints where each one lies, in the camera frame and in
@@ -52,7 +52,7 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
     options = _parser().parse_args(args)
     if options.every < 1:
         raise InvalidValueError(f'--every must be 1 or more, got {options.every}')
-    if options.topic and not is_bag(options.source):
+    if options.topic and kind_of(options.source) != BAG:
         raise InvalidValueError(f"--topic is for a bag, got '{options.source}': leave it out")
     _check_sweep(options)
     _check_files(options)

@@ -20,7 +20,7 @@ from typing import Dict, List
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings
-from camera_to_base.sources import TimedFrame
+from camera_to_base.sources import SourceKind, TimedFrame, VIDEO_FILE
 from camera_to_base.trust import CameraPipeline, Sighting
 
 # Kinds of reasons that no other setting of the detector would change.
@@ -32,15 +32,12 @@ class SightingCounter:
     A pipeline as the camera node has it, and how often it saw what.
 
     :param settings: The camera node's.
-    :param is_live: Whether a camera takes the frames; a recording is shown as it is.
+    :param kind: What gives the frames.
     """
 
-    def __init__(self, settings: CameraSettings, is_live: bool = False) -> None:
+    def __init__(self, settings: CameraSettings, kind: SourceKind = VIDEO_FILE) -> None:
         self._pipeline = CameraPipeline(
-            settings.surface, settings.detector,
-            settings.limits if is_live else settings.limits.for_recording,
-            settings.background_frames)
-        self._is_live = is_live
+            settings.surface, settings.detector, settings.limits, settings.background_frames, kind)
         self.frames = self.with_one = self.with_more = 0
         self._counts: Counter = Counter()
         self._first: Dict[str, Reason] = {}
@@ -96,4 +93,4 @@ class SightingCounter:
             frame = timed.frame
         except CameraToBaseError as error:
             return Sighting([], Reason('damaged', Level.ERROR, str(error)))
-        return self._pipeline.process(frame, timed.taken_at if self._is_live else None)
+        return self._pipeline.process(frame, timed.taken_at)

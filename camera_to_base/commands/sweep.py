@@ -25,7 +25,7 @@ from camera_to_base.errors import InvalidValueError
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import TimedFrame
 
-NAMES = ('threshold', 'precise_threshold', 'closing_size', 'median_size', 'min_area_cm2',
+NAMES = ('threshold', 'faintest', 'closing_size', 'median_size', 'min_area_cm2',
          'max_area_cm2')
 # Each value takes a detector of its own.
 MOST_VALUES = 100
@@ -117,7 +117,7 @@ def _number(text: str) -> Optional[float]:
 
 def _name_in(detector: DetectorSettings, name: str) -> str:
     if name == 'threshold' and detector.method == 'precise':
-        return 'precise_threshold'
+        return 'faintest'
     if not detector.has_effect(name):
         raise InvalidValueError(
             f'detector.{name} has no effect with detector.method {detector.method}: choose the '

@@ -28,6 +28,9 @@ import numpy as np
 _MOST_OBJECTS = 100
 # The tutorial's closing gnaws at what is not this much wider than its kernel.
 _LEAST_WIDTH = 2.0
+_TAKEN_AWAY = Reason(
+    'taken_away', Level.WARN, 'something was taken away from the surface since the background was '
+    'taken: clear the surface, and call ~/capture_background', is_passing=True)
 
 
 class Point(NamedTuple):
@@ -113,8 +116,9 @@ class ObjectLocator:
         """
         found = [self._located(detection)
                  for detection in self._detector.detect(frame)[:_MOST_OBJECTS]]
+        taken_away = (LeftOut(place, _TAKEN_AWAY) for place in self._detector.taken_away)
         return Found([one for one in found if isinstance(one, LocatedObject)],
-                     tuple(one for one in found if isinstance(one, LeftOut)))
+                     (*(one for one in found if isinstance(one, LeftOut)), *taken_away))
 
     def _located(self, detection: Detection) -> Union[LocatedObject, LeftOut]:
         try:

@@ -28,7 +28,7 @@ import numpy as np
 # What each method takes of the settings, beside the limits for the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
-    'precise': ('precise_threshold', 'publish_cut_off'),
+    'precise': ('faintest', 'publish_cut_off'),
 }
 
 
@@ -44,6 +44,10 @@ class Detector(Protocol):
         :raises FrameSizeError: If the frame's size is not the background's.
         """
 
+    @property
+    def taken_away(self) -> List[Detection]:
+        """Where objects of the background are missing, as of the last frame."""
+
 
 @dataclass(frozen=True)
 class DetectorSettings:
@@ -54,7 +58,7 @@ class DetectorSettings:
     :param threshold: tutorial: grey levels that make a pixel part of an object, 0..255.
     :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
-    :param precise_threshold: precise: the same as threshold, at the background's light.
+    :param faintest: precise: how many grey levels an object must at least differ by, 0..255.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
     :param area: Objects outside of it do not count; None for everywhere.
@@ -67,7 +71,7 @@ class DetectorSettings:
     threshold: int = _DEFAULTS['threshold']
     closing_size: int = _DEFAULTS['closing_size']
     median_size: int = _DEFAULTS['median_size']
-    precise_threshold: float = _DEFAULTS['precise_threshold']
+    faintest: float = _DEFAULTS['faintest']
     min_area_cm2: float = _DEFAULTS['min_area_cm2']
     max_area_cm2: float = _DEFAULTS['max_area_cm2']
     publish_cut_off: bool = _DEFAULTS['publish_cut_off']
@@ -94,7 +98,7 @@ class DetectorSettings:
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""
         if self.method == 'precise':
-            return PreciseDifferenceDetector(background, threshold=self.precise_threshold)
+            return PreciseDifferenceDetector(background, faintest=self.faintest)
         return AbsoluteDifferenceDetector(
             background, threshold=self.threshold, closing_size=self.closing_size,
             median_size=self.median_size)

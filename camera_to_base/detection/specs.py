@@ -39,9 +39,10 @@ DETECTOR_SPECS = [
     ParameterSpec('detector.median_size', 5,
                   "tutorial: edge of the median filter's window, odd.", (1, 99), step=2,
                   unit='px'),
-    ParameterSpec('detector.precise_threshold', 45.0,
-                  "precise: as detector.threshold, at the background's light.", (0, 255),
-                  unit='grey levels'),
+    ParameterSpec('detector.faintest', 13.0,
+                  'precise: how faint an object may be: by how much it must at least differ from '
+                  'the surface, in one of the colours. Ten times the noise is needed in any case.',
+                  (0, 255), unit='grey levels', old_names=('detector.precise_threshold',)),
     ParameterSpec('detector.min_area_cm2', 0.0,
                   'Smaller objects are not published; their area on the surface.',
                   (0, _LARGEST_AREA_CM2), unit='cm²'),

@@ -26,10 +26,9 @@ from camera_to_base.drawing.background_file import BackgroundFile, check_backgro
 from camera_to_base.drawing.overlay import (
     base_label, camera_label, check_picture_path, draw_note, draw_objects, encoded_picture, Label,
     object_mask, write_picture)
-from camera_to_base.drawing.picture_keeper import PictureKeeper
 
 __all__ = [
     'AnnotatedVideo', 'BackgroundFile', 'base_label', 'camera_label', 'check_background_path',
     'check_picture_path', 'check_video_path', 'draw_note', 'draw_objects', 'encoded_picture',
-    'Label', 'object_mask', 'PictureKeeper', 'write_picture',
+    'Label', 'object_mask', 'write_picture',
 ]

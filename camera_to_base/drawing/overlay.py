@@ -24,7 +24,6 @@ from camera_to_base.detection import Box, check_frame, Detection, LocatedObject,
 from camera_to_base.drawing.labels import Labels, line_width, TextStyle
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder, write_files
-from camera_to_base.image_size import ImageSize
 import cv2
 import numpy as np
 
@@ -33,7 +32,6 @@ Label = Callable[[Point], str]
 _OUTLINE_COLOUR = (216, 160, 32)
 _BOX_COLOUR = (36, 200, 36)
 _CENTRE_COLOUR = (32, 32, 240)
-_EMPTY_COLOUR = (208, 208, 208)
 
 
 def camera_label(point: Point) -> str:
@@ -93,21 +91,6 @@ def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarr
     for found in objects:
         cv2.fillPoly(mask, [found.detection.outline], 255)
     return mask
-
-
-def draw_pixel(image_size: ImageSize, pixel: Pixel, point: Point) -> np.ndarray:
-    """
-    Draw a pixel that comes without a frame, and its position, on an empty picture.
-
-    :param image_size: Width and height, in px.
-    :returns: Shape (h, w, 3), uint8, BGR.
-    """
-    picture = np.full((image_size[1], image_size[0], 3), _EMPTY_COLOUR, np.uint8)
-    _draw_centre(picture, pixel)
-    labels = Labels(picture, [])
-    labels.add(camera_label(point), Box(round(pixel.u), round(pixel.v), 1, 1))
-    labels.draw()
-    return picture
 
 
 def write_picture(path: str, picture: np.ndarray) -> None:

@@ -23,11 +23,11 @@ Caller: `launch/camera_to_base.launch.py`.
 
 from camera_to_base.launching.arguments import (
     argument_warnings, check_frames, driver_parameters, frames, image_input, is_wanted,
-    kept_background, not_installed, transform_arguments)
+    kept_background, not_installed, plays_recording, recording_failure, transform_arguments)
 from camera_to_base.launching.cameras import Camera, choose_cameras, DRIVERS
 
 __all__ = [
     'argument_warnings', 'Camera', 'check_frames', 'choose_cameras', 'driver_parameters',
     'DRIVERS', 'frames', 'image_input', 'is_wanted', 'kept_background', 'not_installed',
-    'transform_arguments',
+    'plays_recording', 'recording_failure', 'transform_arguments',
 ]

@@ -15,6 +15,8 @@
 """Arguments of the processes that the launch file starts: topics, frames, transforms, devices."""
 
 import math
+import os
+import signal
 from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
 from camera_to_base.errors import InvalidValueError
@@ -22,14 +24,17 @@ from camera_to_base.launching.cameras import Camera
 from camera_to_base.parameter_file import read_node_parameters
 from camera_to_base.parameter_names import misspelt_name, unknown_name_text, with_new_names
 from camera_to_base.parameter_spec import checked_values, ParameterSpec
-from camera_to_base.settings import CAMERA_SPECS, TOPIC_SOURCES
-from camera_to_base.sources import is_camera
+from camera_to_base.settings import CAMERA_SPECS
+from camera_to_base.sources import kind_of
 from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 # Both drivers publish under this relative name.
 _DRIVER_TOPIC = 'image_raw'
 # Arguments that launch and launch_ros use themselves.
 _OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
+# What a defect, in this package or in a library, ends a process with.
+_CRASHES = (os.EX_SOFTWARE, *(-number for number in (
+    signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGSEGV)))
 _SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
 
 
@@ -97,6 +102,29 @@ def image_input(camera: Camera) -> ImageInput:
     return ImageInput('topic', [('image', topic)])
 
 
+def plays_recording(camera: Camera) -> bool:
+    """
+    Tell whether a camera node ends by itself, with its source.
+
+    :raises InvalidValueError: If the parameter file cannot be read.
+    """
+    return kind_of(image_input(camera).source).ends
+
+
+def recording_failure(camera: Camera, exit_code: int) -> str:
+    """
+    Tell why a camera node that died is not started again: its recording would kill it again.
+
+    :param exit_code: Negative after a signal.
+    :returns: '' for a node that is started again.
+    """
+    if exit_code not in _CRASHES or not plays_recording(camera):
+        return ''
+    cause = f'signal {-exit_code}' if exit_code < 0 else f'exit code {exit_code}'
+    return (f"camera_publisher has died ({cause}) while it played '{image_input(camera).source}'"
+            ': the launch ends')
+
+
 def kept_background(camera: Camera, path: str) -> Dict[str, str]:
     """
     Make the parameter with which a restarted camera node keeps its background.
@@ -105,8 +133,7 @@ def kept_background(camera: Camera, path: str) -> Dict[str, str]:
     :returns: Empty where the parameter file names a file, or no camera gives the frames.
     :raises InvalidValueError: If the parameter file cannot be read.
     """
-    source = image_input(camera).source
-    is_live = source in ('auto', *TOPIC_SOURCES) or is_camera(source)
+    is_live = kind_of(image_input(camera).source).is_live
     named = 'background_file' in _given_parameters(camera, 'camera_publisher')
     return {'background_file': path} if is_live and not named else {}
 

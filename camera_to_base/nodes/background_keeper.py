@@ -17,6 +17,7 @@
 from camera_to_base.drawing import BackgroundFile
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import CameraSettings
+from camera_to_base.sources import RANDOM, SourceKind
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
@@ -30,19 +31,19 @@ class BackgroundKeeper:
     :param node: Its logger is used.
     :param pipeline: What takes the background.
     :param settings: The camera node's.
-    :param is_live: Whether a camera or a topic gives the frames; otherwise there is no file.
+    :param kind: What gives the frames; there is a file for live sources only.
     """
 
     def __init__(
-        self, node: Node, pipeline: CameraPipeline, settings: CameraSettings, is_live: bool
+        self, node: Node, pipeline: CameraPipeline, settings: CameraSettings, kind: SourceKind
     ) -> None:
         self._logger = node.get_logger()
         self._pipeline = pipeline
-        self._is_live = is_live
-        self._path = settings.background_file if is_live else ''
+        self._is_live = kind.is_live
+        self._path = settings.background_file if kind.is_live else ''
         self._file = BackgroundFile(self._path)
-        # With auto and no camera it is said that positions are random.
-        if settings.background_file and not is_live and settings.source != 'auto':
+        # Random pixels have no background, which the warning of them says.
+        if settings.background_file and not kind.is_live and kind != RANDOM:
             self._logger.warning(
                 f"background_file has no effect with source '{settings.source}': only the "
                 'background of a camera or a topic is kept')

@@ -34,7 +34,7 @@ class BackgroundService:
     :param node: The node that offers it.
     :param pipeline: What takes the background.
     :param frame_count: Tells of how many frames.
-    :param has_frames: Tells whether frames come at all.
+    :param has_frames: Whether frames come at all.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class BackgroundService:
         node: Node,
         pipeline: CameraPipeline,
         frame_count: Callable[[], int],
-        has_frames: Callable[[], bool],
+        has_frames: bool,
     ) -> None:
         self._node = node
         self._pipeline = pipeline
@@ -61,7 +61,7 @@ class BackgroundService:
     async def _on_call(
         self, request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        if not self._has_frames():
+        if not self._has_frames:
             response.message = 'random pixels have no background: name a camera with source'
             return response
         count = self._frame_count()

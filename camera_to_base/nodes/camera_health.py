@@ -17,23 +17,8 @@
 import time
 from typing import Dict, Optional
 
-from camera_to_base.reason import Reason
-from camera_to_base.sources import ReaderStatus, source_reason
+from camera_to_base.sources import ReaderStatus
 from camera_to_base.trust import CameraPipeline, View
-
-
-def current_reason(
-    reader: Optional[ReaderStatus], pipeline: CameraPipeline, name: str
-) -> Optional[Reason]:
-    """
-    Tell what keeps positions from being published.
-
-    :param reader: None for a source that is no camera.
-    :param name: The source's, or its topic's.
-    :returns: None where an object on the surface would be published.
-    """
-    reason = source_reason(reader, name) if reader is not None else None
-    return reason or pipeline.reason
 
 
 class DetectionRate:

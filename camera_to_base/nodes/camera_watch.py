@@ -14,20 +14,21 @@
 
 """Tells in the log and the diagnostics how a camera node is."""
 
-from typing import Optional
+from typing import Callable, Optional
 
-from camera_to_base.nodes.camera_health import (
-    camera_values, current_reason, DetectionRate, has_no_structure)
+from camera_to_base.nodes.camera_health import camera_values, DetectionRate, has_no_structure
+from camera_to_base.nodes.feeds import Feed
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
-from camera_to_base.sources import ReaderStatus
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
 _PERIOD_S = 0.2
 _ALL_WELL = all_well('objects on the surface are published')
-_RANDOM = Reason(
-    'random', Level.WARN, 'positions are random: name a camera with source')
+_NOT_CALIBRATED = Reason(
+    'not_calibrated', Level.WARN,
+    "the surface is not calibrated: positions are those that the tutorial's camera would have, "
+    'whose picture is 36 cm wide; run calibrate, and start the node with the file that it writes')
 
 
 class CameraWatch:
@@ -36,33 +37,34 @@ class CameraWatch:
 
     :param node: The camera node.
     :param pipeline: Its pipeline.
+    :param is_calibrated: Whether positions hold for the camera that gives the frames.
     """
 
-    def __init__(self, node: Node, pipeline: CameraPipeline) -> None:
+    def __init__(
+        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool]
+    ) -> None:
         self._logger = node.get_logger()
         self._pipeline = pipeline
+        self._is_calibrated = is_calibrated
         self._reason: Optional[Reason] = None
         self._has_no_structure = False
         self._detection_rate = DetectionRate()
-        self._reader: Optional[ReaderStatus] = None
-        self._source: Optional[str] = None
+        self._feed: Optional[Feed] = None
         self._heartbeat = Heartbeat(node)
         self._diagnostics = Diagnostics(node, self._heartbeat, self._health)
         NameCheck(node, self._heartbeat)
 
-    def start(self, source: str, reader: Optional[ReaderStatus]) -> None:
-        """
-        Watch where frames come from.
-
-        :param source: Its name.
-        :param reader: None for a source that is no camera.
-        """
-        self._source, self._reader = source, reader
+    def start(self, feed: Feed) -> None:
+        """Watch where frames come from."""
+        self._feed = feed
+        # Of a source that is no camera the log has this already.
+        self._reason = feed.reason if feed.reader is None else None
         self._heartbeat.every(_PERIOD_S, self._watch)
+        if not self._is_calibrated():
+            self._logger.warning(_NOT_CALIBRATED.sentence)
 
     def _watch(self) -> None:
-        before, self._reason = self._reason, current_reason(
-            self._reader, self._pipeline, self._source)
+        before, self._reason = self._reason, self._feed.reason or self._pipeline.reason
         if _kind(self._reason) != _kind(before):
             self._tell(self._reason)
             self._diagnostics.publish()
@@ -82,12 +84,11 @@ class CameraWatch:
             self._logger.info(reason.sentence)
 
     def _health(self) -> Health:
-        values = {'source': self._source or 'random',
-                  **camera_values(self._reader, self._pipeline),
+        values = {'source': self._feed.name,
+                  **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
-        if self._source is None:
-            return Health(_RANDOM, values)
-        return Health(self._reason or _ALL_WELL, values)
+        well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
+        return Health(self._reason or well, values)
 
 
 def _kind(reason: Optional[Reason]) -> Optional[str]:

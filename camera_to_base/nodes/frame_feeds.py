@@ -18,8 +18,10 @@ import time
 from typing import Callable, Optional
 
 from builtin_interfaces.msg import Time
+from camera_to_base.reason import Reason
 from camera_to_base.ros import real_time_timer
-from camera_to_base.sources import FrameReader, FrameSource
+from camera_to_base.settings import CameraSettings, NamedSource
+from camera_to_base.sources import FrameReader, source_reason
 from camera_to_base.trust import DamageCheck
 import numpy as np
 from rclpy.node import Node
@@ -39,33 +41,37 @@ class TimedFeed:
     :param node: The node whose executor reads.
     :param source: What is read.
     :param on_frame: Called for each frame.
-    :param may_start: The first frame is not read before it tells True.
+    :param may_start: The first frame of a recording is not read before it tells True.
     :param on_end: Called once, when the recording has ended.
     """
 
-    reader = None
+    reader = reason = None
 
     def __init__(
         self,
         node: Node,
-        source: FrameSource,
+        source: NamedSource,
         on_frame: OnFrame,
         may_start: Callable[[], bool],
         on_end: Callable[[], None],
     ) -> None:
-        self._node, self._source = node, source
+        self._node, self._source = node, source.frames
+        self.name, self._kind = source.name, source.kind
         self._on_frame, self._may_start, self._on_end = on_frame, may_start, on_end
         self._timer = real_time_timer(node, _START_PERIOD_S, self._on_start_timer)
+
+    def configure(self, settings: CameraSettings) -> None:
+        """Go on as before: a recording has no settings."""
 
     def close(self) -> None:
         """Give the source back."""
         self._source.release()
 
     def _on_start_timer(self) -> None:
-        if self._may_start():
+        if not self._kind.ends or self._may_start():
             self._node.destroy_timer(self._timer)
             self._timer = real_time_timer(
-                self._node, 1 / self._source.frame_rate, self._on_timer)
+                self._node, 1 / self._kind.frame_rate, self._on_timer)
 
     def _on_timer(self) -> None:
         frame = self._source.read()
@@ -81,25 +87,35 @@ class CameraFeed:
     Takes the newest frame of a camera whenever there is one.
 
     :param node: The node whose executor takes them.
-    :param camera: See :class:`FrameReader`.
+    :param camera: What is read, see :class:`FrameReader`.
     :param on_frame: Called for each frame.
-    :param may_lag: See :class:`FrameReader`.
     :param wait: Whether a camera that is not there is waited for.
     :raises FrameSourceError: If it is not there, and not waited for.
     """
 
     def __init__(
-        self, node: Node, camera: FrameSource, on_frame: OnFrame, may_lag: bool, wait: bool
+        self, node: Node, camera: NamedSource, on_frame: OnFrame, wait: bool
     ) -> None:
         self._node, self._on_frame = node, on_frame
+        self.name, self._camera = camera.name, camera.frames
         new_frame = node.create_guard_condition(self._on_new_frame)
-        self.reader = FrameReader(camera, new_frame.trigger, DamageCheck().reason, may_lag)
+        self.reader = FrameReader(
+            camera.frames, new_frame.trigger, DamageCheck().reason, camera.kind.may_lag)
         try:
             if not wait:
                 self.reader.wait_for_first_attempt()
         except BaseException:
             self.close()
             raise
+
+    @property
+    def reason(self) -> Optional[Reason]:
+        """Why no good frame comes."""
+        return source_reason(self.reader, self.name)
+
+    def configure(self, settings: CameraSettings) -> None:
+        """Ask for another picture size when the camera is opened next."""
+        self._camera.image_size = settings.image_size
 
     def close(self) -> None:
         """End the reader, which gives the camera back."""

@@ -16,17 +16,21 @@
 
 from collections import Counter
 from contextlib import contextmanager
+from dataclasses import replace
+import sys
 from typing import Callable, Iterator, List, Optional
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.errors import CameraToBaseError, OutOfReachError
+from camera_to_base.errors import CameraToBaseError, OtherFrameError, OutOfReachError
+from camera_to_base.given_parameters import value_in_files
 from camera_to_base.nodes.process import run, whole_or_gone
+from camera_to_base.parameter_spec import ParameterSpec
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import (
     Diagnostics, Health, Heartbeat, NameCheck, NodeParameters, point_from_message,
     poses_from_message, position_from_message, PositionTopics, qos_mismatch)
 from camera_to_base.transform_parameters import (
-    transform_node_settings, TRANSFORM_SPECS, TransformSettings)
+    CAMERA_FRAME_SPEC, transform_node_settings, TRANSFORM_SPECS, TransformSettings)
 from geometry_msgs.msg import PointStamped, PoseArray
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -37,6 +41,8 @@ from std_msgs.msg import Float64MultiArray, Header
 # Every event of a subscription costs every message: see qos_mismatch.
 _NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 _POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
+# What the diagnostics count a dropped message as; anything else is no position.
+_DROPPED_AS = {OutOfReachError: 'out of reach', OtherFrameError: 'in another frame'}
 
 
 class RobotBasePublisher(Node):
@@ -45,9 +51,10 @@ class RobotBasePublisher(Node):
     def __init__(self, **node_options) -> None:
         super().__init__('robot_base_publisher', **node_options)
         with whole_or_gone(self):
+            cli_args = node_options.get('cli_args') or []
             self._node_parameters = NodeParameters(
-                self, TRANSFORM_SPECS, transform_node_settings,
-                cli_args=node_options.get('cli_args'))
+                self, self._specs([*sys.argv, *cli_args]), transform_node_settings,
+                cli_args=cli_args)
             self._received_count = self._published_count = 0
             self._dropped: Counter = Counter()
             self._dropped_before = 0
@@ -66,12 +73,19 @@ class RobotBasePublisher(Node):
 
     @property
     def dropped_count(self) -> int:
-        """How many positions were none, or out of reach, and were dropped."""
+        """How many positions were none, out of reach or in another frame, and were dropped."""
         return sum(self._dropped.values())
 
     @property
     def _settings(self) -> TransformSettings:
         return self._node_parameters.current
+
+    def _specs(self, arguments: List[str]) -> List[ParameterSpec]:
+        # A file may name the camera frame for the camera node alone.
+        camera = f'{self.get_namespace().rstrip("/")}/camera_publisher'
+        named = value_in_files(arguments, camera, CAMERA_FRAME_SPEC.name)
+        own = replace(CAMERA_FRAME_SPEC, default=named) if named else CAMERA_FRAME_SPEC
+        return [own if spec is CAMERA_FRAME_SPEC else spec for spec in TRANSFORM_SPECS]
 
     def _subscribe(self, message_type: type, topic: str, callback: Callable) -> Subscription:
         return self.create_subscription(
@@ -86,12 +100,14 @@ class RobotBasePublisher(Node):
 
     def _on_point(self, message: PointStamped) -> None:
         with self._dropping_what_is_wrong(f'{_POSITION}/point'):
+            self._settings.check_frame(message.header.frame_id)
             point = self._settings.base_point(*point_from_message(message))
             self._topics.publish_point(self._header(message.header), *point)
             self._published_count += 1
 
     def _on_objects(self, message: PoseArray) -> None:
         with self._dropping_what_is_wrong(_OBJECTS):
+            self._settings.check_frame(message.header.frame_id)
             camera_poses = poses_from_message(message)
             base_poses = self._within_reach(camera_poses)
             # An empty array says that the surface is empty.
@@ -121,8 +137,7 @@ class RobotBasePublisher(Node):
             self._drop(topic, error)
 
     def _drop(self, topic: str, error: CameraToBaseError) -> None:
-        out_of_reach = isinstance(error, OutOfReachError)
-        self._dropped['out of reach' if out_of_reach else 'no position'] += 1
+        self._dropped[_DROPPED_AS.get(type(error), 'no position')] += 1
         self.get_logger().warning(
             f'dropped a position on the topic {topic}: {error} '
             f'({self.dropped_count} dropped so far)', throttle_duration_sec=5.0)
@@ -141,7 +156,7 @@ class RobotBasePublisher(Node):
         if newly:
             return Reason('positions_dropped', Level.WARN, (
                 f'{newly} position(s) dropped in the last second: see who else publishes on '
-                f'{_POSITION}, and check reach_cm'))
+                f'{_POSITION}, and check reach_cm and camera_frame_id'))
         mismatch = qos_mismatch(self, self._inputs)
         if mismatch is not None:
             self.get_logger().warning(mismatch, once=True)

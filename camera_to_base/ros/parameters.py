@@ -42,6 +42,8 @@ class NodeParameters(Generic[T]):
     :param others: Names of the parameters that other nodes take from the same files; None where
         they are not known.
     :param cli_args: The node's own command line, beside the process's.
+    `left_out` says in a sentence each what was given in vain at the start, see `given_warnings`.
+
     :raises CameraToBaseError: If the values at start cannot be used.
     :raises rclpy.exceptions.ParameterException: If ROS refuses one.
     """
@@ -65,7 +67,9 @@ class NodeParameters(Generic[T]):
         for spec in specs:
             _declare(node, spec, self._values[spec.name])
         self.current: T = build(self._values)
-        self._warn_of_what_is_left_out([*sys.argv, *(cli_args or ())], others)
+        self.left_out: List[str] = self._left_out([*sys.argv, *(cli_args or ())], others)
+        for warning in self.left_out:
+            node.get_logger().warning(warning)
         self._next: Tuple[Dict[str, Any], T] = self._values, self.current
         node.add_pre_set_parameters_callback(self._convert)
         node.add_on_set_parameters_callback(self._check)
@@ -77,16 +81,15 @@ class NodeParameters(Generic[T]):
             self._node.get_logger().warning(warning)
         return renamed
 
-    def _warn_of_what_is_left_out(
+    def _left_out(
         self, arguments: List[str], others: Optional[Collection[str]]
-    ) -> None:
+    ) -> List[str]:
         # rclpy has no public way to ask for what was given.
         given = getattr(self._node, '_parameter_overrides', {})
         old_names = set(all_names(self._specs.values())) - set(self._specs)
-        for warning in given_warnings(
-                self._node.get_fully_qualified_name(), set(given) - old_names, arguments,
-                self._specs, others):
-            self._node.get_logger().warning(warning)
+        return given_warnings(
+            self._node.get_fully_qualified_name(), set(given) - old_names, arguments,
+            self._specs, others)
 
     def _convert(self, parameters: List[Parameter]) -> List[Parameter]:
         by_name = self._with_new_names({parameter.name: parameter for parameter in parameters})

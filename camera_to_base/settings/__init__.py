@@ -22,10 +22,10 @@ Callers: `nodes`, `commands`, `launching` and the tools that write documentation
 """
 
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS, CameraSettings
-from camera_to_base.settings.named_source import open_named_source, TOPIC_SOURCES
+from camera_to_base.settings.named_source import NamedSource, open_named_source
 from camera_to_base.settings.node_settings import NodeSettings, read_node_settings
 
 __all__ = [
-    'camera_settings', 'CAMERA_SPECS', 'CameraSettings', 'NodeSettings', 'open_named_source',
-    'read_node_settings', 'TOPIC_SOURCES',
+    'camera_settings', 'CAMERA_SPECS', 'CameraSettings', 'NamedSource', 'NodeSettings',
+    'open_named_source', 'read_node_settings',
 ]

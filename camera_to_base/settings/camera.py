@@ -15,24 +15,30 @@
 """The parameters of `camera_publisher`, and the settings that they make."""
 
 from dataclasses import dataclass
-from typing import Optional
+from typing import List, Optional
 
 from camera_to_base.checks import frame_id
 from camera_to_base.detection import BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings
-from camera_to_base.drawing import (
-    base_label, camera_label, check_background_path, check_picture_path, Label)
+from camera_to_base.drawing import base_label, camera_label, check_background_path, Label
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.parameter_spec import grouped, ParameterSpec, Values
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
-from camera_to_base.transform_parameters import PLACEMENT_SPECS, transform_settings
+from camera_to_base.transform_parameters import (
+    CAMERA_FRAME_SPEC, PLACEMENT_SPECS, transform_settings)
 from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits
 
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """All that `camera_publisher` takes from its parameters."""
+    """
+    All that `camera_publisher` takes from its parameters.
+
+    :param is_configured: Whether any number is another than the tutorial's, so that an arm may
+        follow what is published.
+    :param is_calibrated: Whether the surface is another than the tutorial's.
+    """
 
     source: str
     period: float
@@ -49,14 +55,29 @@ class CameraSettings:
     hull: Optional[Hull]
     simulated: SimulationSettings
     debug_label: Label
+    is_configured: bool
+    is_calibrated: bool
+
+    @property
+    def warnings(self) -> List[str]:
+        """Sentences on parameters that were set, but have no effect."""
+        warnings = [f'detector.{name} has no effect with detector.method {self.detector.method}'
+                    for name in self.detector.without_effect]
+        warnings += [f'{name} has no effect any more: each frame is checked'
+                     for name in self.limits.without_effect]
+        if self.annotated_picture:
+            warnings.append('annotated_picture has no effect any more, and will be removed: look '
+                            'at the topic debug_image, or save it')
+        return warnings
 
 
 # What is the node's own; the parts' parameters stand in their rooms.
 _SOURCE_SPECS = [
     ParameterSpec(
         'source', 'auto',
-        'Where frames come from: auto (the first attached camera, or random pixels where none '
-        "is attached), random, a device index or path, a video file, a stream's URL, topic (a "
+        'Where frames come from: auto (the first attached camera; where none is attached, random '
+        'pixels with the default parameters, and a camera is waited for with others), random, '
+        "a device index or path, a video file, a stream's URL, topic (a "
         "camera driver's image), compressed_topic (its image/compressed), or simulated.",
         fixed=True),
     ParameterSpec('period', 3.0, 'Time between two random pixels.', (0.001, 3600), unit='s'),
@@ -76,13 +97,10 @@ _FILE_SPECS = [
         'at the start, if it is there. Cameras and topics only; empty for none.', fixed=True),
     ParameterSpec(
         'annotated_picture', '',
-        'A file (.png or .jpg) that is kept up to date with the frame of the largest object so '
-        'far, its box, centre and position drawn; empty for none.', fixed=True),
+        'Deprecated, without effect: look at the topic debug_image.', fixed=True),
 ]
 _OUTPUT_SPECS = [
-    ParameterSpec('camera_frame_id', 'camera_surface',
-                  "The stamped topics' name for the camera frame, which lies on the surface.",
-                  constraints='a frame name without a leading /'),
+    CAMERA_FRAME_SPEC,
     ParameterSpec('debug_image.coordinates', 'camera',
                   'In which frame the debug image tells where objects are: camera, or base, by '
                   'rotation_deg and displacement_cm.', choices=('camera', 'base')),
@@ -90,6 +108,13 @@ _OUTPUT_SPECS = [
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
     *PLACEMENT_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS]
+
+
+# Whoever sets only these has set up neither a camera nor a robot.
+_NOT_OF_A_SETUP = (
+    'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'background_file',
+    'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
+_NOT_OF_A_CALIBRATION = ('surface.image_size', 'surface.reject_outside_hull')
 
 
 def camera_settings(values: Values) -> CameraSettings:
@@ -102,8 +127,6 @@ def camera_settings(values: Values) -> CameraSettings:
     if not values['source']:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
     hull = make_hull(values)
-    if values['annotated_picture']:
-        check_picture_path(values['annotated_picture'])
     return CameraSettings(
         source=values['source'],
         period=values['period'],
@@ -121,7 +144,14 @@ def camera_settings(values: Values) -> CameraSettings:
         surface=make_surface(values),
         hull=hull,
         simulated=simulation_settings(**grouped(values, 'simulated.')),
-        debug_label=_debug_label(values))
+        debug_label=_debug_label(values),
+        is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
+        is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
+                          for name in _other_than_default(values)))
+
+
+def _other_than_default(values: Values) -> List[str]:
+    return [spec.name for spec in CAMERA_SPECS if values[spec.name] != spec.default]
 
 
 def _debug_label(values: Values) -> Label:

@@ -14,30 +14,50 @@
 
 """Opens what the parameter source names."""
 
-from typing import Optional
+from typing import NamedTuple, Optional
 
 from camera_to_base.settings.camera import CameraSettings
-from camera_to_base.sources import Camera, first_camera, FrameSource, is_camera, open_frame_source
+from camera_to_base.sources import (
+    AUTO, Camera, COMPRESSED_TOPIC, DEVICE, first_camera, FirstCamera, FrameSource, kind_of,
+    open_frame_source, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC)
 
-TOPIC_SOURCES = ('topic', 'compressed_topic')
+
+class NamedSource(NamedTuple):
+    """
+    What a name stands for.
+
+    :param name: What to call it; of auto, the device that was found.
+    :param frames: None where the node itself makes the input: topics, and random pixels.
+    """
+
+    name: str
+    kind: SourceKind
+    frames: Optional[FrameSource] = None
 
 
-def open_named_source(settings: CameraSettings) -> Optional[FrameSource]:
+def open_named_source(settings: CameraSettings, may_be_random: bool) -> NamedSource:
     """
     Open what a camera node's parameter source names.
 
     A camera that is named is opened by its first read.
 
-    :returns: None where no frame is read: for topics, and where pixels are random.
+    :param may_be_random: Whether auto stands for random pixels where no camera is attached;
+        otherwise a camera is waited for.
     :raises FrameSourceError: If it names a file that holds no video.
     """
-    name, image_size = settings.source, settings.image_size
-    if name == 'simulated':
-        return settings.simulated.board(image_size)
-    if name == 'auto':
-        return first_camera(image_size)
-    if name in ('random', *TOPIC_SOURCES):
-        return None
-    if is_camera(name):
-        return Camera(name, image_size, open_now=False)
-    return open_frame_source(name)
+    name, kind = settings.source, kind_of(settings.source)
+    if kind == AUTO:
+        camera = first_camera(settings.image_size)
+        if camera is None and may_be_random:
+            return NamedSource(name, RANDOM)
+        frames = camera or FirstCamera(settings.image_size)
+        return NamedSource(frames.name, frames.kind, frames)
+    if kind in (RANDOM, TOPIC, COMPRESSED_TOPIC):
+        return NamedSource(name, kind)
+    if kind == SIMULATED:
+        frames = settings.simulated.board(settings.image_size)
+    elif kind in (DEVICE, STREAM):
+        frames = Camera(name, settings.image_size, open_now=False)
+    else:
+        frames = open_frame_source(name)
+    return NamedSource(name, frames.kind, frames)

@@ -24,6 +24,7 @@ from camera_to_base.simulation.disturbances import BoardDisturbances
 from camera_to_base.simulation.drawing import draw_oval, draw_table
 from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
 from camera_to_base.simulation.view import BoardView, Oval
+from camera_to_base.sources import SIMULATED
 import numpy as np
 
 # One round of the path takes this long; 2 and 3 rounds in x and y make a closed figure.
@@ -82,6 +83,7 @@ class SimulatedBoard:
         self._conditions = BoardConditions(**conditions)
         self._seed = seed
         self.frame_rate = frame_rate
+        self.kind = SIMULATED._replace(frame_rate=frame_rate)
         self._disturbances = BoardDisturbances(image_size, self._conditions, self._seed)
         self._table = draw_table(self._view, self._conditions, self._seed)
         self._frame_count = 0

@@ -19,6 +19,7 @@ from camera_to_base.checks import finite_number, whole_number
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.simulation.view import BoardView
+from camera_to_base.sources import SIMULATED
 import numpy as np
 
 _TABLE_COLOUR = np.array([196.0, 202.0, 208.0])
@@ -42,7 +43,7 @@ class SimulatedChessboard:
     :raises InvalidValueError: If a value cannot be used.
     """
 
-    frame_rate = 10.0
+    kind = SIMULATED._replace(frame_rate=10.0)
 
     def __init__(
         self,

@@ -21,22 +21,27 @@ each with the time at which it was taken, and what is known about a source that 
 Callers: `drawing`, `calibration` and the rooms below them. Nothing here detects or judges objects.
 """
 
-from camera_to_base.sources.bag_file import BagFile, is_bag
-from camera_to_base.sources.cameras import Camera, first_camera, is_camera, is_stream
+from camera_to_base.sources.bag_file import BagFile
+from camera_to_base.sources.cameras import Camera, first_camera, FirstCamera
 from camera_to_base.sources.decoding import (
     decode_compressed, frame_from_compressed_message, frame_from_image_message)
 from camera_to_base.sources.reader import FrameReader, is_reader_hanging
 from camera_to_base.sources.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
 from camera_to_base.sources.silence_limit import SilenceLimit
+from camera_to_base.sources.source_kind import (
+    AUTO, BAG, COMPRESSED_TOPIC, DEVICE, kind_of, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC,
+    VIDEO_FILE)
 from camera_to_base.sources.source_reasons import source_reason
+from camera_to_base.sources.stamp_check import stamp_reason
 from camera_to_base.sources.still_picture import median_frame, read_picture
 from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
 
 __all__ = [
-    'BagFile', 'Camera', 'decode_compressed', 'first_camera', 'frame_from_compressed_message',
-    'frame_from_image_message', 'FrameReader', 'FrameSource', 'is_bag', 'is_camera',
-    'is_reader_hanging', 'is_stream', 'LiveRecording', 'LOST_AFTER_S', 'median_frame',
-    'open_frame_source', 'PlayedRecording', 'read_picture', 'ReaderState', 'ReaderStatus',
-    'Recording', 'SilenceLimit', 'source_reason', 'TimedFrame', 'VideoFile',
+    'AUTO', 'BAG', 'BagFile', 'Camera', 'COMPRESSED_TOPIC', 'decode_compressed', 'DEVICE',
+    'first_camera', 'FirstCamera', 'frame_from_compressed_message', 'frame_from_image_message',
+    'FrameReader', 'FrameSource', 'is_reader_hanging', 'kind_of', 'LiveRecording', 'LOST_AFTER_S',
+    'median_frame', 'open_frame_source', 'PlayedRecording', 'RANDOM', 'read_picture',
+    'ReaderState', 'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason',
+    'SourceKind', 'stamp_reason', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

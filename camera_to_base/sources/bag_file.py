@@ -16,22 +16,16 @@
 
 from contextlib import contextmanager
 from functools import partial
-import os
 from pathlib import Path
 from typing import Any, Iterator, List, Optional
 
 from camera_to_base.errors import FrameSourceError, InvalidValueError
 from camera_to_base.sources.decoding import frame_from_compressed_message, frame_from_image_message
 from camera_to_base.sources.recording import TimedFrame
+from camera_to_base.sources.source_kind import BAG
 
 _DECODERS = {'sensor_msgs/msg/Image': frame_from_image_message,
              'sensor_msgs/msg/CompressedImage': frame_from_compressed_message}
-
-
-def is_bag(name: str) -> bool:
-    """Tell whether a source's name is that of a bag: a folder, or a file of one."""
-    path = os.path.expanduser(name)
-    return os.path.isdir(path) or path.endswith(('.mcap', '.db3'))
 
 
 class BagFile:
@@ -44,8 +38,6 @@ class BagFile:
     :raises InvalidValueError: If there is no such topic, or several without one being named.
     """
 
-    is_live = False
-
     def __init__(self, name: str, topic: Optional[str] = None) -> None:
         self._name = name
         with self._naming_the_bag():
@@ -57,7 +49,8 @@ class BagFile:
             self.release()
             raise
         self.frame_count = sum(connection.msgcount for connection in self._connections)
-        self.frame_rate = self.frame_count / max(self._reader.duration / 1e9, 1e-3)
+        self.kind = BAG._replace(
+            frame_rate=self.frame_count / max(self._reader.duration / 1e9, 1e-3))
 
     def frames(self) -> Iterator[TimedFrame]:
         """Read one frame after another, see :meth:`Recording.frames`."""

@@ -23,6 +23,7 @@ from typing import Optional
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.sources.capture import open_device, open_stream
+from camera_to_base.sources.source_kind import AUTO, DEVICE, kind_of, STREAM
 import cv2
 import numpy as np
 
@@ -41,12 +42,11 @@ class Camera:
     :raises FrameSourceError: If it cannot be opened.
     """
 
-    frame_rate = 0.0
-
     def __init__(
         self, name: str, image_size: ImageSize = DEFAULT_IMAGE_SIZE, open_now: bool = True
     ) -> None:
         self.name = name
+        self.kind = kind_of(name)
         self.image_size = image_size
         self._capture = self._open_capture() if open_now else None
 
@@ -75,27 +75,17 @@ class Camera:
             self._capture = None
 
     def _open_capture(self) -> cv2.VideoCapture:
-        if is_stream(self.name):
+        if self.kind == STREAM:
             capture = open_stream(self.name)
         else:
             capture = open_device(_device_index(self.name))
         if capture is None:
             raise FrameSourceError(
                 f"cannot open camera '{self.name}': is it plugged in, reachable, and free?")
-        if not is_stream(self.name):
+        if self.kind != STREAM:
             capture.set(cv2.CAP_PROP_FRAME_WIDTH, self.image_size[0])
             capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self.image_size[1])
         return capture
-
-
-def is_stream(name: str) -> bool:
-    """Tell whether a source's name is a URL."""
-    return '://' in name
-
-
-def is_camera(name: str) -> bool:
-    """Tell whether a source's name is that of a camera: an index, a device path or a URL."""
-    return name.isdecimal() or name.startswith('/dev/') or is_stream(name)
 
 
 def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]:
@@ -118,6 +108,41 @@ def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]
         except FrameSourceError:
             camera.release()
     return None
+
+
+class FirstCamera:
+    """
+    The first attached camera, sought by each read while there is none.
+
+    :param image_size: The picture size to ask for, in px; can be changed at any time.
+    """
+
+    kind = DEVICE
+    name = AUTO.form
+
+    def __init__(self, image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> None:
+        self.image_size = image_size
+        self._camera: Optional[Camera] = None
+
+    def read(self) -> np.ndarray:
+        """Wait for the next frame, see :meth:`Camera.read`."""
+        if self._camera is None:
+            self._camera = first_camera(self.image_size)
+        if self._camera is None:
+            raise FrameSourceError(
+                'no camera is attached: plug one in, or name a camera or a file with the '
+                'parameter source (random for random pixels)')
+        try:
+            return self._camera.read()
+        except FrameSourceError:
+            self._camera = None
+            raise
+
+    def release(self) -> None:
+        """Give the device back."""
+        if self._camera is not None:
+            self._camera.release()
+            self._camera = None
 
 
 def _device_number(path: str) -> float:

@@ -18,15 +18,16 @@ from collections import deque
 from statistics import median
 from typing import Deque, Optional
 
-# A frame that could be read faster than this was there already.
+# A frame that could be read faster than this was there already, unless the camera is faster yet.
 _WAITED_S = 0.006
 # Where other programs want the processor, reading what was there takes long, too: a frame that was
 # waited for comes no sooner than this share of the usual interval after the one before.
 _WAITED_INTERVALS = 0.5
 # How long a reader may go without waiting before what it reads counts as old.
 _LONGEST_RUSH_S = 0.2
-# A rush that lasts longer is a camera that has become faster.
+# A rush that lasts longer is a camera that has become faster: no buffer holds as much.
 _NEW_RATE_S = 2.0
+_RUSH_WAITS = 32
 _STALL_S = 0.25
 _STALL_INTERVALS = 2.5
 
@@ -49,6 +50,8 @@ class Freshness:
     def restart(self) -> None:
         """Trust nothing yet: the stream was opened anew."""
         self._waits_needed = 2
+        self._waited_s = _WAITED_S
+        self._rush_waits: Deque[float] = deque(maxlen=_RUSH_WAITS)
         self._waited_at = 0.0
         self._rushing_since: Optional[float] = None
         self._ended_at: Optional[float] = None
@@ -65,18 +68,20 @@ class Freshness:
         usual = median(self._intervals) if self._intervals else 0.0
         if interval > max(_STALL_S, _STALL_INTERVALS * usual):
             self._waits_needed = 2
-        elif ended_at - begun_at >= _WAITED_S and interval >= _WAITED_INTERVALS * usual:
+        elif ended_at - begun_at >= self._waited_s and interval >= _WAITED_INTERVALS * usual:
             self._waits_needed = max(0, self._waits_needed - 1)
             self._waited_at, self._rushing_since = ended_at, None
         elif self._waits_needed or ended_at - self._waited_at > _LONGEST_RUSH_S:
-            self._rush(ended_at)
+            self._rush(ended_at, ended_at - begun_at)
             return False
         self._intervals.append(interval)
         return self._waits_needed == 0
 
-    def _rush(self, now: float) -> None:
+    def _rush(self, now: float, waited_s: float) -> None:
         # The intervals of a rush are not the camera's.
         self._waits_needed = 2
         self._rushing_since = self._rushing_since or now
+        self._rush_waits.append(waited_s)
         if now - self._rushing_since > _NEW_RATE_S:
             self._intervals.clear()
+            self._waited_s = min(_WAITED_S, _WAITED_INTERVALS * median(self._rush_waits))

@@ -20,8 +20,12 @@ import itertools
 import time
 from typing import Callable, Iterator, Optional, Protocol
 
+from camera_to_base.sources.source_kind import SourceKind
 from camera_to_base.sources.video_file import FrameSource
 import numpy as np
+
+# What nearly every camera gives; few tell.
+_USUAL_FRAME_RATE = 30.0
 
 
 @dataclass(frozen=True)
@@ -55,13 +59,12 @@ class Recording(Protocol):
     """
     What frames can be read from, once.
 
-    `frame_rate` is in Hz, as far as it is known; `frame_count` is None where nobody knows;
-    `is_live` where a camera takes the frames meanwhile, without an end.
+    `kind` tells what it is, with the frame rate that a video of it should have; `frame_count` is
+    None where nobody knows.
     """
 
-    frame_rate: float
+    kind: SourceKind
     frame_count: Optional[int]
-    is_live: bool
 
     def frames(self) -> Iterator[TimedFrame]:
         """
@@ -83,13 +86,11 @@ class PlayedRecording:
     :param last: Read no more than this many; None for all.
     """
 
-    is_live = False
-
     def __init__(
         self, source: FrameSource, frame_count: Optional[int], last: Optional[int] = None
     ) -> None:
         self._source, self._last = source, last
-        self.frame_rate, self.frame_count = source.frame_rate, frame_count
+        self.kind, self.frame_count = source.kind._replace(ends=True), frame_count
 
     def frames(self) -> Iterator[TimedFrame]:
         """Read one frame after another, see :meth:`Recording.frames`."""
@@ -97,7 +98,8 @@ class PlayedRecording:
             frame = self._source.read()
             if frame is None:
                 return
-            yield TimedFrame(number, round(number * 1e9 / self.frame_rate), lambda it=frame: it)
+            stamp_ns = round(number * 1e9 / self.kind.frame_rate)
+            yield TimedFrame(number, stamp_ns, lambda it=frame: it)
 
     def release(self) -> None:
         """Give the source back."""
@@ -111,13 +113,11 @@ class LiveRecording:
     :param camera: What to read.
     """
 
-    is_live = True
     frame_count = None
-    # What nearly every camera gives; few tell.
-    frame_rate = 30.0
 
     def __init__(self, camera: FrameSource) -> None:
         self._camera = camera
+        self.kind = camera.kind._replace(frame_rate=_USUAL_FRAME_RATE)
 
     def frames(self) -> Iterator[TimedFrame]:
         """Read one frame after another, see :meth:`Recording.frames`."""

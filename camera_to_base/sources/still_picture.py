@@ -76,8 +76,7 @@ def median_frame(source: FrameSource) -> np.ndarray:
     :returns: Shape (h, w, 3), uint8, BGR.
     :raises FrameSourceError: If the source gives no frame.
     """
-    is_camera = source.frame_rate == 0
-    for _ in range(WARM_UP_FRAMES if is_camera else 0):
+    for _ in range(WARM_UP_FRAMES if source.kind.is_live else 0):
         source.read()
     frames = [source.read() for _ in range(FRAMES)]
     frames = [frame for frame in frames if frame is not None]

@@ -19,8 +19,9 @@ from typing import Optional, Protocol
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
-from camera_to_base.sources.cameras import Camera, is_camera
+from camera_to_base.sources.cameras import Camera
 from camera_to_base.sources.capture import open_file
+from camera_to_base.sources.source_kind import kind_of, SourceKind, VIDEO_FILE
 import cv2
 import numpy as np
 
@@ -32,11 +33,10 @@ class FrameSource(Protocol):
     """
     Gives one frame after another.
 
-    `frame_rate` is how often a reader should come for one, in Hz; 0 where `read` itself waits
-    until the camera has one.
+    `kind` tells what it is. Where its frame rate is 0, `read` itself waits until there is one.
     """
 
-    frame_rate: float
+    kind: SourceKind
 
     def read(self) -> Optional[np.ndarray]:
         """
@@ -67,7 +67,8 @@ class VideoFile:
             raise FrameSourceError(
                 f"cannot open video '{path}': it is no video that OpenCV can read")
         rate = self._capture.get(cv2.CAP_PROP_FPS)
-        self.frame_rate = rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE
+        self.kind = VIDEO_FILE._replace(
+            frame_rate=rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE)
 
     @property
     def frame_count(self) -> Optional[int]:
@@ -93,6 +94,6 @@ def open_frame_source(name: str, image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> 
     :param image_size: The picture size to ask a device for, in px.
     :raises FrameSourceError: If it cannot be opened.
     """
-    if is_camera(name):
+    if kind_of(name).is_live:
         return Camera(name, image_size)
     return VideoFile(os.path.expanduser(name))

@@ -16,20 +16,22 @@
 Trust: whether the positions of a frame may be published.
 
 In: frames as they come. Out: one sighting for each frame, with its objects, or with the reason why
-none of them may be published. Checks for damage, a moved view, jumps and age; the pipeline asks
-them in order.
+none of them may be published. Checks for damage, a moved view, what reaches in from the edge,
+jumps and age; the pipeline asks them in order.
 
 Callers: `nodes` and `commands`. It imports numpy and OpenCV alone.
 """
 
+from camera_to_base.trust.arm_check import ArmCheck
 from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.limits import LIMIT_SPECS, Limits, make_limits
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
 from camera_to_base.trust.view_check import View, ViewCheck
+from camera_to_base.trust.view_watch import ViewWatch
 
 __all__ = [
-    'CameraPipeline', 'DamageCheck', 'LIMIT_SPECS', 'Limits', 'make_limits', 'PositionGate',
-    'Sighting', 'View', 'ViewCheck',
+    'ArmCheck', 'CameraPipeline', 'DamageCheck', 'LIMIT_SPECS', 'Limits', 'make_limits',
+    'PositionGate', 'Sighting', 'View', 'ViewCheck', 'ViewWatch',
 ]

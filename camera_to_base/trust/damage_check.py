@@ -15,7 +15,7 @@
 """Finds frames that were damaged on their way: OpenCV says True for most of these."""
 
 from collections import deque
-from typing import Optional
+from typing import Any, Optional
 
 from camera_to_base.detection import changed_blocks, mean_blocks
 from camera_to_base.reason import Level, Reason
@@ -43,8 +43,11 @@ _TAIL_COUNT = 16
 _LARGEST_SHARE, _LARGEST_BOTTOM_SHARE = 0.25, 0.5
 # What decoders make of blocks that they have no data for: grey, or the green of YUV 0, 0, 0.
 _CONCEALED = (128, 128, 128), (0, 135, 0)
-# A lower end that has one colour, in as many frames from the first on, is the surface's own.
-_USUAL_COUNT = 5
+# A lower end that has the same one colour in as many frames in a row is the surface's own:
+# overexposed, say. A camera that has shown more there before must prove it for longer.
+_USUAL_COUNT, _LATER_USUAL_COUNT = 5, 25
+# As different as an encoder makes such a colour.
+_SAME_COLOUR = 2
 # Below these grey levels nothing can be told from noise: the surface would look empty.
 _BLACK_LEVEL = 6
 
@@ -88,7 +91,9 @@ class DamageCheck:
         self._shape = frame.shape
         self._last = None
         self._tails = deque(maxlen=_TAIL_COUNT)
-        self._flat_tail_count: Optional[int] = 0  # None once a lower end had more colours
+        self._flat_tail_count, self._flat_tails_needed = 0, _USUAL_COUNT
+        self._flat_colour: Optional[np.ndarray] = None
+        self._usual_colour: Optional[np.ndarray] = None
         self._believed = self._doubted = None
 
     def _repetition(self, frame: np.ndarray) -> tuple:
@@ -104,12 +109,21 @@ class DamageCheck:
     def _has_lost_its_tail(self, frame: np.ndarray) -> bool:
         tail = frame[-_TAIL_ROWS:]
         if not _is_flat(tail):
-            self._flat_tail_count = None
+            self._flat_tail_count, self._flat_tails_needed = 0, _LATER_USUAL_COUNT
             return False
-        if self._flat_tail_count is None or _is_concealed(tail[0, 0]) or _is_flat(frame):
+        colour = tail[0, 0]
+        if _is_near(colour, _CONCEALED) or _is_flat(frame):
             return True
-        self._flat_tail_count += 1
-        return self._flat_tail_count < _USUAL_COUNT
+        if not _is_near(colour, self._usual_colour):
+            self._count_flat_tail(colour)
+        return not _is_near(colour, self._usual_colour)
+
+    def _count_flat_tail(self, colour: np.ndarray) -> None:
+        same = _is_near(colour, self._flat_colour)
+        self._flat_tail_count = self._flat_tail_count + 1 if same else 1
+        self._flat_colour = colour
+        if self._flat_tail_count >= self._flat_tails_needed:
+            self._usual_colour = colour
 
     def _unconfirmed_change(self, blocks: np.ndarray) -> Optional[Reason]:
         if (self._believed is None or not _differ(blocks, self._believed)
@@ -124,8 +138,12 @@ def _is_flat(rows: np.ndarray) -> bool:
     return bool((rows == rows[0, 0]).all())
 
 
-def _is_concealed(colour: np.ndarray) -> bool:
-    return bool((np.abs(np.subtract(_CONCEALED, colour, dtype=int)).max(axis=1) <= 2).any())
+def _is_near(colour: np.ndarray, others: Any) -> bool:
+    # Others: shape (3,) or (n, 3), or None for none.
+    if others is None:
+        return False
+    distances = np.abs(np.subtract(others, colour, dtype=int)).max(axis=-1)
+    return bool((distances <= _SAME_COLOUR).any())
 
 
 def _differ(blocks: np.ndarray, others: np.ndarray) -> bool:

@@ -33,6 +33,8 @@ class PositionGate:
     """
     Lets through what an arm may follow.
 
+    For live sources: the frames of others wait for their reader, and nothing damages them.
+
     :param max_age_s: The oldest frame of a live camera that a position may come from.
     :param jump_radius_px: See :class:`JumpFilter`.
     """
@@ -52,12 +54,11 @@ class PositionGate:
         Where the largest one is not confirmed none is; another is left out until it is. A reason
         that the sighting has already stays.
 
-        :param taken_at: When the frame was taken, by time.monotonic(); None where a frame waits
-            for its reader, as those of a file do: it is never too old, and nothing damages it.
+        :param taken_at: When the frame was taken, by time.monotonic(); None for just now.
         """
         if taken_at is None:
-            return seen
-        believed = self._believed(seen.objects)
+            taken_at = time.monotonic()
+        believed = self._believed(seen.objects, taken_at)
         reason = seen.reason or (
             _UNCONFIRMED if believed is None else self._age_reason(taken_at))
         if reason is not None:
@@ -75,9 +76,11 @@ class PositionGate:
             f'at most {self._max_age_s:g} s are allowed: use smaller pictures or a faster '
             'computer, or raise max_frame_age'), is_passing=True)
 
-    def _believed(self, objects: Sequence[LocatedObject]) -> Optional[List[LocatedObject]]:
+    def _believed(
+        self, objects: Sequence[LocatedObject], taken_at: float
+    ) -> Optional[List[LocatedObject]]:
         pixels = [found.detection.centre for found in objects]
-        believed = self._jumps.believed(pixels)
+        believed = self._jumps.believed(pixels, taken_at)
         confirmed = pixels[0] in believed if pixels else self._jumps.believes_empty()
         return [found for found, pixel in zip(objects, pixels)
                 if pixel in believed] if confirmed else None

@@ -15,9 +15,15 @@
 """Holds positions back that jump until a second frame agrees with them."""
 
 from collections import deque
+import math
 from typing import Iterable, List, Sequence
 
 from camera_to_base.detection import Pixel
+
+
+# A place where nothing was believed for longer is as good as any other: what shows there must be
+# confirmed. By the frames' own times.
+_MEMORY_S = 1.0
 
 
 class JumpFilter:
@@ -25,8 +31,8 @@ class JumpFilter:
     Believes positions that continue those before them.
 
     A damaged frame may show objects in wrong places, but two of them do not agree. A position is
-    believed near one that was believed or seen last, or where an object's last two lead to: an
-    object at any speed is held back for two frames at most.
+    believed near one that was believed within the last second or seen last, or where an object's
+    last two lead to: an object at any speed is held back for two frames at most.
 
     :param radius_px: How far counts as near, in px; 0 believes everything.
     """
@@ -35,18 +41,23 @@ class JumpFilter:
         self._radius_px = radius_px
         self._seen = deque(maxlen=2)
         self._believed: List[Pixel] = []
+        self._believed_at = -math.inf
 
-    def believed(self, pixels: Sequence[Pixel]) -> List[Pixel]:
+    def believed(self, pixels: Sequence[Pixel], taken_at: float) -> List[Pixel]:
         """
         Give those positions of a frame that can be believed.
 
         :param pixels: Those of all its objects, the largest first.
+        :param taken_at: When the frame was taken, in s of a clock that never jumps.
         """
+        if taken_at - self._believed_at > _MEMORY_S:
+            self._believed = []
         expected = list(self._expected())
         believed = [pixel for pixel in pixels if not self._radius_px or any(
             self._is_near(pixel, other) for other in expected)]
         self._seen.append(pixels)
-        self._believed = believed or self._believed
+        if believed:
+            self._believed, self._believed_at = believed, taken_at
         return believed
 
     def believes_empty(self) -> bool:

@@ -14,7 +14,7 @@
 
 """What a frame, a position and the view must keep to: the parameters, and their frozen values."""
 
-from typing import NamedTuple
+from typing import List, NamedTuple
 
 from camera_to_base.parameter_spec import default_values, ParameterSpec, Values
 
@@ -36,8 +36,8 @@ LIMIT_SPECS = [
         "Nor while more than this share of the surface's structure is covered or has changed.",
         (0, 1)),
     ParameterSpec(
-        'view.check_period', 2.0, 'Time between two checks of the view.', (0.01, 3600),
-        unit='s'),
+        'view.check_period', 2.0,
+        'Has no effect any more: the view of each frame is checked.', (0.01, 3600), unit='s'),
 ]
 _DEFAULTS = default_values(LIMIT_SPECS)
 
@@ -50,6 +50,12 @@ class Limits(NamedTuple):
     max_shift_px: float = _DEFAULTS['view.max_shift_px']
     max_changed_share: float = _DEFAULTS['view.max_changed_share']
     check_period_s: float = _DEFAULTS['view.check_period']
+
+    @property
+    def without_effect(self) -> List[str]:
+        """Names of parameters that were set, but have no effect any more."""
+        is_set = self.check_period_s != _DEFAULTS['view.check_period']
+        return ['view.check_period'] if is_set else []
 
     @property
     def for_recording(self) -> 'Limits':

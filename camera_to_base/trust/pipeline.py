@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""From frames to objects that an arm may follow: background, detection, view check, gate."""
+"""From frames to objects that an arm may follow: background, detection, checks, gate."""
 
 from collections import Counter
 import time
@@ -22,7 +22,9 @@ from camera_to_base.detection import (
     BackgroundTaker, check_frame, DetectorSettings, ObjectLocator)
 from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.reason import Level, Reason
+from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
+from camera_to_base.trust.arm_check import ArmCheck
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
@@ -39,6 +41,8 @@ class CameraPipeline:
     :param surface: Maps pixels to the work surface.
     :param detector: Which detector, and which objects count.
     :param background_frames: The first background is the median of this many frames.
+    :param kind: What gives the frames. Those of a live source are confirmed, and have an age; a
+        recording is shown as it is, whatever its view.
     """
 
     def __init__(
@@ -47,12 +51,15 @@ class CameraPipeline:
         detector: DetectorSettings = DetectorSettings(),
         limits: Limits = Limits(),
         background_frames: int = 1,
+        kind: SourceKind = SIMULATED,
     ) -> None:
+        self._kind = kind
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
         self._view: Optional[ViewWatch] = None
         self._held_back = HeldBack()
         self.counts: Counter = Counter()
-        self._surface, self._detector, self._limits = surface, detector, limits
+        self._surface, self._detector = surface, detector
+        self._limits = self._limits_here(limits)
         self._locator: Optional[ObjectLocator] = None
         self.capture_background(background_frames)
 
@@ -64,6 +71,7 @@ class CameraPipeline:
 
         What has not changed goes on as it is: no frame is held back because of it.
         """
+        limits = self._limits_here(limits)
         if (surface, detector) != (self._surface, self._detector):
             self._surface, self._detector = surface, detector
             self._locator = None
@@ -85,7 +93,7 @@ class CameraPipeline:
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: How long ago it was taken.
         """
-        self._use_background(background, age_s, is_restored=True)
+        self._use_background(background, age_s=age_s, is_restored=True)
 
     @property
     def background_age_s(self) -> float:
@@ -110,7 +118,8 @@ class CameraPipeline:
         """
         Find the objects on a frame.
 
-        :param taken_at: When a camera took it, by time.monotonic(); None for a file's frame.
+        :param taken_at: When a camera took it, by time.monotonic(); None for just now, and where
+            the source is not live.
         :returns: The objects, and the reason where they may not be published. A frame that cannot
             be used is such a reason, too: nothing that a frame has makes this raise.
         """
@@ -119,26 +128,37 @@ class CameraPipeline:
         self._held_back.note(sighting.warning)
         return sighting
 
+    def _limits_here(self, limits: Limits) -> Limits:
+        return limits.for_recording if self._kind.ends else limits
+
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
         # Each step asks the next check; the first reason that one gives holds.
         try:
             check_frame(frame)
-            reason = self._background_reason(frame, is_live=taken_at is not None)
+            reason = self._background_reason(frame)
             if reason is not None:
                 return Sighting([], reason)
             found = self._current_locator().find(frame)
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
-        seen = Sighting(found.objects, self._view.reason(frame), found.left_out)
-        return self._gate.judge(seen, taken_at)
+        reason = self._view.reason(frame)
+        if reason is None and self._leaves_out_cut_off():
+            found = self._arms.check(
+                frame, found, taken_at if self._kind.is_live else None, self._view.shift_px)
+        seen = Sighting(found.objects, reason, found.left_out)
+        return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
 
-    def _background_reason(self, frame: np.ndarray, is_live: bool) -> Optional[Reason]:
+    def _leaves_out_cut_off(self) -> bool:
+        # What reaches in from the edge is cut off, and counts where that counts.
+        return self._detector.method == 'precise' and not self._detector.publish_cut_off
+
+    def _background_reason(self, frame: np.ndarray) -> Optional[Reason]:
         if self._taker is None:
             return None
-        background = self._taker.add(frame, confirm=is_live)
+        background = self._taker.add(frame, confirm=self._kind.is_live)
         if background is None:
             return self._taker.reason
-        self._use_background(background)
+        self._use_background(background, witness=frame if self._kind.is_live else None)
         return None
 
     def _frame_reason(self, error: CameraToBaseError) -> Reason:
@@ -156,11 +176,13 @@ class CameraPipeline:
             self.counts[f'frames held back: {sighting.reason.kind}'] += 1
 
     def _use_background(
-        self, background: np.ndarray, age_s: float = 0.0, is_restored: bool = False
+        self, background: np.ndarray, witness: Optional[np.ndarray] = None,
+        age_s: float = 0.0, is_restored: bool = False,
     ) -> None:
         self.background, self.background_is_restored = background, is_restored
         self._background_taken_at = time.monotonic() - age_s
-        self._view = ViewWatch(background, self._limits, at_once=is_restored)
+        self._view = ViewWatch(background, self._limits, witness)
+        self._arms = ArmCheck(background)
         self._held_back = HeldBack()
         self._taker = self._locator = None
 

@@ -12,35 +12,55 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Asks every few seconds whether the view is still that of the background."""
+"""Asks of every frame whether its view is that of the background."""
 
-import time
 from typing import Optional
 
-from camera_to_base.reason import Reason
+from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.quick_look import Look, QuickLook
 from camera_to_base.trust.view_check import View, view_reason, ViewCheck
 import numpy as np
+
+# The look clears a frame where this share of the structure agrees, on a motion of this share of
+# view.max_shift_px: beyond, the look is not exact.
+_LEAST_SHARE, _LARGEST_MOTION = 0.35, 0.65
+# The full comparison counts where the look agrees with it to this share.
+_LEAST_SHARE_OF_FULL = 0.1
+# Where the full comparison finds no shift, less structure counts if it agrees on less motion, and
+# the less the more of the picture is as it was: share, share of view.max_shift_px, changed share.
+_LESS = ((0.2, 0.4, 1.0), (0.1, 0.23, 0.5))
 
 
 class ViewWatch:
     """
-    Compares frames with the background now and then, and keeps the answer in between.
+    Compares each frame with the background: a quick look first, all of it where that is not sure.
+
+    A frame is cleared where its shift was measured and is within the limit. On a surface without
+    structure nothing can be measured, nor along the lines of one that has nothing but parallel
+    lines: there frames are not held back.
 
     :param background: Shape (h, w, 3), uint8, BGR.
-    :param at_once: Whether the first frame is compared already.
+    :param witness: See :class:`QuickLook`.
     """
 
-    def __init__(self, background: np.ndarray, limits: Limits, at_once: bool = False) -> None:
+    def __init__(
+        self, background: np.ndarray, limits: Limits, witness: Optional[np.ndarray] = None
+    ) -> None:
         self.view: Optional[View] = None
+        self.full_count = 0
+        self._look = QuickLook(background, witness)
         self._check = ViewCheck(background)
         self._limits = limits
-        self._reason: Optional[Reason] = None
-        self._checked_at = -np.inf if at_once else time.monotonic()
+
+    @property
+    def shift_px(self) -> float:
+        """How far the view of the last frame had moved, as far as that is known, in px."""
+        return (self.view.shift_px or 0.0) if self.view is not None else 0.0
 
     def configure(self, limits: Limits) -> None:
         """Use other limits from the next frame on."""
-        self._limits, self._checked_at = limits, -np.inf
+        self._limits = limits
 
     def reason(self, frame: np.ndarray) -> Optional[Reason]:
         """
@@ -48,12 +68,46 @@ class ViewWatch:
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         """
+        if not self._limits.max_shift_px:
+            self.view = None
+            return None
+        look = self._look.look(frame)
+        if look is None:
+            self.view = View(None, 0.0, has_structure=False)
+            return None
+        if self._is_sure(look):
+            self.view = View(look.shift_px, 1 - look.share)
+            return None
+        return self._full_reason(frame, look)
+
+    def _is_sure(self, look: Look) -> bool:
         limits = self._limits
-        if not limits.max_shift_px:
-            self._reason = None
-        elif time.monotonic() - self._checked_at >= limits.check_period_s:
-            self.view = self._check.compare(frame)
-            self._checked_at = time.monotonic()
-            self._reason = view_reason(
-                self.view, limits.max_shift_px, limits.max_changed_share)
-        return self._reason
+        return (look.share >= max(_LEAST_SHARE, 1 - limits.max_changed_share)
+                and look.shift_px <= _LARGEST_MOTION * limits.max_shift_px)
+
+    def _full_reason(self, frame: np.ndarray, look: Look) -> Optional[Reason]:
+        limits = self._limits
+        self.full_count += 1
+        view = self._check.compare(frame)._replace(has_structure=True)
+        if not self._look.tells_all:
+            # The full comparison takes a step from line to line for none.
+            view = view._replace(shift_px=None)
+        self.view = view
+        reason = view_reason(view, limits.max_shift_px, limits.max_changed_share)
+        if reason is not None:
+            return reason
+        is_cleared = (look.share >= _LEAST_SHARE_OF_FULL if view.shift_px is not None
+                      else self._is_likely(look, view.changed_share))
+        return None if is_cleared else _unknown(look)
+
+    def _is_likely(self, look: Look, changed_share: float) -> bool:
+        return any(
+            look.share >= share and changed_share <= most_changed
+            and look.shift_px <= motion * self._limits.max_shift_px
+            for share, motion, most_changed in _LESS)
+
+
+def _unknown(look: Look) -> Reason:
+    return Reason('view_unknown', Level.WARN, (
+        f'whether the view has moved cannot be told, {look.share:.0%} of its structure is in '
+        'place: uncover the surface, or clear it and call ~/capture_background'), is_passing=True)

@@ -28,6 +28,7 @@ import termios
 
 from camera_to_base.commands import locate
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.sources import DEVICE
 import cv2
 import numpy as np
 import pytest
@@ -72,6 +73,8 @@ def rows(name='out.csv'):
 
 class FakeCamera:
     """Gives the disc's frames; then somebody presses Ctrl-C, or the camera is unplugged."""
+
+    kind = DEVICE
 
     def __init__(self, interrupts=True):
         self._frames = [disc_frame(None), *map(disc_frame, PATH)]

@@ -19,6 +19,7 @@ from camera_to_base.commands.sighting_counter import SightingCounter
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.settings.node_settings import read_node_settings
 from camera_to_base.sources.recording import TimedFrame
+from camera_to_base.sources.source_kind import DEVICE, VIDEO_FILE
 from camera_to_base.surface.models import HomographySurface
 import cv2
 import numpy as np
@@ -88,8 +89,8 @@ def test_recording_of_objects_beyond_the_horizon_only_is_an_error():
 
 
 def test_what_comes_too_late_holds_back_a_camera_and_not_a_recording():
-    for is_live, kind in ((True, 'too_late'), (False, None)):
-        counter = SightingCounter(AT_ONCE, is_live)
+    for source, kind in ((DEVICE, 'too_late'), (VIDEO_FILE, None)):
+        counter = SightingCounter(AT_ONCE, source)
         sightings = [counter.see(TimedFrame(0, 0, lambda: disc_frame(scene), taken_at=-100.0))
                      for scene in (None, (60, 60))]
         assert kind_of(sightings[1]) == kind and len(sightings[1].objects) == 1
@@ -99,9 +100,9 @@ def test_moved_view_holds_back_a_camera_and_not_a_recording():
     table = np.random.default_rng(1).integers(100, 200, (60, 80, 3)).astype(np.uint8)
     table = cv2.resize(table, (640, 480), interpolation=cv2.INTER_CUBIC)
     settings = replace(SETTINGS, limits=SETTINGS.limits._replace(check_period_s=0.01))
-    for is_live, kind in ((True, 'view_moved'), (False, None)):
-        counter = SightingCounter(settings, is_live)
-        seen(counter, lambda: table)
+    for source, kind in ((DEVICE, 'view_moved'), (VIDEO_FILE, None)):
+        counter = SightingCounter(settings, source)
+        seen(counter, *[lambda: table] * 2)
         end = time.monotonic() + 0.05
         while time.monotonic() < end:
             sighting, = seen(counter, lambda: np.roll(table, 20, axis=1))

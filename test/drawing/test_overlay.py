@@ -18,8 +18,7 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.absolute_difference import Box, Detection, Pixel
 from camera_to_base.detection.locator import LocatedObject, Point
 from camera_to_base.drawing.overlay import (
-    base_label, check_picture_path, draw_note, draw_objects, draw_pixel, object_mask,
-    write_picture)
+    base_label, check_picture_path, draw_note, draw_objects, object_mask, write_picture)
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
@@ -168,19 +167,11 @@ def test_frame_need_not_be_contiguous():
         draw_objects(grey_frame(), [located((200, 150, 60, 40))]))
 
 
-def test_pixel_without_a_frame_is_drawn_on_an_empty_picture(texts):
-    picture = draw_pixel((640, 480), Pixel(390, 275), Point(19.5, 13.75))
-    empty = picture[0, 0]
-    assert picture.shape == (480, 640, 3) and picture.dtype == np.uint8
-    assert (picture[275, 390] != empty).any()
-    assert (picture[300:] == empty).all() and (picture[:, :380] == empty).all()
-    assert [text for text, *_ in texts] == ['x 19.50, y 13.75 cm']
-
-
-def test_pixel_is_drawn_at_the_nearest_whole_one():
-    np.testing.assert_array_equal(
-        draw_pixel((64, 48), Pixel(30.6, 20.4), Point(1.0, 2.0)),
-        draw_pixel((64, 48), Pixel(31, 20), Point(1.0, 2.0)))
+def test_long_note_is_written_in_lines_that_fit(texts):
+    draw_note(grey_frame(), 'the view has moved by 7.2 px: ' + 'move the camera back, ' * 5)
+    assert len(texts) > 1 and texts[0][0].startswith('the view has moved')
+    assert all(x + width < 640 for _, x, _, width, _ in texts)
+    assert all(above[2] + above[4] <= below[2] for above, below in zip(texts, texts[1:]))
 
 
 def test_written_picture_is_read_back_as_it_was(tmp_path):

@@ -18,7 +18,7 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launching.arguments import (
     argument_warnings, check_frames, driver_parameters, Frames, frames, image_input, is_wanted,
-    kept_background, not_installed, transform_arguments)
+    kept_background, not_installed, plays_recording, recording_failure, transform_arguments)
 from camera_to_base.launching.cameras import Camera
 import numpy as np
 import pytest
@@ -168,3 +168,20 @@ def test_switch_is_true_or_false():
     ('launch-prefix', True, [])])
 def test_argument_that_launch_would_ignore_is_told(given, ours_alone, told):
     assert argument_warnings([given], ['source', 'namespace'], ours_alone) == told
+
+
+@pytest.mark.parametrize('source, is_recording', [
+    ('day.avi', True), ('day.mcap', True), ('auto', False), ('0', False), ('random', False),
+    ('/dev/video0', False), ('rtsp://cell/1', False), ('simulated', False)])
+def test_only_recordings_end_a_camera_node(camera, source, is_recording):
+    assert plays_recording(camera('{}', source=source)) is is_recording
+    in_file = camera(f"{{source: '{source}'}}")
+    assert plays_recording(in_file) is is_recording
+    assert not plays_recording(camera('{}', image_topic='day.avi'))
+
+
+@pytest.mark.parametrize('exit_code, is_final', [
+    (-6, True), (-11, True), (70, True), (-9, False), (-15, False), (0, False), (1, False)])
+def test_node_that_a_recording_kills_is_not_started_again(camera, exit_code, is_final):
+    assert bool(recording_failure(camera('{}', source='day.avi'), exit_code)) is is_final
+    assert not recording_failure(camera('{}', source='0'), exit_code)

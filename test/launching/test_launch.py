@@ -182,6 +182,8 @@ def test_camera_node_gets_the_file_the_source_and_the_frame(prefix):
     assert 'config/overhead_camera.yaml' in command
     text = Path(command.split()[-1]).read_text()
     assert "source: '0'" in text and 'camera_frame_id: cell_1/camera_surface' in text
+    transform = Path(command_of('robot_base_publisher', commands).split()[-1]).read_text()
+    assert 'camera_frame_id: cell_1/camera_surface' in transform
 
 
 def background_files(commands):
@@ -295,7 +297,22 @@ def test_driver_is_started_again_whatever_its_exit_code(prefix):
 @pytest.mark.slow
 def test_end_of_a_recording_ends_the_launch(prefix):
     prefix.add('camera_to_base', 'camera_publisher', script='exit 0')
-    assert len(started(3)) == 2
+    assert len(started(3, source='day.avi')) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('source', ['auto', '0', 'rtsp://cell/1', 'simulated'])
+def test_node_of_a_source_without_an_end_that_was_terminated_is_started_again(prefix, source):
+    prefix.add('camera_to_base', 'camera_publisher', script='exit 0')
+    assert sum('/camera_publisher ' in command for command in started(3, source=source)) == 2
+
+
+@pytest.mark.slow
+def test_node_that_its_recording_kills_ends_the_launch_with_an_error(prefix, log):
+    prefix.add('camera_to_base', 'camera_publisher', script='kill -ABRT $$')
+    code, commands = run_until(4, source='day.avi')
+    assert code == 1 and len(commands) == 2
+    assert "camera_publisher has died (signal 6) while it played 'day.avi'" in log.text
 
 
 @pytest.mark.slow

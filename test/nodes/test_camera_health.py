@@ -14,9 +14,11 @@
 
 import time
 
-from camera_to_base.nodes.camera_health import camera_values, current_reason, DetectionRate
+from camera_to_base.nodes.camera_health import camera_values, DetectionRate
 from camera_to_base.reason import Level
 from camera_to_base.sources.reader_status import ReaderStatus
+from camera_to_base.sources.source_kind import DEVICE, SIMULATED
+from camera_to_base.sources.source_reasons import source_reason
 from camera_to_base.surface.models import HomographySurface, ParallelSurface
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.pipeline import CameraPipeline
@@ -50,8 +52,8 @@ def size_complaint(surface, *frames):
     pipeline = CameraPipeline(surface)
     for frame in frames:
         pipeline.process(frame)
-    assert current_reason(None, pipeline, 'camera').kind == 'frame_size'
-    return current_reason(None, pipeline, 'camera').sentence
+    assert pipeline.reason.kind == 'frame_size'
+    return pipeline.reason.sentence
 
 
 def test_new_background_is_proposed_only_where_it_helps_against_another_picture_size():
@@ -69,11 +71,11 @@ FAR, NEAR = (250, 40), (160, 200)
 class Scene:
     """A pipeline that is shown frames, at times that pass as told."""
 
-    def __init__(self, monkeypatch, surface, **limits):
+    def __init__(self, monkeypatch, surface, kind=SIMULATED, **limits):
         self.now = 100.0
         monkeypatch.setattr(time, 'monotonic', lambda: self.now)
-        self._pipeline = CameraPipeline(surface, limits=Limits(**limits))
-        self.show(table())
+        self._pipeline = CameraPipeline(surface, limits=Limits(**limits), kind=kind)
+        self.show(*[table()] * (3 if kind.is_live else 1))
 
     def show(self, *frames, interval_s=0.1, age_s=None):
         for frame in frames:
@@ -82,7 +84,7 @@ class Scene:
 
     @property
     def reason(self):
-        return current_reason(None, self._pipeline, 'camera')
+        return self._pipeline.reason
 
 
 def test_objects_beyond_the_horizon_only_are_told_after_a_second(monkeypatch):
@@ -113,7 +115,7 @@ def test_pictures_of_a_slow_camera_that_are_all_beyond_the_horizon_are_told(monk
 
 
 def test_reasons_that_take_turns_are_told(monkeypatch):
-    scene = Scene(monkeypatch, ParallelSurface(36.0, 320), max_frame_age_s=0.3)
+    scene = Scene(monkeypatch, ParallelSurface(36.0, 320), DEVICE, max_frame_age_s=0.3)
     for number in range(30):
         # A jump is not confirmed; the same place again is, but too late.
         scene.show(table((60 + 20 * (number // 2 % 10), 100)), age_s=0.4 if number % 2 else 0.1)
@@ -123,20 +125,20 @@ def test_reasons_that_take_turns_are_told(monkeypatch):
 def test_stream_whose_frames_are_all_old_is_told_with_the_cure(monkeypatch):
     now = 100.0
     monkeypatch.setattr(time, 'monotonic', lambda: now)
-    reader, pipeline = ReaderStatus(), CameraPipeline(ParallelSurface(36.0, 320))
-    pipeline.process(table())
+    reader = ReaderStatus()
     for _ in range(50):
         now += 0.1
         reader._note_frame(now)
         reader._note_age(is_old=True)
-    assert current_reason(reader, pipeline, 'camera').level is Level.ERROR
-    assert 'lower its rate' in current_reason(reader, pipeline, 'camera').sentence
+    assert source_reason(reader, 'camera').kind == 'old_frames'
+    assert source_reason(reader, 'camera').level is Level.ERROR
+    assert 'lower its rate' in source_reason(reader, 'camera').sentence
     reader._note_age(is_old=False)
-    assert current_reason(reader, pipeline, 'camera') is None
+    assert source_reason(reader, 'camera') is None
 
 
 def test_detection_that_is_always_too_slow_is_told_with_the_cure(monkeypatch):
-    scene = Scene(monkeypatch, ParallelSurface(36.0, 320), max_frame_age_s=0.3)
+    scene = Scene(monkeypatch, ParallelSurface(36.0, 320), DEVICE, max_frame_age_s=0.3)
     scene.show(*[table(NEAR)] * 20, age_s=0.2)
     assert scene.reason is None
     scene.show(*[table(NEAR)] * 20, age_s=0.4)
@@ -146,7 +148,7 @@ def test_detection_that_is_always_too_slow_is_told_with_the_cure(monkeypatch):
 
 
 def test_objects_that_no_two_frames_show_alike_are_told_with_the_cure(monkeypatch):
-    scene = Scene(monkeypatch, ParallelSurface(36.0, 320))
+    scene = Scene(monkeypatch, ParallelSurface(36.0, 320), DEVICE)
     places = np.random.default_rng(2).integers((40, 40), (280, 200), (20, 2))
     scene.show(*[table((int(u), int(v))) for u, v in places], age_s=0.0)
     assert scene.reason.level is Level.WARN
@@ -164,14 +166,13 @@ def test_right_size_is_no_problem_any_more_though_nothing_is_on_the_surface(monk
 
 
 def test_background_that_cannot_be_taken_is_told_with_the_reason():
-    pipeline = CameraPipeline(ParallelSurface(36.0, 320))
-    assert current_reason(None, pipeline, '').sentence == (
+    pipeline = CameraPipeline(ParallelSurface(36.0, 320), kind=DEVICE)
+    assert pipeline.reason.sentence == (
         'taking the background: keep the surface clear')
     for _ in range(3):
         pipeline.process(np.full((240, 320, 3), 2, np.uint8), time.monotonic())
-    reason = current_reason(None, pipeline, '')
-    assert reason.kind == 'background_dark'
-    assert reason.sentence.startswith('taking the background: the picture is black')
+    assert pipeline.reason.kind == 'background_dark'
+    assert pipeline.reason.sentence.startswith('taking the background: the picture is black')
     assert camera_values(None, pipeline)['background'] == 'none'
 
 

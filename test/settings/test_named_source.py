@@ -17,28 +17,34 @@ from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.settings.named_source import open_named_source
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.sources.cameras import Camera
+from camera_to_base.sources.source_kind import DEVICE, RANDOM, SIMULATED
 from camera_to_base.sources.video_file import VideoFile
 from captures import Device, write_levels
 import cv2
 import pytest
 
 
-def open_source(name):
+def open_source(name, may_be_random=True):
     values = {spec.name: spec.default for spec in CAMERA_SPECS}
-    return open_named_source(camera_settings({**values, 'source': name}))
+    return open_named_source(camera_settings({**values, 'source': name}), may_be_random)
 
 
 @pytest.mark.parametrize('name', ['random', 'topic', 'compressed_topic'])
 def test_no_frame_is_read_for_random_pixels_and_topics(name):
-    assert open_source(name) is None
+    source = open_source(name)
+    assert source.frames is None and source.kind.form == name
 
 
 def test_simulated_is_the_simulated_board():
-    assert isinstance(open_source('simulated'), SimulatedBoard)
+    source = open_source('simulated')
+    assert isinstance(source.frames, SimulatedBoard)
+    assert source.kind == SIMULATED._replace(frame_rate=10.0)
 
 
 def test_file_is_opened_at_once(tmp_path):
-    assert isinstance(open_source(write_levels(str(tmp_path / 'levels.avi'))), VideoFile)
+    source = open_source(write_levels(str(tmp_path / 'levels.avi')))
+    assert isinstance(source.frames, VideoFile) and source.kind.ends
+    assert source.kind.frame_rate == pytest.approx(12.5)
 
 
 def test_file_that_does_not_exist_is_refused():
@@ -50,12 +56,26 @@ def test_file_that_does_not_exist_is_refused():
 def test_camera_is_opened_by_its_first_read(monkeypatch, name):
     monkeypatch.setattr(cv2, 'VideoCapture', Device)
     monkeypatch.setattr(Device, 'opened', [])
-    camera = open_source(name)
-    assert isinstance(camera, Camera) and not Device.opened
+    source = open_source(name)
+    camera = source.frames
+    assert isinstance(camera, Camera) and not Device.opened and source.kind == DEVICE
     camera.read()
     assert len(Device.opened) == 1
 
 
-def test_auto_is_no_source_where_no_camera_is_attached(monkeypatch):
+def test_auto_is_random_pixels_where_no_camera_is_attached(monkeypatch):
     monkeypatch.setattr('glob.glob', lambda pattern: [])
-    assert open_source('auto') is None
+    assert open_source('auto').kind == RANDOM
+
+
+def test_auto_waits_for_a_camera_where_pixels_may_not_be_random(monkeypatch):
+    monkeypatch.setattr('glob.glob', lambda pattern: [])
+    source = open_source('auto', may_be_random=False)
+    assert source.kind == DEVICE and source.name == 'auto'
+    for _ in range(2):
+        with pytest.raises(FrameSourceError, match='no camera is attached: plug one in'):
+            source.frames.read()
+    monkeypatch.setattr('glob.glob', lambda pattern: ['/dev/video7'])
+    monkeypatch.setattr(cv2, 'VideoCapture', Device)
+    assert source.frames.read() is not None
+    source.frames.release()

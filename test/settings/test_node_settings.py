@@ -94,12 +94,11 @@ def test_unknown_names_are_told_with_what_was_meant(read):
 
 
 def test_a_node_name_that_is_misspelt_is_told_and_that_of_another_node_is_not(read):
-    text = section('/**', 'period: 1') + section('camera_publsher', 'period: 2')
-    assert read(text).warnings == []
     text = section('camera_publsher', 'period: 2') + section('usb_cam', 'framerate: 3')
-    warning, = read(text).warnings
-    assert warning.endswith(
-        "has parameters for '/camera_publsher', and none for this node, '/camera_publisher'")
+    for everyone in ('', section('/**', 'period: 1')):
+        warning, = read(everyone + text).warnings
+        assert warning.endswith("has parameters for '/camera_publsher', and none for this node "
+                                "alone, '/camera_publisher'")
 
 
 def test_a_file_without_a_parameter_is_told(read):
@@ -111,3 +110,24 @@ def test_a_file_without_a_parameter_is_told(read):
 def test_files_of_this_package_are_read_without_a_warning(name):
     config = Path(__file__).parents[2] / 'config'
     assert read_node_settings(str(config / f'{name}.yaml')).warnings == []
+
+
+CONFIG = Path(__file__).parents[2] / 'config'
+
+
+@pytest.mark.parametrize('file, is_configured, is_calibrated', [
+    (None, False, False), ('overhead_camera.yaml', False, False),
+    ('tilted_camera.yaml', True, True), ('simulated_tilted_camera.yaml', True, True)])
+def test_the_tutorials_numbers_are_no_setup(file, is_configured, is_calibrated):
+    camera = read_node_settings(file and str(CONFIG / file)).camera
+    assert (camera.is_configured, camera.is_calibrated) == (is_configured, is_calibrated)
+
+
+@pytest.mark.parametrize('values, is_configured, is_calibrated', [
+    ('surface.parallel.width_cm: 36', False, False), ('period: 0.1', False, False),
+    ('surface.parallel.width_cm: 36.5', True, True), ('displacement_cm: [1, 2, 0]', True, False),
+    ('surface.image_size: [1280, 720]', True, False), ('detector.threshold: 60', True, False)])
+def test_other_numbers_are_a_setup_and_those_of_the_surface_a_calibration(
+        read, values, is_configured, is_calibrated):
+    camera = read(section('/**', values)).camera
+    assert (camera.is_configured, camera.is_calibrated) == (is_configured, is_calibrated)

@@ -20,7 +20,8 @@ import sys
 
 from camera_to_base.commands.locate import main
 from camera_to_base.errors import FrameSourceError, InvalidValueError
-from camera_to_base.sources.bag_file import BagFile, is_bag
+from camera_to_base.sources.bag_file import BagFile
+from camera_to_base.sources.source_kind import BAG, kind_of
 import cv2
 import numpy as np
 import pytest
@@ -83,8 +84,8 @@ def test_pictures_come_back_with_their_stamps(write_bag, storage, ending, kind):
     name = write_bag(storage=storage, topics=[('/camera', kind)])
     for source in (name, f'bag/bag.{ending}'):
         bag = BagFile(source)
-        assert is_bag(source) and bag.frame_count == 6
-        assert bag.frame_rate == pytest.approx(10, rel=0.25)
+        assert kind_of(source) == BAG and bag.frame_count == 6
+        assert bag.kind.frame_rate == pytest.approx(10, rel=0.25)
         for number, (found, position) in enumerate(zip(read(bag), PATH)):
             assert found[:2] == (number, BEGIN_NS + number * STEP_NS)
             np.testing.assert_array_equal(found[2], disc_frame(position))

@@ -16,7 +16,8 @@ import glob
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources import cameras
-from camera_to_base.sources.cameras import Camera, first_camera, is_camera, is_stream
+from camera_to_base.sources.cameras import Camera, first_camera
+from camera_to_base.sources.source_kind import STREAM
 from camera_to_base.sources.video_file import open_frame_source
 from captures import Device, LEVELS, read_levels, write_levels
 import cv2
@@ -61,7 +62,7 @@ def test_failure_leaves_opencvs_log_level_as_it_was(tmp_path, level):
 
 def test_stream_that_breaks_off_is_an_error_and_the_next_read_opens_it_anew(video):
     stream = open_frame_source(f'file://{video}')
-    assert isinstance(stream, Camera) and stream.frame_rate == 0
+    assert isinstance(stream, Camera) and stream.kind == STREAM
     assert read_levels(stream, len(LEVELS)) == pytest.approx(LEVELS, abs=3)
     with pytest.raises(FrameSourceError, match='gives no frame'):
         stream.read()
@@ -72,22 +73,6 @@ def test_camera_can_be_released_twice(video):
     stream = open_frame_source(f'file://{video}')
     stream.release()
     stream.release()
-
-
-@pytest.mark.parametrize('name', ['http://camera.local/video', 'rtsp://10.0.0.7:554/main'])
-def test_url_is_a_stream_and_a_camera(name):
-    assert is_stream(name) and is_camera(name)
-
-
-@pytest.mark.parametrize('name', ['0', '12', '/dev/video0', '/dev/v4l/by-id/usb-camera-index0'])
-def test_index_and_device_path_are_cameras_but_no_streams(name):
-    assert is_camera(name) and not is_stream(name)
-
-
-@pytest.mark.parametrize('name', ['road.avi', '/data/dev/video0', 'dev/video0', '0.avi', '-1',
-                                  '', 'C:/road.avi'])
-def test_other_names_are_no_cameras(name):
-    assert not is_camera(name) and not is_stream(name)
 
 
 def test_device_is_opened_by_its_number(devices):

@@ -30,6 +30,19 @@ def test_steady_camera_is_fresh_after_a_few_frames(rate):
     assert all(judge(Freshness(), [1 / rate] * 40)[3:])
 
 
+@pytest.mark.parametrize('rate', [165, 170, 200, 300, 500, 1000])
+def test_camera_of_any_rate_is_fresh_after_3_s(rate):
+    fresh = judge(Freshness(), [1 / rate] * 10 * rate)
+    assert all(fresh[3 * rate:])
+
+
+def test_what_a_fast_stream_gathered_in_a_stall_is_old():
+    freshness = Freshness()
+    assert judge(freshness, [0.005] * 1000)[-1]
+    later = judge(freshness, [2.0] + [0.0005] * 400 + [0.005] * 40, now=105.0)
+    assert not any(later[:401]) and later[-1]
+
+
 def test_frames_that_were_gathered_while_a_stream_was_opened_are_old():
     # Measured: an RTSP stream at 20 Hz, 21 frames gathered, one of them slow to decode.
     waits = [0.004, 0.001, 0.001, 0.004, 0.004, 0.023] + [0.001] * 15

@@ -56,8 +56,6 @@ with server_class(scenes.coin()) as server:
 class Numbers:
     """A camera whose frames are numbered; what it is told to do in their place it does."""
 
-    frame_rate = 0.0
-
     def __init__(self, *instead, wait=0.01):
         self._instead = list(instead)
         self._wait = wait

@@ -16,6 +16,7 @@ import itertools
 
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, TimedFrame
+from camera_to_base.sources.source_kind import DEVICE
 from camera_to_base.sources.video_file import VideoFile
 import numpy as np
 from recordings import disc_frame, write_video
@@ -26,7 +27,7 @@ def test_frames_of_a_video_have_their_numbers_and_times(tmp_path):
     recording = PlayedRecording(source, source.frame_count)
     frames = list(recording.frames())
     recording.release()
-    assert recording.frame_count == 3 and not recording.is_live
+    assert recording.frame_count == 3 and recording.kind.ends
     assert [(timed.number, timed.stamp_ns, timed.taken_at) for timed in frames] == [
         (0, 0, None), (1, 40_000_000, None), (2, 80_000_000, None)]
     for timed, position in zip(frames, [None, (60, 60), (90, 90)]):
@@ -41,12 +42,14 @@ def test_of_a_source_without_an_end_only_so_many_frames_are_read():
 
 def test_frames_of_a_camera_have_the_time_of_day_and_their_age():
     class Camera:
+        kind = DEVICE
+
         def read(self):
             return disc_frame(None)
 
     recording = LiveRecording(Camera())
     first, second = itertools.islice(recording.frames(), 2)
-    assert recording.is_live and (first.number, second.number) == (0, 1)
+    assert recording.kind.is_live and (first.number, second.number) == (0, 1)
     assert 1.7e18 < first.stamp_ns <= second.stamp_ns and first.taken_at <= second.taken_at
 
 

@@ -38,14 +38,14 @@ def test_frames_of_a_video_are_colour_pictures(video):
 
 
 def test_video_plays_at_its_own_rate(video):
-    assert VideoFile(video).frame_rate == pytest.approx(12.5)
+    assert VideoFile(video).kind.frame_rate == pytest.approx(12.5)
 
 
 @pytest.mark.parametrize('rate', [0.0, -1.0, 90000.0, float('nan')])
 def test_video_without_a_likely_rate_plays_at_30_hz(video, monkeypatch, rate):
     monkeypatch.setattr(cv2, 'VideoCapture', Device)
     monkeypatch.setattr(Device, 'rate', rate)
-    assert VideoFile(video).frame_rate == 30.0
+    assert VideoFile(video).kind.frame_rate == 30.0
 
 
 def test_released_video_gives_no_more_frames(video):

@@ -18,6 +18,7 @@ from dataclasses import replace
 import time
 
 from camera_to_base.detection import DetectorSettings
+from camera_to_base.sources import DEVICE
 from camera_to_base.surface import make_surface, SURFACE_DEFAULTS
 from camera_to_base.trust import CameraPipeline, Limits
 import cv2
@@ -47,7 +48,8 @@ def see(pipeline, frame):
 @pytest.fixture
 def pipeline():
     """Give a pipeline with a background and a confirmed object."""
-    pipeline = CameraPipeline(surface(), DETECTOR, Limits(max_frame_age_s=60.0))
+    pipeline = CameraPipeline(
+        surface(), DETECTOR, Limits(max_frame_age_s=60.0), kind=DEVICE)
     for disc in (None, None, (300, 200), (300, 200)):
         seen = see(pipeline, picture(disc))
     assert len(seen) == 1

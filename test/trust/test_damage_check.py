@@ -82,6 +82,42 @@ def test_surface_that_is_overexposed_is_believed_after_some_frames():
     assert reasons[4:] == [None] * 11
 
 
+def overexposed(take_frame):
+    frame = take_frame()
+    frame[-40:] = 255
+    return frame
+
+
+def with_hand(take_frame):
+    frame = overexposed(take_frame)
+    frame[-80:, 200:300] = take_frame()[:80, 200:300] // 2
+    return frame
+
+
+def test_overexposed_edge_is_believed_again_once_a_hand_has_crossed_it():
+    take_frame, check = scenes.still_coin(empty_s=0.0), DamageCheck()
+    for _ in range(10):
+        check.reason(overexposed(take_frame))
+    for _ in range(3):
+        check.reason(with_hand(take_frame))
+        assert check.reason(overexposed(take_frame)) is None
+    assert [check.reason(overexposed(take_frame)) for _ in range(300)] == [None] * 300
+
+
+def test_edge_that_becomes_overexposed_is_believed_after_a_second():
+    take_frame, check = scenes.still_coin(empty_s=0.0), DamageCheck()
+    check.reason(with_hand(take_frame))
+    kinds = [getattr(check.reason(overexposed(take_frame)), 'kind', None) for _ in range(50)]
+    assert kinds == ['flat_end'] * 24 + [None] * 26
+
+
+def test_lower_end_of_another_colour_than_the_usual_one_is_refused():
+    take_frame, check = scenes.still_coin(empty_s=0.0), DamageCheck()
+    for _ in range(10):
+        check.reason(overexposed(take_frame))
+    assert check.reason(with_lower_end(take_frame(), 0)).kind == 'flat_end'
+
+
 @pytest.mark.parametrize('colour', [128, (0, 135, 0)])
 def test_lower_end_that_a_decoder_filled_is_never_believed(colour):
     take_frame, check = scenes.still_coin(empty_s=0.0), DamageCheck()

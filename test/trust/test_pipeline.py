@@ -16,6 +16,7 @@ import os
 import time
 
 from camera_to_base.reason import Level
+from camera_to_base.sources.source_kind import DEVICE, SIMULATED, VIDEO_FILE
 from camera_to_base.surface.models import ParallelSurface
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.pipeline import CameraPipeline
@@ -40,9 +41,9 @@ def table(move=(0, 0), disc=None, size=(640, 480)):
     return frame
 
 
-def pipeline(limits=AT_ONCE, background_frames=1):
-    return CameraPipeline(
-        ParallelSurface(36.0, 640), limits=limits, background_frames=background_frames)
+def pipeline(limits=AT_ONCE, background_frames=1, kind=SIMULATED):
+    return CameraPipeline(ParallelSurface(36.0, 640), limits=limits,
+                          background_frames=background_frames, kind=kind)
 
 
 def published(camera, frame, taken_at=None):
@@ -95,7 +96,7 @@ def test_view_is_compared_with_a_restored_background_from_the_first_frame_on():
 
 
 def test_background_of_a_camera_is_confirmed_and_that_of_a_file_is_its_first_frame():
-    camera, recording, lost = pipeline(), pipeline(), table()
+    camera, recording, lost = pipeline(kind=DEVICE), pipeline(kind=VIDEO_FILE), table()
     lost[240:] = 255
     for frame in (lost, table(), table()):
         camera.process(frame, time.monotonic())
@@ -121,23 +122,31 @@ def test_frame_of_another_size_is_a_reason_until_the_old_size_is_back():
 
 
 def test_position_from_an_old_frame_is_held_back():
-    camera = pipeline(AT_ONCE._replace(max_shift_px=0.0))
-    camera.process(table())
+    camera = pipeline(AT_ONCE._replace(max_shift_px=0.0), kind=DEVICE)
+    for _ in range(2):
+        camera.process(table())
     assert not published(camera, table(disc=(320, 240)), time.monotonic() - 0.31)
     assert published(camera, table(disc=(320, 240)), time.monotonic() - 0.1)
     assert camera.counts['frames held back: too_late'] == 1
 
 
+def test_moved_view_of_a_recording_is_no_reason():
+    recording = pipeline(kind=VIDEO_FILE)
+    recording.process(table())
+    assert published(recording, table(move=(6, 0), disc=(320, 240)))
+
+
 def test_position_that_jumps_is_confirmed_for_cameras_only():
-    camera = pipeline(Limits())
-    camera.process(table())
+    camera = pipeline(Limits(), kind=DEVICE)
+    for _ in range(3):
+        camera.process(table())
     assert not published(camera, table(disc=(320, 240)), time.monotonic())
     assert published(camera, table(disc=(320, 240)), time.monotonic())
     assert pipeline_of_a_file_finds_at_once()
 
 
 def pipeline_of_a_file_finds_at_once():
-    recording = pipeline(Limits())
+    recording = pipeline(Limits(), kind=VIDEO_FILE)
     recording.process(table())
     return published(recording, table(disc=(320, 240)))
 
@@ -151,9 +160,9 @@ def test_empty_surface_is_told_from_one_that_cannot_be_told():
 
 
 def test_empty_surface_of_a_camera_is_confirmed_by_a_second_frame():
-    camera = pipeline(Limits())
-    camera.process(table())
+    camera = pipeline(Limits(), kind=DEVICE)
     now = time.monotonic
+    camera.process(table(), now())
     assert camera.process(table(), now()).reason.kind == 'unconfirmed'
     assert camera.process(table(), now()) == Sighting([])
 
@@ -186,9 +195,9 @@ def test_defect_in_a_step_is_no_reason():
 
 
 def test_object_that_jumps_in_beside_a_steady_one_is_left_out_until_a_second_frame_shows_it():
-    camera, both = pipeline(Limits()), table(disc=(320, 240))
+    camera, both = pipeline(Limits(), kind=DEVICE), table(disc=(320, 240))
     cv2.circle(both, (100, 100), 15, (30, 30, 30), -1)
-    for frame in (table(), *[table(disc=(320, 240))] * 3):
+    for frame in (table(), table(), *[table(disc=(320, 240))] * 3):
         camera.process(frame, time.monotonic())
     sighting = camera.process(both, time.monotonic())
     assert len(sighting.objects) == 1
@@ -198,7 +207,7 @@ def test_object_that_jumps_in_beside_a_steady_one_is_left_out_until_a_second_fra
 
 
 def test_memory_does_not_grow_with_the_frames(tell):
-    camera = pipeline(Limits(check_period_s=0.5))
+    camera = pipeline(Limits(check_period_s=0.5), kind=DEVICE)
     frames = [table(size=(64, 48)), table(disc=(30, 20), size=(64, 48))]
 
     def process(count):

@@ -179,8 +179,9 @@ def test_odd_sizes_are_compared(size):
     assert ViewCheck(frames[0]).compare(frames[1]).changed_share <= 1.0
 
 
-def test_problem_says_how_far_the_view_has_moved_and_what_to_do():
+def test_reason_says_how_far_the_view_has_moved_and_what_to_do():
     assert view_reason(View(2.9, 0.1), 3.0, 0.7) is None
     assert view_reason(View(None, 0.6), 3.0, 0.7) is None
-    problem = view_reason(View(7.25, 0.1), 3.0, 0.7)
-    assert '7.2 px' in problem and '~/capture_background' in problem
+    reason = view_reason(View(7.25, 0.1), 3.0, 0.7)
+    assert reason.kind == 'view_moved'
+    assert '7.2 px' in reason.sentence and '~/capture_background' in reason.sentence

@@ -1,0 +1,90 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The feed for each kind of source: what gives frames, or pixels, to a camera node."""
+
+from typing import Callable, NamedTuple, Optional, Protocol
+
+from builtin_interfaces.msg import Time
+from camera_to_base.detection import Pixel
+from camera_to_base.nodes.frame_feeds import CameraFeed, OnFrame, TimedFeed
+from camera_to_base.nodes.image_topic import ImageTopic
+from camera_to_base.nodes.random_feed import RandomFeed
+from camera_to_base.reason import Reason
+from camera_to_base.settings import CameraSettings, NamedSource
+from camera_to_base.sources import COMPRESSED_TOPIC, RANDOM, ReaderStatus, TOPIC
+from camera_to_base.trust import DamageCheck
+from rclpy.node import Node
+
+
+class Feed(Protocol):
+    """
+    Gives a node its input, from its executor.
+
+    `name` is the source's, `reader` tells how a camera does (None for what is no camera), and
+    `reason` why nothing comes that could be published.
+    """
+
+    name: str
+    reader: Optional[ReaderStatus]
+    reason: Optional[Reason]
+
+    def configure(self, settings: CameraSettings) -> None:
+        """Use other settings from now on."""
+
+    def close(self) -> None:
+        """Give the source back."""
+
+
+class FeedCallbacks(NamedTuple):
+    """
+    What a feed calls.
+
+    :param may_start: A recording's first frame is not read before it tells True.
+    :param on_end: Called once, when a recording has ended.
+    """
+
+    on_frame: OnFrame
+    on_pixel: Callable[[Pixel, Time], None]
+    may_start: Callable[[], bool]
+    on_end: Callable[[], None]
+
+
+def start_feed(
+    node: Node, source: NamedSource, settings: CameraSettings, topic: str,
+    callbacks: FeedCallbacks,
+) -> Feed:
+    """
+    Start the feed that fits a source.
+
+    :param topic: Where positions are published, for messages.
+    :raises FrameSourceError: If a camera is not there, and not waited for.
+    """
+    kind = source.kind
+    if kind == RANDOM:
+        return RandomFeed(node, settings, callbacks.on_pixel, topic)
+    if kind in (TOPIC, COMPRESSED_TOPIC):
+        return _subscribe(node, callbacks.on_frame, settings, kind == COMPRESSED_TOPIC)
+    if kind.is_live:
+        return CameraFeed(node, source, callbacks.on_frame, wait=settings.wait_for_camera)
+    return TimedFeed(node, source, callbacks.on_frame, callbacks.may_start, callbacks.on_end)
+
+
+def _subscribe(
+    node: Node, on_frame: OnFrame, settings: CameraSettings, compressed: bool
+) -> ImageTopic:
+    # In a simulation without noise good frames repeat themselves to the byte.
+    is_simulation = node.get_parameter('use_sim_time').value
+    damage = DamageCheck().reason if not is_simulation else lambda frame: None
+    return ImageTopic(node, on_frame, damage, compressed, settings.limits.max_frame_age_s)

@@ -1,0 +1,93 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Publishes what the camera node has located, and the truth where it is known."""
+
+from typing import List, Optional, Sequence
+
+from camera_to_base.coordinate_transform import Pose
+from camera_to_base.detection import LocatedObject
+from camera_to_base.nodes.true_positions import TruePositions
+from camera_to_base.ros import PositionTopics
+from camera_to_base.settings import CameraSettings, NamedSource
+from camera_to_base.simulation import SimulatedBoard
+from camera_to_base.surface import Hull
+from camera_to_base.trust import Sighting
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+POSITION = 'pos_in_cam_frame'
+# What is sent while two nodes still discover each other arrives this late.
+_LONGEST_DISCOVERY_S = 5.0
+
+
+class CameraPositions:
+    """
+    Publishes positions in the camera frame.
+
+    :param node: The node that publishes.
+    :param source: Where its frames come from.
+    """
+
+    def __init__(self, node: Node, source: NamedSource) -> None:
+        self._logger = node.get_logger()
+        self._topics = PositionTopics(
+            node, POSITION, 'objects_in_cam_frame', live=source.kind.is_live)
+        self._truth: Optional[TruePositions] = None
+        if isinstance(source.frames, SimulatedBoard):
+            self._truth = TruePositions(node, source.frames)
+
+    @property
+    def topic(self) -> str:
+        """Name of the tutorial's topic, as it is after remapping."""
+        return self._topics.name
+
+    @property
+    def listener_count(self) -> int:
+        """How many listen, see :class:`PositionTopics`."""
+        return self._topics.listener_count
+
+    def publish_sighting(
+        self, header: Header, sighting: Sighting, settings: CameraSettings
+    ) -> None:
+        """Publish the objects of a frame, unless there is a reason not to."""
+        if self._truth is not None:
+            self._truth.publish(header)
+        if sighting.reason is None:
+            self._warn_outside_hull(sighting.objects, settings.hull)
+            self.publish(header, [Pose(*found.point, 0.0, found.yaw or 0.0)
+                                  for found in sighting.objects])
+
+    def publish(self, header: Header, poses: List[Pose]) -> None:
+        """Publish poses, in cm, the largest object's first; none is an empty surface."""
+        if poses:
+            largest = poses[0]
+            self._topics.publish_position(largest.x, largest.y)
+            self._topics.publish_point(header, largest.x, largest.y)
+        self._topics.publish_objects(header, poses)
+
+    def wait_until_received(self) -> None:
+        """Wait until all listeners have what was published, for 5 s at most."""
+        self._topics.wait_until_received(_LONGEST_DISCOVERY_S)
+
+    def _warn_outside_hull(
+        self, objects: Sequence[LocatedObject], hull: Optional[Hull]
+    ) -> None:
+        # Outside the area that the calibration was measured in, its figures do not hold.
+        if objects and hull is not None and not hull.contains(objects[0].detection.centre):
+            pixel, point = objects[0].detection.centre, objects[0].point
+            self._logger.warning(
+                f'the object at ({point.x:.2f}, {point.y:.2f}) cm, pixel ({pixel.u:g}, '
+                f'{pixel.v:g}), lies outside the area that the calibration was measured in: its '
+                'position may be less accurate', throttle_duration_sec=5.0)

@@ -1,0 +1,69 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a source is: decided here from its name, once; the source that is opened tells the same."""
+
+import os
+from typing import NamedTuple
+
+
+class SourceKind(NamedTuple):
+    """
+    What a source is.
+
+    :param form: A word for it.
+    :param is_live: Whether a camera takes the frames meanwhile. They have an age, may be damaged,
+        and an arm may follow their positions; a kept background is of use.
+    :param may_lag: Whether frames may lie in a buffer on the way.
+    :param ends: Whether it is a recording with a last frame.
+    :param frame_rate: How often a reader should come for a frame, in Hz; 0 where the source
+        itself sets the pace, or where that is not known before it is opened.
+    """
+
+    form: str
+    is_live: bool = False
+    may_lag: bool = False
+    ends: bool = False
+    frame_rate: float = 0.0
+
+
+DEVICE = SourceKind('device', is_live=True)
+STREAM = SourceKind('stream', is_live=True, may_lag=True)
+TOPIC = SourceKind('topic', is_live=True)
+COMPRESSED_TOPIC = SourceKind('compressed_topic', is_live=True)
+# The first attached device. Where none is attached, random pixels are opened in its place.
+AUTO = SourceKind('auto', is_live=True)
+RANDOM = SourceKind('random')
+SIMULATED = SourceKind('simulated')
+VIDEO_FILE = SourceKind('file', ends=True)
+BAG = SourceKind('bag', ends=True)
+
+_WORDS = {kind.form: kind for kind in (TOPIC, COMPRESSED_TOPIC, AUTO, RANDOM, SIMULATED)}
+
+
+def kind_of(name: str) -> SourceKind:
+    """
+    Tell what a source's name stands for.
+
+    :param name: A word (auto, random, simulated, topic, compressed_topic), a device's index or
+        path, a stream's URL, a bag or a video file.
+    """
+    if name in _WORDS:
+        return _WORDS[name]
+    if '://' in name:
+        return STREAM
+    if name.isdecimal() or name.startswith('/dev/'):
+        return DEVICE
+    path = os.path.expanduser(name)
+    return BAG if os.path.isdir(path) or path.endswith(('.mcap', '.db3')) else VIDEO_FILE

@@ -1,0 +1,136 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How far each patch of the background has shifted in a frame: one linear regression a patch."""
+
+from typing import NamedTuple
+
+from camera_to_base.trust.patches import Patches
+import cv2
+import numpy as np
+
+# The smoothing that the background's gradient is taken with, in px: the better one for a patch.
+_SIGMAS, _USUAL_LENGTH = (1.0, 2.5), 1280
+_LEAST_HALF_PX = 1.5
+# The coarser gradient is taken where it tells this much more.
+_CLEARLY_BETTER = 1.3
+# What the linear model misses of a shift, in px: no patch tells one better.
+_MODEL_PX = 0.2
+_UNTOLD_PX2 = 1e6
+# A patch is seen where the model explains this share of what is not noise, ...
+_LEAST_EXPLAINED = 0.5
+# ... under a gain like that of the others, and where that is more than chance, in levels².
+_GAINS, _USUAL_GAINS, _LEAST_ENERGY, _LEAST_NOISE_SHARE = (0.1, 5.0), (0.35, 2.2), 0.05, 0.05
+
+
+class PatchShifts(NamedTuple):
+    """
+    How the patches look in a frame.
+
+    :param shifts: Shape (n, 2), along u and v in px.
+    :param is_seen: Shape (n,), whether a patch looks like the background's at all.
+    :param residuals: Shape (n,), mean square of what the model does not explain, in levels².
+    :param gain: How much brighter the frame is, by the median of the patches that are seen.
+    """
+
+    shifts: np.ndarray
+    is_seen: np.ndarray
+    residuals: np.ndarray
+    gain: float
+
+
+class PatchFit:
+    """
+    Fits the background's patches to frames.
+
+    frame = gain * patch + offset - shift * gradient. All that the background decides is computed
+    once, so that a frame costs two products of matrices. The background's own noise makes its
+    gradient larger than the surface's: what that adds is taken out of the estimate.
+
+    :param patches: Which ones.
+    :param background: Shape (h, w, 3), uint8, BGR.
+    :param grey: The same in grey, float32.
+    :param noise: Standard deviation of a pixel of `grey`, in levels.
+    :param variance: That of a sample of a frame minus the background's, in levels².
+    """
+
+    def __init__(self, patches: Patches, background: np.ndarray, grey: np.ndarray,
+                 noise: float, variance: float) -> None:
+        self._patches, self._variance = patches, variance
+        levels = patches.read(background).astype(float)
+        energy = np.maximum(np.einsum('ij,ij->i', levels, levels), 1e-6)
+        self.energy = energy / levels.shape[1]
+        sigmas = np.array(_SIGMAS) * max(1.0, max(grey.shape) / _USUAL_LENGTH)
+        fine, coarse = (self._fit(levels, energy, grey, sigma, noise) for sigma in sigmas)
+        better = _worst(coarse[-1]) > _CLEARLY_BETTER * _worst(fine[-1])
+        for ours, theirs in zip(fine, coarse):
+            ours[better] = theirs[better]
+        slopes, fitted, estimated, self.information = fine
+        gains = levels[:, None] / energy[:, None, None]
+        self._inverse = np.concatenate([gains, fitted, estimated], axis=1).astype(np.float32)
+        self._model = np.concatenate([levels[:, :, None], slopes], axis=2).astype(np.float32)
+
+    def _fit(self, levels: np.ndarray, energy: np.ndarray, grey: np.ndarray,
+             sigma: float, noise: float) -> list:
+        half_px = float(max(_LEAST_HALF_PX, sigma))
+        slopes = self._patches.slopes(
+            cv2.GaussianBlur(grey, (0, 0), sigma), half_px).astype(float)
+        along = np.einsum('ij,ijk->ik', levels, slopes) / energy[:, None]
+        slopes -= levels[:, :, None] * along[:, None]
+        values, vectors = np.linalg.eigh(slopes.transpose(0, 2, 1) @ slopes)
+        false_energy = levels.shape[1] * _slope_noise(noise, sigma, half_px)
+        true_values = values - false_energy
+        # Where noise is half of it, the estimate would be as uncertain as its correction.
+        is_told = true_values > false_energy + 1e-3
+        inverse = np.where(is_told, 1 / np.maximum(true_values, 1e-6), 0.0)
+        variance = np.where(
+            is_told, self._variance * values * inverse ** 2 + _MODEL_PX ** 2, _UNTOLD_PX2)
+        rows = vectors.transpose(0, 2, 1) @ slopes.transpose(0, 2, 1)
+        fitted, estimated = (vectors @ (factor[:, :, None] * rows)
+                             for factor in (1 / np.maximum(values, 1e-6), inverse))
+        information = (vectors / variance[:, None]) @ vectors.transpose(0, 2, 1)
+        return [slopes, fitted, estimated, information]
+
+    def measure(self, frame: np.ndarray) -> PatchShifts:
+        """
+        Measure the shifts of the patches in a frame.
+
+        :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        """
+        levels = self._patches.read(frame)
+        factors = (self._inverse @ levels[:, :, None])[:, :, 0]
+        model = (self._model @ factors[:, :3, None])[:, :, 0]
+        explained, whole = (np.einsum('ij,ij->i', samples, samples) / samples.shape[1]
+                            for samples in (model, levels))
+        residuals, gains = whole - explained, factors[:, 0]
+        # Half of the noise is the background's, which the gain scales.
+        noise = self._variance * (1 + gains ** 2) / 2
+        unexplained = np.maximum(residuals - noise, 0)
+        is_seen = ((gains > _GAINS[0]) & (gains < _GAINS[1])
+                   & (explained * (1 - _LEAST_EXPLAINED) > _LEAST_EXPLAINED * unexplained)
+                   & (explained > _LEAST_ENERGY + _LEAST_NOISE_SHARE * noise))
+        gain = float(np.median(gains[is_seen])) if is_seen.any() else 1.0
+        is_seen &= (gains > _USUAL_GAINS[0] * gain) & (gains < _USUAL_GAINS[1] * gain)
+        shifts = -factors[:, 3:] / np.maximum(gains, _GAINS[0])[:, None]
+        return PatchShifts(shifts, is_seen, residuals, gain)
+
+
+def _worst(information: np.ndarray) -> np.ndarray:
+    return np.linalg.eigvalsh(information)[:, 0]
+
+
+def _slope_noise(noise: float, sigma: float, half_px: float) -> float:
+    # White noise after a Gaussian filter, its difference at a distance.
+    variance = noise ** 2 / (4 * np.pi * sigma ** 2)
+    return 2 * variance * (1 - np.exp(-(half_px / sigma) ** 2)) / (2 * half_px) ** 2

@@ -1,0 +1,137 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The cheap look at every frame: whether the surface's structure is in its place."""
+
+from typing import NamedTuple, Optional
+
+from camera_to_base.trust.motion_fit import MotionFit
+from camera_to_base.trust.patch_fit import PatchFit
+from camera_to_base.trust.patches import find_places, Patches, step_for
+import cv2
+import numpy as np
+
+# A patch shows structure from this many variances of the noise on, and from these levels².
+_FAINTEST_VARIANCES, _FAINTEST_ENERGY = 0.25, 0.15
+# Rounding to grey levels.
+_ROUNDING = 1 / 12
+# The surface tells a number of the similarity that its patches give to this many px.
+_TOLD_PX = 0.2
+# Where less of the structure than this share stays in place from one frame to the next, the
+# surface itself moves (a belt), or it is noise of the camera's compression.
+_LEAST_AT_REST = 0.5
+# In a darker frame the same noise is more of a shift.
+_DARKEST_GAIN = 0.1
+
+
+class Look(NamedTuple):
+    """
+    What the cheap look tells of a frame.
+
+    :param share: How much of the structure agrees on a motion: of that which tells the least
+        certain direction, 0..1.
+    :param shift_px: How far the picture's centre or a corner has moved, the farthest of them.
+    """
+
+    share: float
+    shift_px: float
+
+
+class QuickLook:
+    """
+    Compares some 64 patches of the background with a frame.
+
+    :param background: Shape (h, w, 3), uint8, BGR.
+    :param witness: Another frame from when the background was taken, of the same shape: structure
+        that is not at rest in it does not count.
+    """
+
+    def __init__(self, background: np.ndarray, witness: Optional[np.ndarray] = None) -> None:
+        self._background = background
+        self._size = background.shape[1], background.shape[0]
+        self._grey = cv2.cvtColor(background, cv2.COLOR_BGR2GRAY).astype(np.float32)
+        self._noise = _noise(self._grey) if min(self._grey.shape) > 2 else 0.0
+        # A sample is the mean of 4 px.
+        self._background_variance = (self._noise ** 2 + 2 * _ROUNDING) / 4
+        self._variance = 2 * self._background_variance
+        places = self._with_structure(find_places(self._grey, step_for(self._size)))
+        if witness is not None and len(places):
+            places = places[self._at_rest(places, witness)]
+        self._told = np.zeros((4, 0))
+        if len(places):
+            self._use(places)
+
+    @property
+    def has_structure(self) -> bool:
+        """Whether the surface tells a shift in any direction."""
+        return self._told.shape[1] > 0
+
+    @property
+    def tells_all(self) -> bool:
+        """Whether the surface tells every shift, rotation and scale."""
+        return self._told.shape[1] == len(self._told)
+
+    def look(self, frame: np.ndarray) -> Optional[Look]:
+        """
+        Look at a frame of the background's size.
+
+        :returns: None where the surface has no structure.
+        """
+        if not self.has_structure:
+            return None
+        seen = self._fit.measure(frame)
+        motion = self._motion_fit.solve(
+            seen.shifts, seen.is_seen, float(np.clip(seen.gain, _DARKEST_GAIN, 1)) ** 2)
+        part = self._whitening @ self._motion_fit.total(motion.agrees) @ self._whitening.T
+        return Look(max(0.0, float(np.linalg.eigvalsh(part)[0])), self.told_px(motion.numbers))
+
+    def told_px(self, numbers: np.ndarray) -> float:
+        """Tell how far a similarity moves the farthest corner, as far as the surface tells it."""
+        return self._motion_fit.farthest_px(self._told @ (self._told.T @ numbers))
+
+    def _make_fit(self, places: np.ndarray) -> PatchFit:
+        return PatchFit(Patches(places, step_for(self._size)), self._background, self._grey,
+                        self._noise, self._variance)
+
+    def _with_structure(self, places: np.ndarray) -> np.ndarray:
+        if not len(places):
+            return places
+        energy = self._make_fit(places).energy - self._background_variance
+        return places[energy > max(_FAINTEST_VARIANCES * self._variance, _FAINTEST_ENERGY)]
+
+    def _at_rest(self, places: np.ndarray, witness: np.ndarray) -> np.ndarray:
+        fit = self._make_fit(places)
+        seen = fit.measure(witness)
+        if seen.is_seen.any():
+            self._variance = max(float(np.median(seen.residuals[seen.is_seen])),
+                                 self._background_variance)
+        motion = MotionFit(places, self._size, fit.information).solve(seen.shifts, seen.is_seen)
+        weights = np.trace(fit.information, axis1=1, axis2=2)
+        return motion.agrees & (weights @ motion.agrees >= _LEAST_AT_REST * weights.sum())
+
+    def _use(self, places: np.ndarray) -> None:
+        self._fit = self._make_fit(places)
+        self._motion_fit = MotionFit(places, self._size, self._fit.information)
+        total = self._motion_fit.total(np.ones(len(places)))
+        values, vectors = np.linalg.eigh(total)
+        is_told = values > _TOLD_PX ** -2
+        self._told = vectors[:, is_told]
+        # Of this the whole structure is the unit matrix.
+        self._whitening = (self._told / np.sqrt(np.maximum(values[is_told], 1e-9))).T
+
+
+def _noise(grey: np.ndarray) -> float:
+    # J. Immerkaer, Fast noise variance estimation, 1996, with the median for the mean.
+    mask = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
+    return float(np.median(np.abs(cv2.filter2D(grey, cv2.CV_32F, mask)))) / 0.6745 / 6

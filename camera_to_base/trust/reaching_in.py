@@ -1,0 +1,127 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What reaches in from the picture's edge: a hand, a sleeve, an arm, and their shadows."""
+
+import cv2
+import numpy as np
+
+# The picture is made this long at most, in px: a quarter of 640 px.
+_LONGEST = 160
+# What differs from the background by more than this in one channel is there, in levels at the
+# background's light; in a dark frame not less than the second, for it is rounded.
+_FAINTEST, _FAINTEST_IN_THE_DARK = 5.0, 2.5
+# The same in standard deviations of the noise.
+_NOISE_DEVIATIONS = 4.5
+# What is left of a shift of the camera that was measured, in px.
+_SHIFT_ERROR_PX = 0.3
+# Where a change reaches more of the edge than this it may be the light, which changes smoothly.
+_EDGE_SHARE = 0.4
+# Rounds of the fit of smooth light, and what counts half in it, in shares of the light.
+_ROUNDS, _HALF_WEIGHT = 8, 0.03
+_GRID_STEP = 4
+# Of a large picture some pixels are enough: this many along a cell.
+_SAMPLES = 4
+
+
+class ReachingIn:
+    """
+    Finds what differs from the background and is connected to the picture's edge.
+
+    A detector finds strong differences, so that a hand whose brightness is like the table's falls
+    apart into islands. A faint difference shows that they belong together.
+
+    :param background: Shape (h, w, 3), uint8, BGR.
+    """
+
+    def __init__(self, background: np.ndarray) -> None:
+        height, width = background.shape[:2]
+        self.scale = max(1, round(max(height, width) / _LONGEST))
+        self._size = max(1, width // self.scale), max(1, height // self.scale)
+        self._step = max(1, self.scale // _SAMPLES)
+        small = self._small(background)
+        self._background = np.maximum(small, 1)
+        self._range = (cv2.dilate(small, np.ones((3, 3))) - cv2.erode(small, np.ones((3, 3)))) / 2
+        noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
+        # Of the mean of a cell; that of a frame and the background's together.
+        self._noise = float(noise) / 0.6745 * self._step / self.scale
+        self._terms = _quadratic_terms(*self._size)
+
+    def find(self, frame: np.ndarray, shift_px: float) -> np.ndarray:
+        """
+        Find it on a frame of the background's size.
+
+        :param shift_px: How far the view has moved, in px: so much blurs the surface's edges.
+        :returns: Shape (h / scale, w / scale), uint8, 1 where something reaches in.
+        """
+        picture = self._small(frame)
+        slack = self._range * ((shift_px + _SHIFT_ERROR_PX) / self.scale)
+        ratio = (picture / self._background)[::_GRID_STEP, ::_GRID_STEP]
+        gain = np.median(ratio.reshape(-1, 3), axis=0).astype(np.float32)
+        found = self._connected(picture, gain, slack)
+        if _edge(found).mean() <= _EDGE_SHARE:
+            return found
+        other = self._connected(picture, self._smooth_light(ratio), slack)
+        return other if _edge(other).mean() <= _EDGE_SHARE else found
+
+    def _connected(self, picture: np.ndarray, gain: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        lit = np.minimum(self._background * gain, 255)
+        least = max(_FAINTEST * min(float(np.median(gain)), 1.0), _FAINTEST_IN_THE_DARK,
+                    _NOISE_DEVIATIONS * self._noise)
+        differs = (np.abs(picture - lit) - slack).max(axis=2) > least
+        # Around it is an edge from which all that touches it is filled.
+        framed = np.ones((differs.shape[0] + 2, differs.shape[1] + 2), np.uint8)
+        framed[1:-1, 1:-1] = differs
+        cv2.floodFill(framed, None, (0, 0), 2, flags=8)
+        return (framed[1:-1, 1:-1] == 2).astype(np.uint8)
+
+    def _smooth_light(self, ratio: np.ndarray) -> np.ndarray:
+        grid = self._terms[::_GRID_STEP, ::_GRID_STEP].reshape(-1, self._terms.shape[2])
+        values, weights = ratio.reshape(-1, 3), np.ones(len(grid))
+        for _ in range(_ROUNDS):
+            weighted = grid * weights[:, None]
+            factors = np.linalg.lstsq(weighted.T @ grid, weighted.T @ values, rcond=None)[0]
+            missed = np.abs(grid @ factors - values).max(axis=1)
+            weights = 1 / (1 + (missed / _HALF_WEIGHT) ** 2) ** 2
+        return (self._terms @ factors).astype(np.float32)
+
+    def _small(self, picture: np.ndarray) -> np.ndarray:
+        return cv2.resize(np.ascontiguousarray(picture[::self._step, ::self._step]), self._size,
+                          interpolation=cv2.INTER_AREA).astype(np.float32)
+
+
+def _edge(mask: np.ndarray) -> np.ndarray:
+    return np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])
+
+
+def _quadratic_terms(width: int, height: int) -> np.ndarray:
+    y, x = np.meshgrid(np.linspace(-1, 1, height), np.linspace(-1, 1, width), indexing='ij')
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
+
+
+def covers(mask: np.ndarray, outline: np.ndarray, scale: int) -> bool:
+    """
+    Tell whether an object overlaps a mask.
+
+    :param mask: Shape (h / scale, w / scale), uint8.
+    :param outline: Shape (n, 2), int32, columns u and v in px.
+    """
+    left, top = np.maximum(outline.min(axis=0) // scale, 0)
+    right, bottom = outline.max(axis=0) // scale + 1
+    piece = mask[top:bottom, left:right]
+    if not piece.any():
+        return False
+    inside = np.zeros(piece.shape, np.uint8)
+    cv2.fillPoly(inside, [(outline // scale - (left, top)).astype(np.int32)], 1)
+    return bool((inside & piece).any())
