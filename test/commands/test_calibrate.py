@@ -401,6 +401,9 @@ BAD_INPUTS = {
                  "cannot write '/dev/null': a device or a pipe is there, not a file"),
     'picture of no format': (lambda: ('points', table(), '--picture', 'report.doc'),
                              'must end in .png or .jpg'),
+    'sheet of no format': (lambda: ('sheet', '-o', 'a.doc'), 'must end in .pdf, .svg or .png'),
+    'sheet that is too small': (lambda: ('sheet', '--square-mm', 40, '-o', 'a.pdf'),
+                                'does not fit on A4: squares of 25 mm do'),
     'no such subcommand': (lambda: ('bored',), "invalid choice: 'bored'"),
 }
 
@@ -534,7 +537,35 @@ def test_pixel_near_the_horizon_cannot_be_checked(run):
     assert code == 1 and 'near the horizon' in error
 
 
-@pytest.mark.parametrize('command', [(), ('board',), ('points',), ('base',), ('check',)])
+def test_sheet_is_drawn_for_the_command_that_it_names(report, run):
+    found = report('sheet', '-o', 'board.png')
+    assert found['warnings'] == [] and found['corners'] == [9, 6]
+    code, output, _ = run('board', 'board.png', *BOARD, '-o', 'surface.yaml')
+    assert code == 0
+    code, output, _ = run('sheet', '--corners', '8x6', '-o', 'board.pdf')
+    assert code == 0 and Path('board.pdf').read_bytes().startswith(b'%PDF')
+    assert 'measure the ruler: it must be 100 mm long' in output
+    assert 'warning: a board of 8 x 6 inner corners looks the same when it is turned' in output
+
+
+def test_status_tells_the_way_from_a_surface_to_a_cell(run):
+    surface_file('cell.yaml')
+    code, output, error = run('status', 'cell.yaml')
+    assert (code, error) == (0, '')
+    assert 'surface: homography for pictures of 640 x 480 px, from points.csv, 20' in output
+    assert 'next: calibrate base PAIRS.csv --surface cell.yaml -o cell.yaml --force\n' in output
+    for _ in range(2):
+        code, *_ = run('base', touched(), '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
+        assert code == 0
+    code, output, _ = run('status', 'cell.yaml')
+    assert 'base frame, from pairs.csv, 20' in output and 'next: calibrate check' in output
+    comments = read_parameter_file('cell.yaml').comments
+    assert sum(line.startswith('rigid from') for line in comments) == 1
+    assert sum(line.startswith('homography from') for line in comments) == 1
+
+
+@pytest.mark.parametrize('command', [
+    (), ('sheet',), ('status',), ('board',), ('points',), ('base',), ('check',)])
 def test_help_explains_itself_with_an_example(run, command):
     code, output, _ = run(*command, '--help')
     assert code == 0
