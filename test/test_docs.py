@@ -97,7 +97,7 @@ def test_files_of_the_package_are_there(page):
 def test_each_kind_of_reason_is_listed():
     page = (ROOT / 'docs' / 'topics_and_frames.md').read_text()
     kinds = {kind for module in (ROOT / 'camera_to_base').glob('**/*.py') for kind in re.findall(
-        r"(?:Reason|_waiting|_damage|_left_out)\(\s*'(\w+)'", module.read_text())}
+        r"(?:[Rr]eason|_waiting|_damage|_left_out)\(\s*'(\w+)'", module.read_text())}
     assert len(kinds) > 20
     assert not sorted(kind for kind in kinds if f'`{kind}`' not in page)
 
