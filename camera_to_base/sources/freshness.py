@@ -18,6 +18,8 @@ from collections import deque
 from statistics import median
 from typing import Deque, Optional
 
+from camera_to_base.sources.stream_clock import StreamClock
+
 # A frame that could be read faster than this was there already, unless the camera is faster yet.
 _WAITED_S = 0.006
 # Where other programs want the processor, reading what was there takes long, too: a frame that was
@@ -49,6 +51,7 @@ class Freshness:
 
     def restart(self) -> None:
         """Trust nothing yet: the stream was opened anew."""
+        self._stream_clock = StreamClock()
         self._waits_needed = 2
         self._waited_s = _WAITED_S
         self._rush_waits: Deque[float] = deque(maxlen=_RUSH_WAITS)
@@ -56,13 +59,28 @@ class Freshness:
         self._rushing_since: Optional[float] = None
         self._ended_at: Optional[float] = None
 
-    def is_fresh(self, begun_at: float, ended_at: float) -> bool:
+    @property
+    def lags(self) -> bool:
+        """Tell whether all frames will be old until the stream is opened anew."""
+        return self._stream_clock.lags
+
+    def is_fresh(
+        self, begun_at: float, ended_at: float, stamp_s: Optional[float] = None
+    ) -> bool:
         """
         Judge one frame.
 
         :param begun_at: When reading it began, in s, of a clock that never jumps.
         :param ended_at: When it was there.
+        :param stamp_s: The stream's own time stamp, in s from any beginning; None for none.
         """
+        is_late = stamp_s is not None and self._stream_clock.is_late(stamp_s, ended_at)
+        is_fresh = self._was_waited_for(begun_at, ended_at) and not is_late
+        if is_fresh and stamp_s is not None:
+            self._stream_clock.accept()
+        return is_fresh
+
+    def _was_waited_for(self, begun_at: float, ended_at: float) -> bool:
         interval = ended_at - (self._ended_at if self._ended_at is not None else begun_at)
         self._ended_at = ended_at
         usual = median(self._intervals) if self._intervals else 0.0
