@@ -22,6 +22,7 @@ import sys
 import time
 
 from ament_index_python.packages import get_package_prefix
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import Log
 import rclpy
@@ -47,6 +48,12 @@ def assert_in_time(seconds, limit):
     """Raise NotInTime where something took longer than it may."""
     if seconds >= limit:
         raise NotInTime(f'took {seconds:.2f} s, expected less than {limit} s')
+
+
+def stamp_now():
+    """Make the stamp of a picture that a driver takes now."""
+    seconds, nanoseconds = divmod(time.time_ns(), 10**9)
+    return Time(sec=seconds, nanosec=nanoseconds)
 
 
 class Ros:

@@ -148,7 +148,7 @@ def _sees_y_clockwise(surface: Surface, hull: Hull) -> bool:
 def _precision(
     pairs: PointPairs, fit: RigidFit, surface: Surface, hull: Hull
 ) -> List[str]:
-    """Tell where the pairs lie too near each other for the area: what an error of touch becomes."""
+    """Warn of pairs too near each other for the area, with what an error of touch becomes."""
     freedom = max(2 * len(pairs) - 3, 1)
     deviation = max(TOUCH_ERROR_CM, np.sqrt(np.sum(fit.residuals ** 2) / freedom))
     centre = pairs.camera_points[:, :2].mean(axis=0)

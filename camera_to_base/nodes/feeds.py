@@ -75,14 +75,16 @@ def start_feed(
     if kind == RANDOM:
         return RandomFeed(node, settings, callbacks.on_pixel, topic)
     if kind in (TOPIC, COMPRESSED_TOPIC):
-        return _subscribe(node, callbacks.on_frame, compressed=kind == COMPRESSED_TOPIC)
+        return _subscribe(node, callbacks.on_frame, settings, kind == COMPRESSED_TOPIC)
     if kind.is_live:
         return CameraFeed(node, source, callbacks.on_frame, wait=settings.wait_for_camera)
     return TimedFeed(node, source, callbacks.on_frame, callbacks.may_start, callbacks.on_end)
 
 
-def _subscribe(node: Node, on_frame: OnFrame, compressed: bool) -> ImageTopic:
+def _subscribe(
+    node: Node, on_frame: OnFrame, settings: CameraSettings, compressed: bool
+) -> ImageTopic:
     # In a simulation without noise good frames repeat themselves to the byte.
     is_simulation = node.get_parameter('use_sim_time').value
     damage = DamageCheck().reason if not is_simulation else lambda frame: None
-    return ImageTopic(node, on_frame, damage, compressed)
+    return ImageTopic(node, on_frame, damage, compressed, settings.limits.max_frame_age_s)

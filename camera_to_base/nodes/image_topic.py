@@ -14,6 +14,7 @@
 
 """Receives the pictures of any camera driver from a topic: the newest waiting one is used."""
 
+import math
 import time
 from typing import Any, Callable, Dict, Optional, Union
 
@@ -23,7 +24,7 @@ from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import (
     frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderState,
-    ReaderStatus, SilenceLimit, source_reason)
+    ReaderStatus, SilenceLimit, source_reason, stamp_reason)
 import numpy as np
 from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -39,10 +40,11 @@ class ImageTopic(ReaderStatus):
     A picture that cannot be used is logged and counted; the next one may be better.
 
     :param node: Subscribes and logs.
-    :param on_frame: Called with each good frame, of shape (h, w, 3), uint8, BGR; when it came, in
-        s of time.monotonic(); and the driver's stamp.
+    :param on_frame: Called with each good frame, of shape (h, w, 3), uint8, BGR; when it was
+        taken by its stamp, in s of time.monotonic(); and the stamp.
     :param damage: Tells for each frame why it cannot be believed, or None.
     :param compressed: Subscribe to `image/compressed`.
+    :param max_age_s: How old a picture may be, by its stamp, when it arrives.
     """
 
     def __init__(
@@ -51,11 +53,13 @@ class ImageTopic(ReaderStatus):
         on_frame: Callable[[np.ndarray, float, Time], None],
         damage: Callable[[np.ndarray], Optional[Reason]] = lambda frame: None,
         compressed: bool = False,
+        max_age_s: float = math.inf,
     ) -> None:
         super().__init__()
         self._node = node
         self._on_frame = on_frame
         self._damage = damage
+        self._max_age_s = max_age_s
         self._decode = frame_from_compressed_message if compressed else frame_from_image_message
         self._silence_limit = SilenceLimit()
         self._refused_at = -LOST_AFTER_S
@@ -95,7 +99,8 @@ class ImageTopic(ReaderStatus):
         return self._silence_limit.seconds
 
     def configure(self, settings: CameraSettings) -> None:
-        """Go on as before: the driver's settings are its own."""
+        """Use another limit of the age; the driver's settings are its own."""
+        self._max_age_s = settings.limits.max_frame_age_s
 
     def close(self) -> None:
         """Receive no more pictures."""
@@ -112,10 +117,21 @@ class ImageTopic(ReaderStatus):
         self._count(reconnects=self.state is ReaderState.LOST)
         self._note_frame(arrived_at)
         self._silence_limit.note(arrived_at)
-        damage = self._damage(frame)
+        stamp = message.header.stamp
+        age_ns = self._age_ns(stamp, arrived_at)
+        damage = self._damage(frame) or self._stamp_reason(stamp, age_ns)
         self._note_damage(damage)
         if damage is None:
-            self._on_frame(frame, arrived_at, message.header.stamp)
+            self._on_frame(frame, arrived_at - max(0, age_ns) / 1e9, stamp)
+
+    def _age_ns(self, stamp: Time, arrived_at: float) -> int:
+        # By the node's clock, which may be a simulation's, and when the picture arrived.
+        waited_ns = int((time.monotonic() - arrived_at) * 1e9)
+        return self._node.get_clock().now().nanoseconds - waited_ns - _nanoseconds(stamp)
+
+    def _stamp_reason(self, stamp: Time, age_ns: int) -> Optional[Reason]:
+        stamp_ns = _nanoseconds(stamp)
+        return stamp_reason(stamp_ns, stamp_ns + age_ns, self._max_age_s)
 
     def _count_replaced(self, info: Dict[str, Any]) -> None:
         # Not every middleware numbers what a publisher sends; another publisher begins anew.
@@ -153,6 +169,10 @@ class ImageTopic(ReaderStatus):
         if types and self._mismatch is not None:
             return self._mismatch
         return FrameSourceError(f'{silence}: is the camera driver running?')
+
+
+def _nanoseconds(stamp: Time) -> int:
+    return stamp.sec * 10**9 + stamp.nanosec
 
 
 def _arrived_at(info: Dict[str, Any]) -> float:

@@ -33,6 +33,7 @@ from camera_to_base.sources.source_kind import (
     AUTO, BAG, COMPRESSED_TOPIC, DEVICE, kind_of, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC,
     VIDEO_FILE)
 from camera_to_base.sources.source_reasons import source_reason
+from camera_to_base.sources.stamp_check import stamp_reason
 from camera_to_base.sources.still_picture import median_frame, read_picture
 from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
 
@@ -42,5 +43,5 @@ __all__ = [
     'FrameReader', 'FrameSource', 'is_reader_hanging', 'kind_of', 'LiveRecording', 'LOST_AFTER_S',
     'median_frame', 'open_frame_source', 'PlayedRecording', 'RANDOM', 'read_picture',
     'ReaderState', 'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason',
-    'SourceKind', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
+    'SourceKind', 'stamp_reason', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

@@ -20,6 +20,7 @@ from typing import NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.reason import Reason
+from camera_to_base.sources.stamp_check import STAMP_KINDS
 
 # No frame for as long as this means that the camera is lost, unless it is known to be slower.
 LOST_AFTER_S = 1.0
@@ -101,7 +102,8 @@ class ReaderStatus:
         # None for a frame that can be believed.
         self.last_damage = damage or self.last_damage
         self.damaged_in_a_row = self.damaged_in_a_row + 1 if damage else 0
-        self._count(read=1, damaged=damage is not None)
+        is_old = damage is not None and damage.kind in STAMP_KINDS
+        self._count(read=1, old=is_old, damaged=damage is not None and not is_old)
 
     def _count(self, **more: int) -> None:
         # The reader's thread alone writes; whoever reads gets one tuple or the next.

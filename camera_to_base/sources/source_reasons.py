@@ -19,9 +19,12 @@ from typing import Optional
 from camera_to_base.errors import TopicTypeError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.sources.reader_status import ReaderState, ReaderStatus
+from camera_to_base.sources.stamp_check import STAMP_KINDS
 
 # A camera whose frames are all damaged is reported after this many.
 _DAMAGED_IN_A_ROW = 10
+# One late picture is none of the clocks' fault.
+_STAMPS_IN_A_ROW = 3
 # A stream that was just opened, or had stalled, gives old frames for a second or two.
 _OLD_FOR_S = 4.0
 
@@ -35,9 +38,12 @@ def source_reason(status: ReaderStatus, name: str) -> Optional[Reason]:
     """
     if status.state is not ReaderState.RUNNING:
         return _silence(status, name)
+    damage = status.last_damage
+    if status.damaged_in_a_row >= _STAMPS_IN_A_ROW and damage.kind in STAMP_KINDS:
+        return Reason(damage.kind, Level.ERROR, f"nothing of '{name}' is used: {damage.sentence}")
     if status.damaged_in_a_row >= _DAMAGED_IN_A_ROW:
         return Reason('damaged', Level.ERROR, (
-            f"no picture of camera '{name}' can be used, {status.last_damage.sentence}"))
+            f"no picture of camera '{name}' can be used, {damage.sentence}"))
     if status.seconds_of_old_frames >= _OLD_FOR_S:
         return Reason('old_frames', Level.ERROR, (
             f"camera '{name}' gives more frames than can be read, so that they are old when they "

@@ -23,7 +23,7 @@ import damaged_frames
 import numpy as np
 import pytest
 from rclpy.qos import qos_profile_sensor_data
-from ros_helpers import CAMERA_TOPIC
+from ros_helpers import CAMERA_TOPIC, stamp_now
 import scenes
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
@@ -89,7 +89,7 @@ def play(ros, make_message, *arguments):
 def check_coin_is_found_and_nothing_else(positions, send, make_message):
     take_frame = table(empty_s=0.6)
     for _ in range(150):
-        send(make_message(Header(), take_frame()))
+        send(make_message(Header(stamp=stamp_now()), take_frame()))
         if len(positions) > 5:
             break
     assert len(positions) > 5
@@ -104,7 +104,7 @@ def test_bad_first_pictures_of_a_topic_do_not_become_the_background(ros, spoil, 
     send = play(ros, image_message, '-p', 'source:=topic')
     take_frame = table(empty_s=60.0)
     for number in range(10 if spoil is brightening else count):
-        send(image_message(Header(), spoil(take_frame(), number)))
+        send(image_message(Header(stamp=stamp_now()), spoil(take_frame(), number)))
     check_coin_is_found_and_nothing_else(positions, send, image_message)
 
 
@@ -115,7 +115,8 @@ def test_damaged_first_jpegs_of_a_topic_do_not_become_the_background(ros, name):
     take_frame = table(empty_s=60.0)
     for _ in range(2):
         jpeg = cv2.imencode('.jpg', take_frame())[1].tobytes()
-        send(CompressedImage(format='jpeg', data=damaged_frames.DAMAGES[name](jpeg)))
+        send(CompressedImage(header=Header(stamp=stamp_now()), format='jpeg',
+                             data=damaged_frames.DAMAGES[name](jpeg)))
     check_coin_is_found_and_nothing_else(positions, send, jpeg_message)
 
 
@@ -124,7 +125,7 @@ def test_camera_that_stays_black_is_told(ros):
     send = play(ros, image_message, '-p', 'source:=topic')
     frame = scenes.still_coin()()
     for number in range(100):
-        send(image_message(Header(), black(frame, number)))
+        send(image_message(Header(stamp=stamp_now()), black(frame, number)))
         if statuses and 'black' in statuses[-1].message:
             break
     assert statuses[-1].level > 0 and 'black' in statuses[-1].message

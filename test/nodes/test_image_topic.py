@@ -30,10 +30,10 @@ import pytest
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data, QoSProfile, ReliabilityPolicy
 from ros_helpers import assert_in_time, Ros
+from rosgraph_msgs.msg import Clock
 import scenes
 from sensor_msgs.msg import CompressedImage, Image
 
-STAMP = Time(sec=1234, nanosec=567)
 ERROR = 40
 
 
@@ -61,16 +61,21 @@ def driver(ros, message_type=Image, topic='image', qos=qos_profile_sensor_data):
     return ros.node.create_publisher(message_type, topic, qos)
 
 
-def image(picture, encoding='bgr8', stamp=STAMP):
+def now(later_s=0.0):
+    nanoseconds = time.time_ns() + round(later_s * 1e9)
+    return Time(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
+
+
+def image(picture, encoding='bgr8', stamp=None):
     message = Image(encoding=encoding, height=picture.shape[0], width=picture.shape[1],
                     step=picture.strides[0], data=array('B', picture.tobytes()))
-    message.header.stamp = stamp
+    message.header.stamp = stamp or now()
     return message
 
 
 def compressed(content):
     message = CompressedImage(format='jpeg', data=array('B', content))
-    message.header.stamp = STAMP
+    message.header.stamp = now()
     return message
 
 
@@ -88,11 +93,13 @@ def send_until(ros, publisher, message, condition, timeout=15.0):
     ('yuv422_yuy2', 2, cv2.COLOR_YUV2BGR_YUYV)])
 def test_picture_arrives_as_a_frame_with_its_stamp(ros, encoding, channels, conversion):
     received, sent = Received(ros), random_picture(channels)
-    assert send_until(ros, driver(ros), image(sent, encoding), lambda: received.frames)
+    message = image(sent, encoding)
+    assert send_until(ros, driver(ros), message, lambda: received.frames)
     frame, taken_at, stamp = received.frames[0]
     assert np.array_equal(frame, sent if conversion is None else cv2.cvtColor(sent, conversion))
-    assert stamp == STAMP
-    assert_in_time(time.monotonic() - taken_at, 1.0)
+    assert stamp == message.header.stamp
+    age_s = (time.time_ns() - stamp.sec * 10**9 - stamp.nanosec) / 1e9
+    assert time.monotonic() - taken_at == pytest.approx(age_s, abs=0.05)
     assert received.topic.state is ReaderState.RUNNING and received.topic.error is None
 
 
@@ -101,10 +108,11 @@ def test_compressed_picture_arrives_as_a_frame_with_its_stamp(ros, ending):
     received = Received(ros, compressed=True)
     content = cv2.imencode(ending, scenes.StillCoin(has_disc=True)())[1]
     publisher = driver(ros, CompressedImage, 'image/compressed')
-    assert send_until(ros, publisher, compressed(content.tobytes()), lambda: received.frames)
+    message = compressed(content.tobytes())
+    assert send_until(ros, publisher, message, lambda: received.frames)
     frame, _, stamp = received.frames[0]
     assert np.array_equal(frame, cv2.imdecode(content, cv2.IMREAD_COLOR))
-    assert stamp == STAMP
+    assert stamp == message.header.stamp
 
 
 def test_driver_may_be_reliable(ros):
@@ -151,6 +159,47 @@ def test_picture_that_had_to_wait_was_taken_when_it_came(ros):
     time.sleep(0.5)
     assert ros.spin_until(lambda: received.frames)
     assert received.frames[0][1] == pytest.approx(sent_at, abs=0.1)
+
+
+@pytest.mark.parametrize('later_s, kind', [
+    (-1.7e9, 'stamp_old'), (-2.0, 'stamp_old'), (0.5, 'stamp_ahead'), (1e6, 'stamp_ahead')])
+def test_pictures_whose_stamp_is_not_the_time_are_an_error_with_the_cure(ros, later_s, kind):
+    received, publisher = Received(ros, max_age_s=0.3), driver(ros)
+
+    def send(later_s):
+        publisher.publish(image(random_picture(), stamp=now(later_s)))
+
+    assert ros.spin_until(lambda: send(later_s) or received.topic.reason is not None
+                          and received.topic.reason.kind == kind)
+    assert 'clocks' in received.topic.reason.sentence
+    assert 'use_sim_time' in received.topic.reason.sentence
+    assert received.frames == [] and received.topic.counts.old >= 3
+    assert ros.spin_until(lambda: send(0.0) or received.frames)
+    assert received.topic.reason is None
+
+
+def test_pictures_without_a_stamp_are_an_error(ros):
+    received, publisher = Received(ros, max_age_s=0.3), driver(ros)
+    message = image(random_picture())
+    message.header.stamp = Time()
+    assert send_until(ros, publisher, message, lambda: received.topic.reason is not None
+                      and received.topic.reason.kind == 'no_stamp')
+    assert received.frames == []
+
+
+def test_stamps_are_compared_with_the_simulations_clock_where_there_is_one(ros):
+    received = Received(ros, '-p', 'use_sim_time:=true', max_age_s=0.3)
+    publisher, clock = driver(ros), ros.node.create_publisher(Clock, '/clock', 10)
+    message = image(random_picture(), stamp=Time(sec=12, nanosec=900000000))
+
+    def send():
+        clock.publish(Clock(clock=Time(sec=13)))
+        publisher.publish(message)
+
+    assert ros.spin_until(lambda: send() or received.frames)
+    _, taken_at, stamp = received.frames[0]
+    assert stamp == message.header.stamp
+    assert time.monotonic() - taken_at == pytest.approx(0.1, abs=0.05)
 
 
 def test_unknown_encoding_is_an_error_that_names_it_until_a_good_picture_comes(ros):
