@@ -143,7 +143,7 @@ def _arrow(canvas, start, end):
 
 
 def _drawable(*pixels):
-    """Tell whether OpenCV can draw there: it has no NaN, and integers of 32 bits."""
+    """Return whether OpenCV can draw there: it has no NaN, and integers of 32 bits."""
     return bool((np.abs(pixels) < 1e5).all())
 
 

@@ -38,7 +38,7 @@ def square_contrast(grey: np.ndarray, corners: np.ndarray) -> float:
 
 def is_board(grey: np.ndarray, corners: np.ndarray) -> bool:
     """
-    Tell whether corners are those of a chessboard: finders also return others.
+    Return whether corners are those of a chessboard: finders also return others.
 
     They must lie regularly, the squares between them alternate, and so must those around.
 
@@ -74,7 +74,7 @@ def _count_beyond_last_row(grey, corners):
 
 
 def _has_squares_beyond(grey, corners, skip):
-    """Tell whether the pattern goes on, that many squares after the last row of corners."""
+    """Return whether the pattern goes on, that many squares after the last row of corners."""
     rows, columns = corners.shape[:2]
     # A quarter into the squares: many prints cut the outermost in half.
     places = np.stack([np.arange(columns - 1) + 0.5,

@@ -165,7 +165,7 @@ def _as_source_error(error: Exception) -> FrameSourceError:
 
 def is_reader_hanging() -> bool:
     """
-    Tell whether a reader's thread has not ended though it was closed.
+    Return whether a reader's thread has not ended though it was closed.
 
     An interpreter that exits then aborts in C++ (12 of 12 runs): leave by `os._exit`.
     """
