@@ -138,7 +138,7 @@ def _refuse_mirrored(fit: RigidFit, surface: Surface, hull: Hull, base_z: str) -
 
 
 def _sees_y_clockwise(surface: Surface, hull: Hull) -> bool:
-    """Return whether the camera sees y a quarter turn clockwise from x, in the middle of an area."""
+    """Return whether the camera sees y clockwise from x, in the middle of an area."""
     origin = surface.locate([hull.corners.mean(axis=0)])[0]
     start, along_x, along_y = surface.pixels(origin + [[0, 0], [1e-3, 0], [0, 1e-3]])
     (u_of_x, v_of_x), (u_of_y, v_of_y) = along_x - start, along_y - start

@@ -125,7 +125,7 @@ class ImageTopic(ReaderStatus):
             self._on_frame(frame, arrived_at - max(0, age_ns) / 1e9, stamp)
 
     def _age_ns(self, stamp: Time, arrived_at: float) -> int:
-        # Arrival times by the node's clock, which may be a simulation's, and by time.monotonic().
+        # The stamp has the node's clock, which may be a simulation's; the wait is real time.
         waited_ns = int((time.monotonic() - arrived_at) * 1e9)
         return self._node.get_clock().now().nanoseconds - waited_ns - _nanoseconds(stamp)
 
