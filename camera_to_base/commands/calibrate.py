@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Command: calibrates from a chessboard or a table, and says how good the result is."""
+"""The command `calibrate`: calibrates from a chessboard or a table, and reports the errors."""
 
 import argparse
 import json
@@ -85,7 +85,7 @@ def _run_points(options: argparse.Namespace) -> Report:
         matched, image_size or DEFAULT_IMAGE_SIZE, source=options.table, model=options.model)
     if image_size is None:
         calibration.report['warnings'].append(
-            'taken for granted: the points were measured in a picture of {} x {} px; say it with '
+            'assumed: the points were measured in a picture of {} x {} px; say it with '
             '--image-size'.format(*DEFAULT_IMAGE_SIZE))
     return _write(calibration, outputs)
 
@@ -111,7 +111,7 @@ _COMMANDS = {'board': _run_board, 'points': _run_points, 'base': _run_base, 'che
 
 
 def _board_picture(options: argparse.Namespace) -> Tuple[np.ndarray, str, Dict[str, Any]]:
-    """Get the picture, what to call it, and the parameters that belong to its source."""
+    """Return the picture, its name in the report, and the parameters of its source."""
     if options.camera is None:
         return read_picture(options.picture_file), options.picture_file, {}
     source, values = _open_camera(options)
@@ -132,7 +132,7 @@ def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, An
 
 
 def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
-    """Name the files to write, and check them before any work is done for them."""
+    """Return the paths of the files to write, after checking them."""
     outputs = [options.output]
     if 'picture' in options:
         outputs.append(options.picture or f'{os.path.splitext(options.output)[0]}_report.png')
@@ -151,7 +151,7 @@ def _write(
     calibration: Calibration, outputs: List[str], values: Optional[Dict[str, Any]] = None,
     comments: Iterable[str] = (),
 ) -> Report:
-    """Write the parameter file, and the picture if there is one; return the report."""
+    """Write the parameter file and the picture, if there is one; return the report."""
     text = parameter_text(
         {**(values or {}), **calibration.values},
         ['Written by `calibrate` of camera_to_base.', *report_lines(calibration.report),
