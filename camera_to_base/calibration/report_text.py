@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Says how good a calibration is: for a person, for a parameter file, under a picture."""
+"""Formats a calibration's report as text: for the terminal, a parameter file, and the picture."""
 
 from typing import Any, Dict, Iterator, List, Mapping
 
@@ -31,7 +31,7 @@ def report_lines(report: Mapping[str, Any]) -> List[str]:
 
 
 def figure_lines(report: Mapping[str, Any]) -> List[str]:
-    """Write the errors, and where they hold, as lines."""
+    """Write the errors, and the area that they hold for, as lines."""
     lines = [f'error at {report["points"]} points: rms {report["rms_mm"]:.2f} mm, '
              f'mean {report["mean_mm"]:.2f} mm, '
              f'largest {report["max_mm"]:.2f} mm ({report["points_are"]} {report["worst_row"]})']
