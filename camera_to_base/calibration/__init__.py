@@ -18,7 +18,7 @@ Calibration: from measured points to parameters and a report.
 In: pictures of a chessboard, tables of points, or pairs of points in both frames. Out: the values
 of `surface.*` or of the transform, their errors in mm, and a picture of them.
 
-Callers: `commands`. A node never imports it.
+Callers: `commands`. The nodes do not import it.
 """
 
 from camera_to_base.calibration.board import find_board

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Find a chessboard's inner corners, in an order that does not depend on chance."""
+"""Find a chessboard's inner corners, in a reproducible order."""
 
 from dataclasses import dataclass
 from typing import Optional
@@ -27,7 +27,7 @@ import cv2
 import numpy as np
 
 # Half the side of the window in which a corner is refined, as a share of the distance to its
-# nearest neighbour: measured best from 0.25 to 0.3; at 0.4 neighbouring edges get in.
+# nearest neighbour. 0.25 to 0.3 measured best; at 0.4 the window contains neighbouring edges.
 WINDOW_SHARE = 0.3
 
 # Finders need a few pixels for a square.
@@ -47,8 +47,7 @@ class Board:
 
     :param corners: Shape (rows, columns, 2), u and v, in px. The first is the origin, x runs along
         the rows and y along the columns. See `canonical`.
-    :param second_board: Whether another board of the same size is in the picture; this one is the
-        larger.
+    :param second_board: Whether the picture shows another, smaller board with the same counts.
     """
 
     corners: np.ndarray
@@ -92,9 +91,9 @@ def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
 
 def canonical(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """
-    Order corners so that the same board comes out the same, however it lies.
+    Order corners so that the same board gives the same order, however it is turned.
 
-    1. The camera sees y a quarter turn clockwise from x, as u and v are: z points into the
+    1. The camera sees y a quarter turn clockwise from x, like v from u: z points into the
        surface.
     2. Where the counts differ by an odd number, the board has one end with dark corner squares:
        the origin is the corner at that end that 1. leaves.
@@ -118,7 +117,7 @@ def canonical(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 def refine(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """
-    Move each corner to where the edges around it cross.
+    Move each corner to the crossing of the edges around it.
 
     :param grey: Shape (h, w), uint8.
     :param corners: Shape (rows, columns, 2), in px, a few px off.
@@ -139,7 +138,7 @@ def refine(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
 def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True
            ) -> Optional[np.ndarray]:
     """
-    Find corners to a pixel: reduced if the picture is large, then as it is.
+    Find corners to a pixel: first in a reduced picture if it is large, then in the full one.
 
     :param grey: Shape (h, w), uint8.
     :param thorough: False looks at the reduced picture only, which takes a tenth of the time.
@@ -155,7 +154,7 @@ def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True
 
 
 def _search_once(grey, columns, rows):
-    """Search with the finder that is measured to be better, then with the one for blur."""
+    """Search with the finder that measured better, then with the one for blurred pictures."""
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
     found, corners = cv2.findChessboardCorners(grey, (columns, rows), flags=flags)
     if not found or not is_board(grey, corners.reshape(rows, columns, 2)):

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Says how good a calibration is: for a person, for a parameter file, under a picture."""
+"""Formats a calibration's report as text: for the terminal, a parameter file, and the picture."""
 
 from typing import Any, Dict, Iterator, List, Mapping
 

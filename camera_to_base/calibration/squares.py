@@ -12,13 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Read the squares between and around a chessboard's corners."""
+"""Measures the squares between and around a chessboard's corners."""
 
 import cv2
 import numpy as np
 
-# Real boards: contrast 0.79 or more where squares are, 0.30 or less where there are none;
-# irregularity 0.07 or less, and 0.25 or more in most of what finders invent.
+# Real boards have a contrast of 0.79 or more at squares, 0.30 or less beside the board, and an
+# irregularity of 0.07 or less. Most false boards of the finders have 0.25 or more.
 LEAST_CONTRAST = 0.55
 LARGEST_IRREGULARITY = 0.2
 
@@ -38,9 +38,9 @@ def square_contrast(grey: np.ndarray, corners: np.ndarray) -> float:
 
 def is_board(grey: np.ndarray, corners: np.ndarray) -> bool:
     """
-    Tell whether corners are those of a chessboard: finders also return others.
+    Return whether corners are those of a chessboard: finders also return false ones.
 
-    They must lie regularly, the squares between them alternate, and so must those around.
+    They must be regular, and the squares between and around them must alternate.
 
     :param grey: Shape (h, w), uint8.
     :param corners: Shape (rows, columns, 2), in px.
@@ -64,9 +64,9 @@ def count_beyond(grey: np.ndarray, corners: np.ndarray) -> tuple[int, int]:
     """
     Count the corners that a board has beyond those found.
 
-    Finders are content with a part of a board: asked for 8 x 6 corners, OpenCV 4.6 and 5.0 find
-    them in 24 and 25 of 26 pictures of a 9 x 6 board. A board ends after one square beyond its
-    outermost corners; where a second one follows, so does a corner.
+    Finders accept a part of a board: when asked for 8 x 6 corners, OpenCV 4.6 and 5.0 find them
+    in 24 and 25 of 26 pictures of a 9 x 6 board. A board ends one square beyond its outermost
+    corners; if a second square follows, there is another corner between.
 
     :param grey: Shape (h, w), uint8.
     :param corners: Shape (rows, columns, 2), in px.

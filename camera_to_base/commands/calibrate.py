@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Command: calibrates from a chessboard or a table, and says how good the result is."""
+"""The command `calibrate`: calibrates from a chessboard or a table, and reports the errors."""
 
 import argparse
 from datetime import datetime
@@ -103,7 +103,7 @@ def _run_points(options: argparse.Namespace) -> Report:
         matched, image_size or DEFAULT_IMAGE_SIZE, source=options.table, model=options.model)
     if image_size is None:
         calibration.report['warnings'].append(
-            'taken for granted: the points were measured in a picture of {} x {} px; say it with '
+            'assumed: the points were measured in a picture of {} x {} px; say it with '
             '--image-size'.format(*DEFAULT_IMAGE_SIZE))
     return _write(calibration, outputs)
 
@@ -163,7 +163,7 @@ def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, An
 
 
 def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
-    """Name the files to write, and check them before any work is done for them."""
+    """Return the paths of the files to write, after checking them."""
     outputs = [options.output]
     if 'picture' in options:
         outputs.append(options.picture or f'{os.path.splitext(options.output)[0]}_report.png')
@@ -182,7 +182,7 @@ def _write(
     calibration: Calibration, outputs: List[str], values: Optional[Dict[str, Any]] = None,
     comments: Iterable[str] = (),
 ) -> Report:
-    """Write the parameter file, and the picture if there is one; return the report."""
+    """Write the parameter file and the picture, if there is one; return the report."""
     text = parameter_text(
         {**(values or {}), **calibration.values},
         ['Written by `calibrate` of camera_to_base.', *report_lines(calibration.report),

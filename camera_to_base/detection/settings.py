@@ -91,7 +91,7 @@ class DetectorSettings:
                 if not self.has_effect(name) and getattr(self, name) != getattr(type(self), name)]
 
     def has_effect(self, name: str) -> bool:
-        """Tell whether the method in use takes a setting."""
+        """Return whether the method in use takes a setting."""
         return not any(name in names for method, names in _METHOD_SETTINGS.items()
                        if method != self.method)
 

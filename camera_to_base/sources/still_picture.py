@@ -25,7 +25,8 @@ import numpy as np
 
 # A camera's exposure settles within its first frames.
 WARM_UP_FRAMES = 10
-# An odd number: the median of each pixel is one of its values. Noise falls to about 0.4 of it.
+# An odd number, so that the median of each pixel is one of its values. The noise falls to about
+# 0.4 of a single frame's.
 FRAMES = 9
 
 
@@ -49,7 +50,7 @@ def read_picture(path: str) -> StillPicture:
 
     :raises InvalidValueError: If there is none, or it is no picture.
     """
-    # Read here and not by OpenCV, which would write a warning of its own for what we raise.
+    # Not by cv2.imread, which would print its own warning in addition to this error.
     try:
         content = np.fromfile(os.path.expanduser(path), np.uint8)
     except OSError as error:
@@ -71,7 +72,7 @@ def _decoded(content: np.ndarray, flags: int) -> Optional[np.ndarray]:
 
 def median_frame(source: FrameSource) -> np.ndarray:
     """
-    Take the median of several frames: less noise, and no hand that passes by.
+    Return the median of several frames: it has less noise, and no hand that passes by.
 
     :returns: Shape (h, w, 3), uint8, BGR.
     :raises FrameSourceError: If the source gives no frame.
