@@ -14,9 +14,9 @@
 
 """Publishes pictures of what a camera node sees, while somebody looks at them."""
 
-from typing import Callable
+from typing import Callable, Optional
 
-from camera_to_base.drawing import draw_note, draw_objects, Label, object_mask
+from camera_to_base.drawing import AreaOverlay, draw_note, draw_objects, Label, object_mask
 from camera_to_base.nodes.image_messages import image_message, jpeg_message
 from camera_to_base.trust import Sighting
 import numpy as np
@@ -49,7 +49,8 @@ class DebugImages:
         self._mask = publisher(Image, 'mask')
 
     def publish(
-        self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label
+        self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label,
+        areas: Optional[AreaOverlay] = None,
     ) -> None:
         """
         Publish what somebody listens to.
@@ -58,9 +59,12 @@ class DebugImages:
         :param sighting: What was found on it.
         :param note: A line for the picture's corner: the state of the background, of the node.
         :param label: Makes the text of a position.
+        :param areas: Where objects count; None for no drawing of it.
         """
         if _has_listener(self._image) or _has_listener(self._jpeg):
             picture = draw_objects(frame, sighting.objects, label)
+            if areas is not None:
+                areas.draw(picture)
             draw_note(picture, note)
             _publish(self._image, lambda: image_message(header, picture))
             _publish(self._jpeg, lambda: jpeg_message(header, picture))
