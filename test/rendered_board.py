@@ -14,6 +14,8 @@
 
 """Render chessboards for tests, with everything about them known."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -68,20 +70,24 @@ def _distorted_radius(undistorted, coefficient):
 def render(homography, *, columns=9, rows=6, square_cm=2.5, coefficient=0.0, noise=0.0, blur=0.0,
            seed=0):
     """Render a board whose first inner corner is the origin, 3 x 3 samples to a pixel."""
-    offsets = (np.arange(3) - 1) / 3
-    v, u = np.meshgrid((np.arange(HEIGHT)[:, None] + offsets).ravel(),
-                       (np.arange(WIDTH)[:, None] + offsets).ravel(), indexing='ij')
-    relative = (np.stack([u, v], axis=-1) - CENTRE) / RADIUS
-    relative = relative / (1 + coefficient * (relative ** 2).sum(axis=-1, keepdims=True))
-    undistorted = np.append(CENTRE + RADIUS * relative, np.ones((*u.shape, 1)), axis=-1)
-    surface = undistorted @ np.linalg.inv(homography).T
-    x, y = surface[..., 0] / surface[..., 2], surface[..., 1] / surface[..., 2]
-    samples = _board_at(x / square_cm, y / square_cm, columns, rows)
-    image = samples.reshape(HEIGHT, 3, WIDTH, 3).mean(axis=(1, 3))
+    image = _render_grey(tuple(np.ravel(homography)), columns, rows, square_cm, coefficient)
     if blur:
         image = cv2.GaussianBlur(image, (0, 0), blur)
     image = image + np.random.default_rng(seed).normal(0, noise, image.shape)
     return cv2.cvtColor(image.round().clip(0, 255).astype(np.uint8), cv2.COLOR_GRAY2BGR)
+
+
+@lru_cache
+def _render_grey(homography, columns, rows, square_cm, coefficient):
+    offsets = (np.arange(3) - 1) / 3
+    u = (np.arange(WIDTH)[:, None] + offsets).ravel() - CENTRE[0]
+    v = (np.arange(HEIGHT)[:, None] + offsets).ravel()[:, None] - CENTRE[1]
+    scale = 1 / (1 + coefficient * (u ** 2 + v ** 2) / RADIUS ** 2)
+    u, v = CENTRE[0] + u * scale, CENTRE[1] + v * scale
+    x, y, w = (row[0] * u + row[1] * v + row[2]
+               for row in np.linalg.inv(np.reshape(homography, (3, 3))))
+    samples = _board_at(x / (w * square_cm), y / (w * square_cm), columns, rows)
+    return samples.reshape(HEIGHT, 3, WIDTH, 3).mean(axis=(1, 3))
 
 
 def _board_at(x, y, columns, rows):

@@ -31,6 +31,7 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('detection_speed', {'method', 'scene', 'width', 'height', 'ratio'}),
     ('damage', {'stream', 'quality', 'damage', 'wrong', 'wrong published', 'damage check ms'}),
     ('view_shift', {'surface', 'move', 'disturbance', 'true_px', 'told_px'}),
+    ('attack', {'surface', 'what', 'frames', 'wrong'}),
     ('nodes', {'node'})])
 def test_benchmark_runs_and_writes_its_rows(tmp_path, name, columns):
     file = tmp_path / 'rows.json'

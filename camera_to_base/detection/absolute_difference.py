@@ -135,6 +135,11 @@ class AbsoluteDifferenceDetector:
                       for outline in find_outlines(mask, columns.start, rows.start)]
         return sorted(detections, key=lambda detection: -detection.area)
 
+    @property
+    def taken_away(self) -> List[Detection]:
+        """Nothing: what has left is an object, as in the tutorial."""
+        return []
+
     def _smoothed_background(self) -> np.ndarray:
         # The steps leave their results in arrays of the picture's size, so that a place has the
         # same indices everywhere, and no memory is asked for and given back for each frame.

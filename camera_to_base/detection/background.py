@@ -48,8 +48,6 @@ class Background:
     def __init__(self, picture: np.ndarray) -> None:
         self.picture = picture
         self.grey = cv2.cvtColor(self.picture, cv2.COLOR_BGR2GRAY)
-        ends = [int(end * len(picture)) for end in _BLOCK_ENDS]
-        self._blocks = [slice(*pair) for pair in zip(ends, ends[1:]) if pair[0] < pair[1]]
 
     def changed_region(
         self, frame: np.ndarray, threshold: float, margin: int, grey: np.ndarray
@@ -68,7 +66,7 @@ class Background:
         :returns: None where no pixel has changed.
         """
         height, width = self.grey.shape
-        rows = self._changed_rows(frame, threshold)
+        rows = changed_rows(frame, self.picture, threshold)
         if rows is None:
             return None
         band = grow(rows, margin, margin, height)
@@ -80,30 +78,40 @@ class Background:
         columns = np.flatnonzero(difference.max(axis=0) > threshold)
         return Region(rows, slice(int(columns[0]), int(columns[-1]) + 1)) if len(columns) else None
 
-    def light(self, original: 'Background', gain: float) -> None:
-        """Become another background of the same size, with all its levels times a factor."""
-        cv2.convertScaleAbs(original.picture, alpha=gain, dst=self.picture)
-        cv2.cvtColor(self.picture, cv2.COLOR_BGR2GRAY, dst=self.grey)
 
-    def _changed_rows(self, frame: np.ndarray, threshold: float) -> Optional[slice]:
-        # From both ends inwards, up to the first block with a change, and once more within that
-        # block: a frame in which nothing changed is read once, and one in which everything
-        # changed is hardly read at all.
-        first = self._first_changed(frame, self._blocks, threshold)
-        if first is None:
-            return None
-        last = self._first_changed(frame, reversed(self._blocks), threshold)
-        first = self._first_changed(frame, _steps(first), threshold)
-        last = self._first_changed(frame, reversed(_steps(last)), threshold)
-        return slice(first.start, last.stop)
+def changed_rows(
+    frame: np.ndarray, picture: np.ndarray, threshold: float, exact: bool = True
+) -> Optional[slice]:
+    """
+    Find the rows between the first and the last pixel in which two pictures differ.
 
-    def _first_changed(
-        self, frame: np.ndarray, blocks: Iterable[slice], threshold: float
-    ) -> Optional[slice]:
-        for rows in blocks:
-            if cv2.norm(frame[rows], self.picture[rows], cv2.NORM_INF) > threshold:
+    From both ends inwards, up to the first block with a change, and once more within that block:
+    a frame in which nothing changed is read once, and one in which everything changed is hardly
+    read at all.
+
+    :param frame: Shape (h, w, 3), uint8.
+    :param picture: Of the same shape.
+    :param threshold: Grey levels; a channel that differs by more has changed.
+    :param exact: Whether the second look within a block is worth its time.
+    :returns: None where nothing has.
+    """
+    ends = [int(end * len(picture)) for end in _BLOCK_ENDS]
+    blocks = [slice(*pair) for pair in zip(ends, ends[1:]) if pair[0] < pair[1]]
+
+    def first_changed(parts: Iterable[slice]) -> Optional[slice]:
+        for rows in parts:
+            if cv2.norm(frame[rows], picture[rows], cv2.NORM_INF) > threshold:
                 return rows
         return None
+
+    first = first_changed(blocks)
+    if first is None:
+        return None
+    last = first_changed(reversed(blocks))
+    if not exact:
+        return slice(first.start, last.stop)
+    return slice(first_changed(_steps(first)).start,
+                 first_changed(reversed(_steps(last))).stop)
 
 
 def grow(part: slice, before: int, after: int, length: int) -> slice:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells a frame that a stream has just taken from one that lay in a buffer on the way."""
+"""Distinguishes a stream's new frames from frames that waited in a buffer."""
 
 from collections import deque
 from statistics import median
@@ -22,12 +22,12 @@ from camera_to_base.sources.stream_clock import StreamClock
 
 # A frame that could be read faster than this was there already, unless the camera is faster yet.
 _WAITED_S = 0.006
-# Where other programs want the processor, reading what was there takes long, too: a frame that was
-# waited for comes no sooner than this share of the usual interval after the one before.
+# On a busy processor, reading a buffered frame takes long, too. So a new frame must also arrive
+# at least this share of the usual interval after the frame before.
 _WAITED_INTERVALS = 0.5
-# How long a reader may go without waiting before what it reads counts as old.
+# If a reader has not had to wait for this time, its frames count as old.
 _LONGEST_RUSH_S = 0.2
-# A rush that lasts longer is a camera that has become faster: no buffer holds as much.
+# A longer rush means that the camera has become faster: no buffer holds that many frames.
 _NEW_RATE_S = 2.0
 _RUSH_WAITS = 32
 _STALL_S = 0.25
@@ -38,11 +38,11 @@ class Freshness:
     """
     Judges frames by how long a reader had to wait for them.
 
-    Old frames come at once, one after another: those that FFmpeg gathers while it opens an RTSP
-    stream (1 s of them), those that the sockets hold after the network or this process has
-    stalled, and all of them where reading is slower than the camera. A frame that had to be
-    waited for is new. After a stall two in a row must have been waited for: the first frame's
-    wait is the stall itself, and a single slow read happens in a rush, too.
+    Buffered frames are read without waiting, in a rush. They are those that FFmpeg collects while
+    it opens an RTSP stream (1 s), those that the sockets hold after the network or this process
+    has stalled, and all frames if reading is slower than the camera. A frame is new if the reader
+    had to wait for it. After a stall the reader must have waited for two frames in a row: the
+    first wait is the stall itself, and a rush may contain a single slow read.
     """
 
     def __init__(self) -> None:
@@ -96,7 +96,7 @@ class Freshness:
         return self._waits_needed == 0
 
     def _rush(self, now: float, waited_s: float) -> None:
-        # The intervals of a rush are not the camera's.
+        # In a rush, the intervals are shorter than the camera's.
         self._waits_needed = 2
         self._rushing_since = self._rushing_since or now
         self._rush_waits.append(waited_s)

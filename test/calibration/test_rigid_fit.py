@@ -14,6 +14,8 @@
 
 """The transform from the camera frame to the base frame."""
 
+import re
+
 from camera_to_base.calibration.rigid_fit import align, fit_rigid, rotation_deg
 from camera_to_base.coordinate_transform import rotation_matrix
 from camera_to_base.errors import CalibrationError
@@ -70,10 +72,52 @@ def test_angles_go_round_trip_where_pitch_is_a_right_angle(recwarn):
 
 
 def test_pairs_that_nothing_fits_are_refused_by_the_worst_row():
-    base = POINTS * [1, -1] + [-17.8, 24.4]
-    base[4] += [0, 6]
-    with pytest.raises(CalibrationError, match=r'row 6 is off by \d\d mm, allowed are 20 mm'):
-        fit_rigid(pairs(POINTS, base, (2, 3, 4, 5, 6)))
+    base = POINTS[:4] * [1, -1] + [-17.8, 24.4]
+    base[3] += [0, 8]
+    with pytest.raises(CalibrationError, match=r'row \d is off by \d\d mm, allowed are 20 mm'):
+        fit_rigid(pairs(POINTS[:4], base, (2, 3, 4, 5)))
+
+
+SIX = np.array([[3.0, 4.0], [33.0, 5.0], [32.0, 24.0], [5.0, 23.0], [18.0, 6.0], [20.0, 15.0]])
+
+
+@pytest.mark.parametrize('bad', range(6))
+@pytest.mark.parametrize('error', [(0.8, 0), (0, -6.0), (100, 0)])
+def test_bad_row_among_six_is_named_with_the_fit_without_it(bad, error):
+    base = SIX * [1, -1] + [-17.8, 24.4] + np.random.default_rng(bad).normal(0, 0.05, SIX.shape)
+    base[bad] += error
+    with pytest.raises(CalibrationError) as caught:
+        fit_rigid(pairs(SIX, base, (2, 3, 4, 5, 6, 7)))
+    said = re.match(
+        r'row (\d) does not belong to the others: it is off by ([\d.]+) mm .* which they meet to '
+        r'([\d.]+) mm rms: measure it again or delete it. Without it: rotation \(([-\d.]+), '
+        r'[-\d.]+, [-\d.]+\) degrees, displacement \(([-\d.]+), ([-\d.]+), [-\d.]+\) cm',
+        str(caught.value))
+    assert int(said[1]) == bad + 2
+    assert float(said[2]) == pytest.approx(10 * np.linalg.norm(error), abs=3)
+    assert float(said[3]) < 1.5
+    assert abs(float(said[4])) == pytest.approx(180, abs=0.01)
+    assert [float(said[5]), float(said[6])] == pytest.approx([-17.8, 24.4], abs=0.3)
+
+
+def test_pairs_of_an_honest_ruler_are_hardly_ever_suspected():
+    suspected, rng = 0, np.random.default_rng(0)
+    for _ in range(200):
+        count = int(rng.integers(5, 12))
+        points = rng.uniform((0, 0), (36, 27), (count, 2))
+        base = points * [1, -1] + [-17.8, 24.4] + rng.normal(0, 0.1, (count, 2))
+        try:
+            fit_rigid(pairs(points, base))
+        except CalibrationError as error:
+            assert 'does not belong' in str(error)
+            suspected += 1
+    assert suspected <= 6  # one of a hundred is expected
+
+
+@pytest.mark.parametrize('scale', [0.1, 10, 1 / 2.54])
+def test_frames_in_two_units_are_refused_with_their_ratio(scale):
+    with pytest.raises(CalibrationError, match=f'lie {scale:.3g} times as far apart .* in cm'):
+        fit_rigid(pairs(POINTS, scale * POINTS))
 
 
 def test_three_pairs_have_no_leave_one_out_residuals():

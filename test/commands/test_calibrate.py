@@ -18,6 +18,7 @@
 import json
 from pathlib import Path
 import re
+import zlib
 
 from camera_to_base.commands.calibrate import main
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
@@ -37,6 +38,10 @@ BOARD = ('--corners', '9x6', '--square-mm', '25')
 POINTS = np.array([[2.0, 1.0], [18.5, 11.0], [-2.0, 6.0], [10.0, 14.0]])
 PAIRS = ('x_cam_cm,y_cam_cm,x_base_cm,y_base_cm\n'
          '0,0,-17.8,24.4\n36,0,18.2,24.4\n36,27,18.2,-2.6\n0,27,-17.8,-2.6\n')
+
+
+# On the board; its frame's z points into the table, so that the base's y runs the other way.
+TOUCHED = np.array([[1.0, 1.0], [18.5, 1.5], [17.0, 11.0], [2.0, 10.5], [9.0, 4.0], [11.0, 9.0]])
 
 
 @pytest.fixture(autouse=True)
@@ -77,6 +82,18 @@ def table(name='points.csv', points=None, surface=None, header='x_cm,y_cm,u_px,v
     pixels = project(pixel_from_surface(), points) if surface is None else surface.pixels(points)
     rows = [','.join(map(repr, row)) for row in np.hstack([points, pixels]).tolist()]
     Path(name).write_text('\n'.join([header, *rows]) + '\n')
+    return name
+
+
+def touched(camera=TOUCHED, base=TOUCHED * [1, -1] + [-17.8, 24.4], name='pairs.csv'):
+    rows = [','.join(map(repr, row)) for row in np.hstack([camera, base]).tolist()]
+    Path(name).write_text('\n'.join([PAIRS.split()[0], *rows]) + '\n')
+    return name
+
+
+def surface_file(name='board.yaml'):
+    """Write the surface of the rendered board, as `calibrate points` does."""
+    assert main(['points', table(), '-o', name, '--image-size', '640x480']) == 0
     return name
 
 
@@ -156,6 +173,25 @@ def test_second_board_in_view_is_a_warning(report):
     assert found['x_towards_px'][0] < 340
 
 
+def photograph(name, frame, orientation):
+    """Write a JPEG whose EXIF orientation asks viewers to turn it."""
+    exif = (b'Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0'
+            + bytes([orientation]) + b'\0\0\0\0\0\0')
+    content = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, 100])[1].tobytes()
+    mark = b'\xff\xe1' + (len(exif) + 2).to_bytes(2, 'big')
+    Path(name).write_bytes(content[:2] + mark + exif + content[2:])
+    return name
+
+
+@pytest.mark.parametrize('orientation, is_turned', [(1, False), (3, True), (6, True)])
+def test_photograph_is_used_as_it_is_stored_with_a_warning(report, orientation, is_turned):
+    name = photograph('board.jpg', render(pixel_from_surface()), orientation)
+    found = report('board', name, *BOARD, '-o', 'surface.yaml')
+    assert found['image_size'] == [640, 480]
+    assert found['origin_px'] == pytest.approx(project(pixel_from_surface(), [[0, 0]])[0], abs=0.5)
+    assert ['EXIF orientation' in text for text in found['warnings']] == [True] * is_turned
+
+
 def test_video_is_used_by_the_median_of_its_frames(report):
     writer = cv2.VideoWriter('board.avi', cv2.VideoWriter_fourcc(*'MJPG'), 10.0, IMAGE_SIZE)
     for seed in range(9):
@@ -223,8 +259,9 @@ def test_pairs_give_the_transform_nodes_parameters(report):
 def test_one_file_can_serve_both_nodes(report):
     report('board', board_picture(), *BOARD, '-o', 'cell.yaml')
     surface = read_parameter_file('cell.yaml')
-    Path('pairs.csv').write_text(PAIRS)
-    report('base', 'pairs.csv', '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
+    touched()
+    found = report('base', 'pairs.csv', '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
+    assert found['warnings'] == []
     both = read_parameter_file('cell.yaml')
     assert set(both.values) == {*surface.values, 'rotation_deg', 'displacement_cm'}
     assert all(both.values[name] == value for name, value in surface.values.items())
@@ -260,6 +297,15 @@ def test_files_are_overwritten_when_told_to_only(run):
 
 def flat_picture(name='flat.png', width=640):
     cv2.imwrite(name, np.full((480, width, 3), 128, np.uint8))
+    return name
+
+
+def huge_picture(name='huge.png'):
+    """Write a PNG whose header claims 100,000 x 100,000 px."""
+    content = bytearray(cv2.imencode('.png', np.zeros((9, 9, 3), np.uint8))[1].tobytes())
+    content[16:24] = (100000).to_bytes(4, 'big') * 2
+    content[29:33] = zlib.crc32(content[12:29]).to_bytes(4, 'big')
+    Path(name).write_bytes(content)
     return name
 
 
@@ -301,6 +347,10 @@ BAD_INPUTS = {
     'missing picture': (lambda: ('board', 'none.png', *BOARD), "picture 'none.png': No such file"),
     'no picture': (lambda: ('board', written('a.png', 'text'), *BOARD), 'no picture that OpenCV'),
     'empty picture': (lambda: ('board', written('a.png', ''), *BOARD), 'no picture that OpenCV'),
+    'picture of one pixel': (lambda: ('board', flat_picture(width=1), *BOARD),
+                             '1 x 480 px is too small to show 10 x 7 squares'),
+    'picture that claims to be huge': (lambda: ('board', huge_picture(), *BOARD),
+                                       'damaged, or larger than OpenCV reads'),
     'missing camera': (lambda: ('board', '--camera', '/dev/video99', *BOARD),
                        'cannot open camera'),
     'missing video': (lambda: ('board', '--camera', 'none.avi', *BOARD), 'there is no such file'),
@@ -333,7 +383,10 @@ BAD_INPUTS = {
     'no rows of one y': (lambda: ('points', table(points=POINTS), '--model', 'polynomial'),
                          'at least three values of y_cm'),
     'no rigid transform': (lambda: ('base', written('a.csv', PAIRS + '10,10,20,20\n')),
-                           r'no rigid transform fits the pairs: row 6 is off by \d+ mm'),
+                           r'row 6 does not belong to the others: it is off by 283.6 mm'),
+    'four pairs that nothing fits': (
+        lambda: ('base', written('a.csv', PAIRS.replace('-17.8,-2.6', '-17.8,2.6'))),
+        r'no rigid transform fits the pairs: row \d is off by \d+ mm'),
     'two pairs': (lambda: ('base', written('a.csv', '\n'.join(PAIRS.split()[:3]))),
                   '2 pairs are too few'),
     'no column of pairs': (lambda: ('base', table()), 'no column x_cam_cm'),
@@ -348,6 +401,9 @@ BAD_INPUTS = {
                  "cannot write '/dev/null': a device or a pipe is there, not a file"),
     'picture of no format': (lambda: ('points', table(), '--picture', 'report.doc'),
                              'must end in .png or .jpg'),
+    'sheet of no format': (lambda: ('sheet', '-o', 'a.doc'), 'must end in .pdf, .svg or .png'),
+    'sheet that is too small': (lambda: ('sheet', '--square-mm', 40, '-o', 'a.pdf'),
+                                'does not fit on A4: squares of 25 mm do'),
     'no such subcommand': (lambda: ('bored',), "invalid choice: 'bored'"),
 }
 
@@ -364,6 +420,99 @@ def test_bad_input_is_one_sentence_and_exit_code_1_and_nothing_is_written(run, b
     assert error.startswith('calibrate: ') and error.count('\n') == 1
     assert re.search(said, error), error
     assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+BASE = TOUCHED * [1, -1] + [-17.8, 24.4]
+ONE_BAD = BASE + 0.8 * np.eye(6)[:, [4, 0]] * [1, 0]
+LIES = {
+    'mirrored base frame': (TOUCHED, TOUCHED + [-17.8, 24.4], 'so it is mirrored'),
+    'x and y of the base exchanged': (TOUCHED, BASE[:, ::-1], 'so it is mirrored'),
+    'frames exchanged': (BASE, TOUCHED, 'are the columns of the two frames exchanged'),
+    'mm in both': (10 * TOUCHED, 10 * BASE, r'row \d: the camera point .* is it in mm'),
+    'm in both': (TOUCHED / 100, BASE / 100, r'within 1\.9 mm, too near .* are the numbers in m'),
+    'mm in the base': (TOUCHED, 10 * BASE, 'the base points lie 10 times as far apart'),
+    'a corner of the table': (TOUCHED[:3] / 16, (TOUCHED * [1, -1])[:3] / 16,
+                              r'errors of 1.0 mm in them become \d+ mm at the far end'),
+    'one bad pair of six': (TOUCHED, ONE_BAD, r'row 6 does not belong .* off by \d+.\d mm'),
+}
+
+
+@pytest.mark.parametrize('lie', LIES)
+def test_pairs_that_cannot_be_of_this_table_are_refused_and_nothing_is_written(run, lie):
+    camera, base, said = LIES[lie]
+    surface = surface_file()
+    run('check', surface, 'points.csv')  # takes what the making of the surface has printed
+    touched(camera, base)
+    before = {path: path.read_bytes() for path in Path().iterdir()}
+    code, output, error = run('base', 'pairs.csv', '--surface', surface, '-o', 'cell.yaml')
+    assert (code, output) == (1, '') and error.count('\n') == 1
+    assert re.search(said, error), error
+    assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+def test_hanging_robot_counts_z_downwards(run):
+    surface, pairs = surface_file(), touched(TOUCHED, TOUCHED + [-17.8, 24.4])
+    code, _, error = run('base', pairs, '--surface', surface, '-o', 'a.yaml', '--base-z', 'down')
+    assert (code, error) == (0, '')
+    code, _, error = run('base', touched(), '--surface', surface, '-o', 'b.yaml', '--base-z',
+                         'down')
+    assert code == 1 and "the pairs put the base frame's z away from the table" in error
+
+
+def test_what_pairs_alone_cannot_tell_is_a_warning(report, run):
+    Path('pairs.csv').write_text(PAIRS)
+    warnings = report('base', 'pairs.csv', '-o', 'base.yaml')['warnings']
+    assert any('without --surface nothing shows whether' in text for text in warnings)
+    assert any('with 4 pairs a bad one cannot be told' in text for text in warnings)
+    assert all(f'warning: {text}' in read_parameter_file('base.yaml').comments
+               for text in warnings)
+    touched(10 * TOUCHED, 10 * BASE)
+    code, _, error = run('base', 'pairs.csv', '-o', 'far.yaml')
+    assert code == 1 and 'which is no table: are the numbers in mm' in error
+
+
+def test_pairs_outside_of_the_calibrated_area_are_named(run):
+    points = np.array([[x, y] for y in (2.0, 5.0, 8.0) for x in (3.0, 8.0, 12.0)])
+    assert main(['points', table(points=points), '-o', 'a.yaml', '--image-size', '640x480']) == 0
+    code, output, _ = run('base', touched(), '--surface', 'a.yaml', '-o', 'cell.yaml')
+    assert code == 0 and 'do not hold: 2, 3, 4, 5, 7' in output
+
+
+def measured(seed=0, noise=0.5):
+    """Give points of the table and pixels with the errors of clicks, (n, 2) each."""
+    rng = np.random.default_rng(seed)
+    points = np.array([[x, y] for y in (-2.0, 4.0, 9.0, 14.0) for x in (-2.0, 10.0, 22.0)])
+    return points, project(pixel_from_surface(), points) + rng.normal(0, noise, points.shape)
+
+
+def write_points(points, pixels):
+    rows = [','.join(map(repr, row)) for row in np.hstack([points, pixels]).tolist()]
+    return written('points.csv', '\n'.join(['x_cm,y_cm,u_px,v_px', *rows]))
+
+
+@pytest.mark.parametrize('spoil, said', [
+    (lambda points, pixels: (points, pixels[[3, 1, 2, 0, 4, 5, 9, 7, 8, 6, 10, 11]]),
+     'no measurement of a surface: .* rms, .* % of their extent|no camera can see|horizon'),
+    (lambda points, pixels: (points + np.eye(12)[:, [7, 0]] * [2.0, 0.0], pixels),
+     r'row 9 does not belong to the others: it is off by (1[89]|2[012])\.\d mm'),
+    (lambda points, pixels: (points, 300 + (pixels - pixels.mean(axis=0)) / 30),
+     r'all points lie within \d+ x \d+ px of a picture of 640 x 480 px, too near each other')])
+def test_points_that_are_no_measurement_are_refused_and_nothing_is_written(run, spoil, said):
+    write_points(*spoil(*measured()))
+    code, output, error = run('points', 'points.csv', '-o', 'a.yaml', '--image-size', '640x480')
+    assert (code, output) == (1, '') and error.count('\n') == 1
+    assert re.search(said, error), error
+    assert [path.name for path in Path().iterdir()] == ['points.csv']
+
+
+def test_points_with_the_errors_of_clicks_are_taken_and_mm_are_doubted(report):
+    points, pixels = measured()
+    write_points(points, pixels)
+    found = report('points', 'points.csv', '-o', 'a.yaml', '--image-size', '640x480')
+    assert found['warnings'] == []
+    write_points(100 * points, pixels)
+    found = report('points', 'points.csv', '-o', 'b.yaml', '--image-size', '640x480')
+    assert 'which is an unusual table: are all numbers in cm?' in found['warnings'][-1]
 
 
 @pytest.mark.parametrize('text, said', [
@@ -388,7 +537,35 @@ def test_pixel_near_the_horizon_cannot_be_checked(run):
     assert code == 1 and 'near the horizon' in error
 
 
-@pytest.mark.parametrize('command', [(), ('board',), ('points',), ('base',), ('check',)])
+def test_sheet_is_drawn_for_the_command_that_it_names(report, run):
+    found = report('sheet', '-o', 'board.png')
+    assert found['warnings'] == [] and found['corners'] == [9, 6]
+    code, output, _ = run('board', 'board.png', *BOARD, '-o', 'surface.yaml')
+    assert code == 0
+    code, output, _ = run('sheet', '--corners', '8x6', '-o', 'board.pdf')
+    assert code == 0 and Path('board.pdf').read_bytes().startswith(b'%PDF')
+    assert 'measure the ruler: it must be 100 mm long' in output
+    assert 'warning: a board of 8 x 6 inner corners looks the same when it is turned' in output
+
+
+def test_status_tells_the_way_from_a_surface_to_a_cell(run):
+    surface_file('cell.yaml')
+    code, output, error = run('status', 'cell.yaml')
+    assert (code, error) == (0, '')
+    assert 'surface: homography for pictures of 640 x 480 px, from points.csv, 20' in output
+    assert 'next: calibrate base PAIRS.csv --surface cell.yaml -o cell.yaml --force\n' in output
+    for _ in range(2):
+        code, *_ = run('base', touched(), '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
+        assert code == 0
+    code, output, _ = run('status', 'cell.yaml')
+    assert 'base frame, from pairs.csv, 20' in output and 'next: calibrate check' in output
+    comments = read_parameter_file('cell.yaml').comments
+    assert sum(line.startswith('rigid from') for line in comments) == 1
+    assert sum(line.startswith('homography from') for line in comments) == 1
+
+
+@pytest.mark.parametrize('command', [
+    (), ('sheet',), ('status',), ('board',), ('points',), ('base',), ('check',)])
 def test_help_explains_itself_with_an_example(run, command):
     code, output, _ = run(*command, '--help')
     assert code == 0

@@ -59,7 +59,7 @@ def test_range_of_too_few_or_too_many_values_is_refused(text):
 
 
 @pytest.mark.parametrize('settings, text, name, now, values, counts', [
-    (SETTINGS, 'threshold=40:200:80', 'precise_threshold', 45.0, [40, 120, 200],
+    (SETTINGS, 'threshold=40:200:80', 'faintest', 13.0, [40, 120, 200],
      [(2, 1), (2, 1), (0, 0)]),
     (TUTORIAL, 'threshold=40:200:80', 'threshold', 95, [40, 120, 200], [(2, 1), (2, 1), (0, 0)]),
     (TUTORIAL, 'median_size=1:5:2', 'median_size', 5, [1, 3, 5], [(2, 1)] * 3),
@@ -77,7 +77,7 @@ def test_each_value_is_tried_on_the_same_frames(settings, text, name, now, value
 
 @pytest.mark.parametrize('settings, text, said', [
     (SETTINGS, 'closing_size=5:9:2', 'closing_size has no effect with detector.method precise'),
-    (TUTORIAL, 'precise_threshold=5:9:2', 'has no effect with detector.method tutorial'),
+    (TUTORIAL, 'faintest=5:9:2', 'has no effect with detector.method tutorial'),
     (TUTORIAL, 'median_size=1:4:1', '2'), (TUTORIAL, 'threshold=250:260:5', '260'),
     (TUTORIAL, 'threshold=40:41:0.5', '40.5')])
 def test_value_that_cannot_be_used_is_refused(settings, text, said):
@@ -95,7 +95,7 @@ def places(picture, colour):
 
 
 def test_picture_shows_both_curves_and_the_current_value():
-    result = sweep(SETTINGS, sweep_range('threshold=20:200:20'), frames())
+    result = sweep(SETTINGS, sweep_range('threshold=20:200:20'), frames())._replace(current=45.0)
     picture = sweep_picture(result)
     any_v, any_u = places(picture, ANY)
     one_v, one_u = places(picture, ONE)

@@ -231,7 +231,7 @@ def test_object_narrower_than_two_closing_kernels_has_no_yaw_for_the_tutorial():
 
 @pytest.mark.parametrize('field, value', [
     ('method', 'best'), ('threshold', 256), ('median_size', 4), ('closing_size', 0),
-    ('precise_threshold', -1.0), ('min_area_cm2', math.nan), ('max_area_cm2', -1.0)])
+    ('faintest', -1.0), ('min_area_cm2', math.nan), ('max_area_cm2', -1.0)])
 def test_setting_that_cannot_be_used_is_refused_by_its_name(field, value):
     with pytest.raises(InvalidValueError, match=field):
         checked_values(DETECTOR_SPECS, {f'detector.{field}': value})

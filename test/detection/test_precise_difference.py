@@ -96,6 +96,41 @@ def test_object_of_the_first_frame_that_is_taken_away_leaves_no_ghost():
     assert detector.detect(table()) == []
 
 
+def test_object_that_is_taken_away_is_told_until_it_is_back():
+    with_object, empty = with_ellipse(table(), (100, 120), (20, 20)), table()
+    detector = PreciseDifferenceDetector(with_object)
+    assert detector.detect(with_object) == [] and detector.taken_away == []
+    assert detector.detect(empty) == []
+    place, = detector.taken_away
+    assert math.dist(place.centre, (100, 120)) < 1
+    detector.detect(with_object)
+    assert detector.taken_away == []
+
+
+def test_object_that_is_laid_where_another_was_taken_away_is_found_at_once():
+    detector = PreciseDifferenceDetector(with_ellipse(table(), (100, 120), (20, 20)))
+    detector.detect(table())
+    detection, = detector.detect(with_ellipse(table(), (104, 123), (16, 16), level=90))
+    assert math.dist(detection.centre, (104, 123)) < 0.3
+
+
+def printed_board(size=(240, 320)):
+    rows, columns = np.mgrid[:size[0], :size[1]] // 48
+    board = np.where((rows + columns) % 2 == 0, 60, 220)[:, :, None]
+    return np.clip(board + np.random.default_rng(2).normal(0, 2, (*size, 3)), 0, 255).astype(
+        np.uint8)
+
+
+@pytest.mark.parametrize('level', [240, 20, 140])
+def test_printed_board_is_no_ghost_and_stays_as_it_is(level):
+    board = printed_board()
+    detector = PreciseDifferenceDetector(board)
+    for centre in [(72, 120), (96, 96), (120, 110), (168, 140)]:
+        detector.detect(with_ellipse(board, centre, (20, 20), level=level))
+        assert detector.taken_away == []
+        assert detector.detect(board) == []
+
+
 def test_object_on_a_printed_square_stays_an_object():
     printed = table()
     printed[90:150, 70:130] = 120
@@ -132,7 +167,7 @@ def test_frame_of_another_size_is_refused():
         PreciseDifferenceDetector(table()).detect(table(size=(120, 160)))
 
 
-@pytest.mark.parametrize('settings', [{'threshold': -1}, {'threshold': 256}, {'min_area': 0}])
+@pytest.mark.parametrize('settings', [{'faintest': -1}, {'faintest': 256}, {'min_area': 0}])
 def test_value_out_of_its_range_is_refused(settings):
     with pytest.raises(InvalidValueError):
         PreciseDifferenceDetector(table(), **settings)

@@ -1,0 +1,212 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Tables, cameras that are bumped, coins and hands: the renderer of the attack.
+
+It knows nothing of the checks. Everything is drawn on the table, in px of the camera before it was
+bumped; the camera then takes its picture, with vignetting, light and noise.
+"""
+
+import cv2
+import numpy as np
+
+WIDTH, HEIGHT, MARGIN = 640, 480, 90
+SHAPE = HEIGHT + 2 * MARGIN, WIDTH + 2 * MARGIN
+EDGES = 'left', 'right', 'top', 'bottom'
+SKINS = ((134, 169, 222), (103, 143, 198), (75, 110, 170), (60, 85, 140), (40, 60, 105),
+         (30, 42, 70))
+
+
+def _field(random, width, height):
+    field = random.standard_normal(SHAPE).astype(np.float32)
+    field = cv2.GaussianBlur(field, (0, 0), sigmaX=width, sigmaY=height)
+    return field / field.std()
+
+
+def wood(random):
+    """Draw long, strong grain."""
+    return (random.uniform(6, 16) * _field(random, random.uniform(15, 40), random.uniform(1.5, 3))
+            + 8 * _field(random, 80, 12))
+
+
+def grain(random):
+    """Draw grain that is hardly more than the noise."""
+    return random.uniform(2, 3) * _field(random, random.uniform(6, 20), random.uniform(1.5, 3))
+
+
+def speckle(random):
+    """Draw fine specks."""
+    return random.uniform(4, 12) * _field(random, *random.uniform(0.8, 1.5, 2))
+
+
+def tiles(random):
+    """Draw tiles with dark joints, each a little lighter or darker."""
+    pitch, (left, top) = random.uniform(55, 110), random.uniform(0, 55, 2)
+    v, u = np.mgrid[:SHAPE[0], :SHAPE[1]].astype(np.float32) + np.float32([[[top]], [[left]]])
+    field = random.normal(0, 4, (40, 40))[(v // pitch).astype(int), (u // pitch).astype(int)]
+    field[(v % pitch < 4) | (u % pitch < 4)] -= 25
+    return cv2.GaussianBlur(field.astype(np.float32), (0, 0), 0.8)
+
+
+def print_(random):
+    """Draw a printed sheet: rectangles, discs and lines."""
+    field = np.zeros(SHAPE, np.float32)
+    for _ in range(70):
+        u, v = (int(random.integers(0, length)) for length in SHAPE[::-1])
+        du, dv = (int(x) for x in random.integers(10, 90, 2))
+        level, shape = float(random.uniform(-60, 40)), random.integers(3)
+        if shape == 0:
+            cv2.rectangle(field, (u, v), (u + du, v + dv), level, 2)
+        elif shape == 1:
+            cv2.circle(field, (u, v), du // 3, level, -1, cv2.LINE_AA)
+        else:
+            cv2.line(field, (u, v), (u + du, v - dv), level, 2, cv2.LINE_AA)
+    return field
+
+
+def marks(random):
+    """Draw four marks, one in each corner, on nothing."""
+    field = np.zeros(SHAPE, np.float32)
+    for u, v in ((0.1, 0.12), (0.9, 0.1), (0.12, 0.88), (0.88, 0.9)):
+        at = (MARGIN + int(WIDTH * (u + random.uniform(-0.04, 0.04))),
+              MARGIN + int(HEIGHT * (v + random.uniform(-0.04, 0.04))))
+        cv2.drawMarker(field, at, float(random.uniform(-90, -50)), int(random.integers(2)),
+                       int(random.integers(36, 56)), int(random.integers(4, 8)))
+    return cv2.GaussianBlur(field, (0, 0), 0.7)
+
+
+def lines(random):
+    """Draw parallel lines."""
+    angle, pitch = random.uniform(0, np.pi), random.uniform(25, 60)
+    v, u = np.mgrid[:SHAPE[0], :SHAPE[1]].astype(np.float32)
+    field = np.where((u * np.cos(angle) + v * np.sin(angle)) % pitch < 3, -18, 0)
+    return cv2.GaussianBlur(field.astype(np.float32), (0, 0), 0.8)
+
+
+def plain(_):
+    """Draw nothing."""
+    return np.zeros(SHAPE, np.float32)
+
+
+SURFACES = {'wood': wood, 'faint grain': grain, 'speckle': speckle, 'tiles': tiles,
+            'print': print_, 'four marks': marks, 'parallel lines': lines, 'plain': plain}
+
+
+class Table:
+    """
+    A table and the camera above it.
+
+    :param name: One of SURFACES.
+    :param random: A numpy Generator.
+    """
+
+    def __init__(self, name, random):
+        colour = random.uniform(90, 190) * random.uniform(0.8, 1.1, 3)
+        tint = random.uniform(0.85, 1.1, 3)
+        self.canvas = np.float32(colour + SURFACES[name](random)[..., None] * tint)
+        self.colour = self.canvas.mean(axis=(0, 1))
+        v, u = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
+        falloff = random.uniform(0, 0.25)
+        radius = np.hypot(u - WIDTH / 2, v - HEIGHT / 2)[..., None]
+        self._lens = 1 - falloff * (radius / 400) ** 2
+        # A few noises, each shifted anew: noise is most of the cost.
+        self._noises = [random.standard_normal((HEIGHT + 16, WIDTH + 16, 3)).astype(np.float32)
+                        * np.float32(random.uniform(1, 2.5)) for _ in range(3)]
+        self._random = random
+
+    def shoot(self, move=(0, 0, 0, 0), draw=(), light=1.0):
+        """
+        Take a picture.
+
+        :param move: The camera's: du and dv in px, turn in degrees, growth.
+        :param draw: Functions that draw on a canvas.
+        :param light: Factor.
+        """
+        canvas = self.canvas.copy() if draw else self.canvas
+        for function in draw:
+            function(canvas)
+        picture = cv2.warpAffine(canvas, warp(move), (WIDTH, HEIGHT)) * self._lens * light
+        v, u = self._random.integers(0, 16, 2)
+        picture += self._noises[self._random.integers(3)][v:v + HEIGHT, u:u + WIDTH]
+        return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+
+
+def warp(move):
+    """Give the map from the canvas to the picture, shape (2, 3)."""
+    du, dv, angle, growth = move
+    matrix = cv2.getRotationMatrix2D((MARGIN + WIDTH / 2, MARGIN + HEIGHT / 2), angle, 1 + growth)
+    matrix[:, 2] += du - MARGIN, dv - MARGIN
+    return matrix
+
+
+def moved(move, points):
+    """Tell where points of the unmoved picture are in that of a moved camera, shape (n, 2)."""
+    matrix = warp(move)
+    return (np.asarray(points, float) + MARGIN) @ matrix[:, :2].T + matrix[:, 2]
+
+
+def coin(at, radius=21.0, colour=(52, 60, 70)):
+    """Put a coin on the table."""
+    def draw(canvas):
+        centre = tuple(round((x + MARGIN) * 16) for x in at)
+        cv2.circle(canvas, centre, round(radius * 16), tuple(map(float, colour)), -1,
+                   cv2.LINE_AA, 4)
+    return draw
+
+
+def arm_cover(edge, tip, width, spread=None):
+    """
+    Tell what an arm with a hand covers.
+
+    :param spread: Shape (4,), how the fingers are spread; None for a fist.
+    :returns: Shape of the canvas, float32, 0..1.
+    """
+    mask = np.zeros(SHAPE, np.uint8)
+    edge, tip = np.array(edge) + MARGIN, np.array(tip) + MARGIN
+    cv2.line(mask, _whole(edge), _whole(tip), 255, int(width), cv2.LINE_AA)
+    cv2.circle(mask, _whole(tip), int(width * 0.75), 255, -1, cv2.LINE_AA)
+    angle = np.arctan2(*(tip - edge)[::-1])
+    for number, more in enumerate([] if spread is None else spread):
+        turned = angle + (number - 1.5) * 0.35 + 0.1 * more
+        end = tip + 1.4 * width * np.array([np.cos(turned), np.sin(turned)])
+        cv2.line(mask, _whole(tip), _whole(end), 255, max(3, int(width / 4)), cv2.LINE_AA)
+    return cv2.GaussianBlur(mask, (0, 0), 1.0).astype(np.float32) / 255
+
+
+def arm(cover, colour):
+    """Put an arm over the table."""
+    def draw(canvas):
+        canvas *= 1 - cover[..., None]
+        canvas += cover[..., None] * np.float32(colour)
+    return draw
+
+
+def shadow(cover, depth=0.35, width=5):
+    """Let something throw its shadow beside it."""
+    def draw(canvas):
+        beside = np.roll(cover, (14, 18), axis=(0, 1))
+        canvas *= (1 - depth * cv2.GaussianBlur(beside, (0, 0), width))[..., None]
+    return draw
+
+
+def beyond(edge, random):
+    """Give a place outside of the picture, beyond one of EDGES."""
+    along = random.uniform(0.1, 0.9)
+    return {'left': (-80, along * HEIGHT), 'right': (WIDTH + 80, along * HEIGHT),
+            'top': (along * WIDTH, -80), 'bottom': (along * WIDTH, HEIGHT + 80)}[edge]
+
+
+def _whole(point):
+    return tuple(int(x) for x in point)

@@ -1,0 +1,93 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Light and shade that come from outside of the picture: a cloud, a person who stands by.
+
+They change a part of the picture that reaches its border, smoothly or with an edge, and by about
+one factor for all colours. What is small beside a median filter's window is no such light.
+"""
+
+from typing import Optional
+
+from camera_to_base.detection.light import LINEAR, ratio_and_tint
+from camera_to_base.detection.limits import Range
+import cv2
+import numpy as np
+
+_SHRINK, _WINDOW = 4, 25
+# Light that differs by less is no reason for a second look; logarithm of the ratio.
+_LEAST_CHANGE = 0.03
+# Steps per factor e while the ratio is filtered as bytes.
+_STEPS = 64
+# The median rounds the corners of an edge: beside one, either light counts, in shrunk px.
+_EDGE = np.ones((9, 9), np.uint8)
+# Grey levels grow with about this power of the light.
+_POWER = 1 / 2.2
+# Shade takes this much light at most, and colours it little.
+_DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
+_LEAST_MARKED = 0.1
+
+
+def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray) -> bool:
+    """
+    Tell whether what differs in a part of a frame may be light: of the table's own colours.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :param mask: Shape (h, w), not 0 where they differ.
+    """
+    step = np.s_[::_SHRINK, ::_SHRINK]
+    chosen = mask[step] > 0
+    largest, tint = ratio_and_tint(LINEAR[frame[step][chosen]], LINEAR[background[step][chosen]])
+    marked = np.abs(np.log(np.maximum(largest, 1e-3))) > _LEAST_MARKED
+    largest, tint = largest[marked], tint[marked]
+    is_light = (largest > _DEEPEST) & (largest < _BRIGHTEST) & (tint < _STRONGEST_TINT)
+    return bool(len(is_light) and is_light.mean() > _LEAST_SHARE)
+
+
+def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
+    """
+    Find light that comes from outside of the picture.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :returns: Factors on the background's grey levels, times 128; None where there is none.
+    """
+    field = _smooth_ratio(frame, background)
+    field[~_reaches_border(np.abs(field) > _LEAST_CHANGE)] = 0
+    if not field.any():
+        return None
+    size = frame.shape[1], frame.shape[0]
+    return Range(_factors(cv2.erode(field, _EDGE), size), _factors(cv2.dilate(field, _EDGE), size))
+
+
+def _smooth_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    size = tuple(max(length // _SHRINK, 1) for length in frame.shape[1::-1])
+    light, usual = (LINEAR[cv2.resize(picture, size, interpolation=cv2.INTER_AREA)].sum(axis=2)
+                    for picture in (frame, background))
+    ratio = np.log(np.maximum(light, 1e-3) / np.maximum(usual, 1e-3))
+    steps = np.clip(np.rint(128 + _STEPS * ratio), 0, 255).astype(np.uint8)
+    return (cv2.medianBlur(steps, _WINDOW).astype(np.float32) - 128) / _STEPS
+
+
+def _reaches_border(changed: np.ndarray) -> np.ndarray:
+    _, labels = cv2.connectedComponents(changed.astype(np.uint8))
+    border = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
+    return np.isin(labels, np.unique(border[border > 0]))
+
+
+def _factors(field: np.ndarray, size: tuple) -> np.ndarray:
+    factors = np.clip(np.rint(128 * np.exp(_POWER * field)), 1, 255).astype(np.uint8)
+    return cv2.merge([cv2.resize(factors, size, interpolation=cv2.INTER_LINEAR)] * 3)

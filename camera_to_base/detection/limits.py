@@ -1,0 +1,94 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""From which grey levels on a pixel shows something else than the background."""
+
+from typing import NamedTuple, Optional
+
+from camera_to_base.detection.light import Gain
+import cv2
+import numpy as np
+
+# A camera that trembles shows at a place what lies beside it on the background.
+_TREMBLE = np.ones((3, 3), np.uint8)
+# Grey levels beyond the background's own range, and deviations of the noise: where an object's
+# rim still counts, and what an object must have somewhere.
+WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
+
+
+class Range(NamedTuple):
+    """Darkest and lightest levels that are the background's, each of shape (h, w, 3), uint8."""
+
+    darkest: np.ndarray
+    lightest: np.ndarray
+
+    def outside(self, frame: np.ndarray) -> np.ndarray:
+        """Find the pixels beyond it in any channel: shape (h, w), uint8, 255 or 0."""
+        return cv2.bitwise_not(cv2.inRange(frame, self.darkest, self.lightest))
+
+
+class Limits:
+    """
+    The background's own range of levels, at some light and with some noise.
+
+    :param background: Shape (h, w, 3), uint8, BGR.
+    :param faintest: Grey levels that an object must at least differ by somewhere.
+    """
+
+    def __init__(self, background: np.ndarray, faintest: float) -> None:
+        self._range = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
+        self._faintest = faintest
+        self._field: Optional[Range] = None
+
+    def set_light(self, gain: Gain, noise: np.ndarray) -> None:
+        """
+        Follow the light and the noise, see :func:`measure_noise`.
+
+        The range that an object must leave somewhere is made at once for the whole picture.
+        """
+        levels = gain.coded_levels
+        noise = np.take_along_axis(noise, np.rint(levels).astype(int), axis=0)
+        weak = np.maximum(min(WEAK_LEVELS, self._faintest), _WEAK_DEVIATIONS * noise)
+        strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
+        self._weak = _table(levels - weak), _table(levels + weak)
+        self._strong = Range(cv2.LUT(self._range.darkest, _table(levels - strong)),
+                             cv2.LUT(self._range.lightest, _table(levels + strong)))
+
+    def use_field(self, field: Optional[Range]) -> None:
+        """
+        Take light of a part of the picture into account, or no longer.
+
+        :param field: Factors on grey levels, times 128, each of shape (h, w, 3), uint8.
+        """
+        self._field = field
+
+    def strong(self, part: tuple) -> Range:
+        """Give the range that an object must leave somewhere, for a part of the picture."""
+        return self._lit(Range(*(bound[part] for bound in self._strong)), part)
+
+    def weak(self, part: tuple) -> Range:
+        """Give the range that each pixel of an object leaves, for a part of the picture."""
+        darkest, lightest = (bound[part] for bound in self._range)
+        return self._lit(
+            Range(cv2.LUT(darkest, self._weak[0]), cv2.LUT(lightest, self._weak[1])), part)
+
+    def _lit(self, levels: Range, part: tuple) -> Range:
+        if self._field is None:
+            return levels
+        return Range(*(cv2.multiply(bound, factor[part], scale=1 / 128)
+                       for bound, factor in zip(levels, self._field)))
+
+
+def _table(levels: np.ndarray) -> np.ndarray:
+    return np.clip(np.rint(levels), 0, 255).astype(np.uint8)[:, None]

@@ -1,0 +1,115 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A region and its surroundings, in linear light: what the long way works on."""
+
+from functools import lru_cache
+from typing import NamedTuple, Optional, Tuple
+
+from camera_to_base.detection.light import LINEAR
+import cv2
+import numpy as np
+
+_LEAST_LIGHT = 1e-3
+_ONES = np.ones((1, 3), np.float32)
+
+
+@lru_cache(maxsize=None)
+def square(size: int) -> np.ndarray:
+    """Make a square kernel."""
+    return np.ones((size, size), np.uint8)
+
+
+@lru_cache(maxsize=None)
+def disc(size: int) -> np.ndarray:
+    """Make a round kernel."""
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+
+
+def channel_sum(values: np.ndarray) -> np.ndarray:
+    """Add up the channels: shape (h, w, 3) to (h, w), float32."""
+    return cv2.transform(values, _ONES)
+
+
+def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Give the smallest and the largest channel of each pixel: shape (h, w, 3) to two (h, w)."""
+    blue, green, red = cv2.split(values)
+    return (cv2.min(cv2.min(blue, green), red), cv2.max(cv2.max(blue, green), red))
+
+
+class Piece(NamedTuple):
+    """
+    A part of a frame.
+
+    :param frame: Its light, shape (h, w, 3), float32.
+    :param table: The background's, at the frame's light, of the same shape.
+    :param mask: The region, shape (h, w), uint8, 1 inside.
+    """
+
+    frame: np.ndarray
+    table: np.ndarray
+    mask: np.ndarray
+
+
+def make_piece(frame: np.ndarray, table: np.ndarray, mask: np.ndarray) -> Piece:
+    """
+    Make a piece.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param table: Of the same shape, float32, see :meth:`Reference.light`.
+    """
+    return Piece(cv2.LUT(frame, LINEAR), table, mask)
+
+
+class Look(NamedTuple):
+    """
+    What can be told of each pixel of a piece, smoothed over 3 x 3 px.
+
+    :param level: Logarithm of the frame's light.
+    :param ratio: Logarithm of the frame's light / the table's.
+    :param largest: Largest ratio of a channel.
+    :param smallest: Smallest ratio of a channel.
+    """
+
+    level: np.ndarray
+    ratio: np.ndarray
+    largest: np.ndarray
+    smallest: np.ndarray
+
+    @property
+    def tint(self) -> np.ndarray:
+        """Largest ratio / smallest ratio: 1 where only the brightness differs."""
+        return self.largest / np.maximum(self.smallest, _LEAST_LIGHT)
+
+
+def look_at(piece: Piece) -> Look:
+    """Compare a piece's frame with its table."""
+    frame, table = cv2.blur(piece.frame, (3, 3)), cv2.blur(piece.table, (3, 3))
+    level, usual = (cv2.log(cv2.max(channel_sum(light), 3 * _LEAST_LIGHT))
+                    for light in (frame, table))
+    smallest, largest = channel_extremes(cv2.divide(frame, cv2.max(table, _LEAST_LIGHT)))
+    return Look(level, level - usual, largest, smallest)
+
+
+def largest_part(mask: np.ndarray) -> np.ndarray:
+    """Keep the largest connected part of a mask of 0 and 1, without its holes."""
+    outline = outline_of(mask)
+    kept = np.zeros_like(mask)
+    return kept if outline is None else cv2.drawContours(kept, [outline], 0, 1, cv2.FILLED)
+
+
+def outline_of(mask: np.ndarray) -> Optional[np.ndarray]:
+    """Find the largest outline in a mask, shape (n, 1, 2), int32; None where it is empty."""
+    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    return max(outlines, key=cv2.contourArea) if outlines else None

@@ -1,0 +1,75 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The background as it looks at a frame's light, and what differs from it."""
+
+from typing import Optional
+
+from camera_to_base.detection.background import changed_rows
+from camera_to_base.detection.light import Gain, GainMeter
+from camera_to_base.detection.limits import Limits
+from camera_to_base.detection.noise import measure_noise
+import cv2
+import numpy as np
+
+# The noise is measured in frames 1, 2, 4, 8 and so on, and in each of this number.
+_NOISE_PERIOD = 64
+
+
+class Reference:
+    """
+    A background that follows the frames' light and noise; its picture never changes.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    :param faintest: Grey levels that an object must at least differ by somewhere.
+    """
+
+    def __init__(self, picture: np.ndarray, faintest: float) -> None:
+        self.picture = picture
+        self.limits = Limits(picture, faintest)
+        self.noise: Optional[np.ndarray] = None
+        self._faintest = faintest
+        self._meter = GainMeter(picture)
+        self._gain: Optional[Gain] = None
+        self._frame_count = 0
+
+    def follow(self, frame: np.ndarray) -> None:
+        """Take a frame's light, and now and then its noise, for this and the next frames."""
+        gain = self._meter.measure(frame)
+        self._frame_count += 1
+        count = self._frame_count
+        is_noise_due = count & (count - 1) == 0 or count % _NOISE_PERIOD == 0
+        if gain == self._gain and not is_noise_due:
+            return
+        if gain != self._gain:
+            self._gain = gain
+            self._linear_levels = gain.linear_levels
+            self._levels = np.rint(gain.coded_levels).astype(np.uint8)[:, None]
+            self.lit = self.at_this_light(self.picture)
+        if is_noise_due:
+            self.noise = measure_noise(frame, self.lit)
+            self.mean_noise = float(self.noise.mean())
+        self.limits.set_light(gain, self.noise)
+
+    def changed_rows(self, frame: np.ndarray) -> Optional[slice]:
+        """Tell between which rows any level differs by as much as an object; None for none."""
+        return changed_rows(frame, self.lit, self._faintest, exact=False)
+
+    def at_this_light(self, picture: np.ndarray) -> np.ndarray:
+        """Give a picture of the background's shape as it looks at the frame's light."""
+        return cv2.LUT(picture, self._levels)
+
+    def light(self, part: tuple) -> np.ndarray:
+        """Give the light of a part of the background at the frame's light, float32."""
+        return cv2.LUT(self.picture[part], self._linear_levels)

@@ -1,0 +1,229 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Splits an object's own shadow off its region.
+
+A shadow takes a part of the table's light, in all colours alike. So a region is an object and its
+shade where it has two parts, of which one can be shade and the other cannot: it is lighter than
+the table, or coloured, or clearly darker than the shade. A table's pattern and a smooth gradient
+look like two parts, too; so the *frame* must show the step between them, and a sharp one.
+
+A box seen from the side has a light top and a dark wall. The wall lies away from the picture's
+middle, and what is beside it is convex; a shadow's object is convex, and the shadow a crescent, or
+it points somewhere else. Such a pair stays together.
+"""
+
+from typing import NamedTuple, Optional, Tuple
+
+from camera_to_base.detection.piece import (
+    largest_part, Look, look_at, outline_of, Piece, square)
+import cv2
+import numpy as np
+
+# What shade can be: the least and the largest ratio, and the strongest tint.
+_DEEPEST, _FAINTEST, _TINT = 0.2, 0.985, 1.25
+# What shade cannot be: lighter, or of a colour.
+_LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
+# Logarithms of ratios: from where a thing is much lighter than the table, the part of that at
+# which it ends, and what shows at all.
+_MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
+_LEAST_CORE, _LEAST_PART, _LEAST_THING, _LEAST_RING = 20, 8, 16, 4
+_LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.25, 0.25
+_LEAST_SHADE, _LEAST_DULL, _LEAST_LUMP, _LEAST_SHADE_BESIDE = 0.8, 0.6, 0.6, 0.15
+# Two levels are apart by this much; the step between them is at least this high, is this part of
+# the whole difference, and is as high nearby as a few px farther away.
+_LEVELS_APART, _LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _SHARPNESS = 0.15, 0.12, 0.4, 0.35, 0.6
+_NEAR, _FARTHER = (1.5, 4.0), (5.0, 8.0)
+_STEPS, _LOWEST = 80, -3.0
+# Cosine of the angle between a wall and the way out of the picture, and how much more convex a
+# top is.
+_OUTWARD, _MORE_CONVEX = 0.8, 0.04
+# A shadow's median ratio, where it surrounds a light thing.
+_DEEPEST_AROUND = -1.0
+
+
+class Thing(NamedTuple):
+    """
+    An object without its shade.
+
+    :param mask: Shape (h, w), uint8, 1 inside.
+    :param is_light: Whether it is much lighter than the table, so that `mask` is all of it.
+    """
+
+    mask: np.ndarray
+    is_light: bool
+
+
+def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Optional[Thing]:
+    """
+    Find the object in a region that is an object and its shade; None for other regions.
+
+    :param outward: From the picture's middle to the region, u and v, in px.
+    """
+    core = cv2.erode(piece.mask, square(5))
+    if cv2.countNonZero(core) < _LEAST_CORE:
+        return None
+    look = look_at(piece)
+    special = _special(look, core)
+    share = cv2.countNonZero(special) / cv2.countNonZero(core)
+    thing = _special_thing(piece, look, core, special) if share > _LEAST_SPECIAL else None
+    if thing is None and share < 0.5:
+        thing = _darker_thing(piece, look, core, outward)
+    return thing
+
+
+def _special(look: Look, core: np.ndarray) -> np.ndarray:
+    special = ((look.largest > _LIGHT) | (look.tint > _COLOURED)).astype(np.uint8)
+    return cv2.morphologyEx(core & special, cv2.MORPH_OPEN, square(3))
+
+
+def _special_thing(
+    piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
+) -> Optional[Thing]:
+    thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(7)))
+    thing = cv2.dilate(thing, square(5)) & piece.mask
+    ratios = look.ratio[(thing & core) > 0]
+    light = np.percentile(ratios, 75) if len(ratios) else 0.0
+    if light > _MUCH_LIGHTER:
+        return _light_thing(piece, look, _END_OF_LIGHT * light)
+    return Thing(thing, False) if _is_thing_and_shade(thing, piece.mask, look) else None
+
+
+def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
+    light = piece.mask & (look.ratio > end).astype(np.uint8)
+    thing = largest_part(cv2.morphologyEx(light, cv2.MORPH_CLOSE, square(7))) & piece.mask
+    rest = piece.mask & (1 - cv2.dilate(thing, square(5)))
+    if cv2.countNonZero(rest) < _LEAST_PART:
+        return None
+    marked = piece.mask & (np.abs(look.ratio) > _MARKED)
+    dull = ((look.ratio < end) & (look.tint < 2)).astype(np.uint8)
+    shade = (look.ratio < -_MARKED).astype(np.uint8)
+    if (cv2.countNonZero(rest & marked & dull) < _LEAST_DULL * cv2.countNonZero(rest & marked)
+            or cv2.countNonZero(rest & shade) < _LEAST_SHADE_BESIDE * cv2.countNonZero(rest)):
+        return None
+    is_large = cv2.countNonZero(thing) >= _least_area(marked)
+    may_surround = np.median(look.ratio[rest > 0]) > _DEEPEST_AROUND
+    if not is_large or not (may_surround or _has_free_rim(thing, piece.mask)):
+        return None
+    return Thing(thing, True)
+
+
+def _darker_thing(
+    piece: Piece, look: Look, core: np.ndarray, outward: Tuple[float, float]
+) -> Optional[Thing]:
+    ratios = look.ratio[core > 0]
+    dark = ratios <= _otsu(ratios)
+    if not _LEAST_PART < dark.sum() < len(dark) - _LEAST_PART:
+        return None
+    low, high = ratios[dark].mean(), ratios[~dark].mean()
+    if high - low < _LEVELS_APART:
+        return None
+    darker = piece.mask & (look.ratio <= (low + high) / 2).astype(np.uint8)
+    thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(3)))
+    if not _is_thing_and_shade(thing, piece.mask, look) or _is_wall(thing, piece.mask, outward):
+        return None
+    return Thing(thing, False)
+
+
+def _is_wall(dark: np.ndarray, mask: np.ndarray, outward: Tuple[float, float]) -> bool:
+    rest = cv2.morphologyEx(mask & (1 - dark), cv2.MORPH_OPEN, square(3))
+    away = np.subtract(_centroid(dark), _centroid(rest))
+    length = np.hypot(*away) * np.hypot(*outward)
+    if length == 0 or away @ outward < _OUTWARD * length:
+        return False
+    return _solidity(rest) > _solidity(dark) + _MORE_CONVEX
+
+
+def _centroid(mask: np.ndarray) -> Tuple[float, float]:
+    moments = cv2.moments(mask, binaryImage=True)
+    area = max(moments['m00'], 1.0)
+    return moments['m10'] / area, moments['m01'] / area
+
+
+def _solidity(mask: np.ndarray) -> float:
+    outline = outline_of(mask)
+    if outline is None:
+        return 0.0
+    hull = cv2.contourArea(cv2.convexHull(outline))
+    return cv2.contourArea(outline) / hull if hull else 0.0
+
+
+def _otsu(ratios: np.ndarray) -> float:
+    steps = np.clip(np.rint((ratios - _LOWEST) * _STEPS), 0, 255).astype(np.uint8)
+    level, _ = cv2.threshold(steps.reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
+    return level / _STEPS + _LOWEST
+
+
+def _is_thing_and_shade(thing: np.ndarray, mask: np.ndarray, look: Look) -> bool:
+    rest = mask & (1 - cv2.dilate(thing, square(3)))
+    return (cv2.countNonZero(thing) >= _least_area(mask)
+            and _is_lump_of_shade(cv2.erode(rest, square(3)), look)
+            and _has_free_rim(thing, mask)
+            and _has_sharp_step(thing, rest, cv2.erode(mask, square(5)), look))
+
+
+def _least_area(mask: np.ndarray) -> float:
+    return max(_LEAST_THING, _LEAST_SHARE_OF_REGION * cv2.countNonZero(mask))
+
+
+def _is_lump_of_shade(rest: np.ndarray, look: Look) -> bool:
+    area = cv2.countNonZero(rest)
+    shade = (look.smallest > _DEEPEST) & (look.largest < _FAINTEST) & (look.tint < _TINT)
+    if area < _LEAST_PART or cv2.countNonZero(
+            rest & shade.astype(np.uint8)) < _LEAST_SHADE * area:
+        return False
+    outlines, _ = cv2.findContours(rest, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    areas = [cv2.contourArea(outline) + len(outline) / 2 for outline in outlines]
+    return max(areas) > _LEAST_LUMP * sum(areas)
+
+
+def _has_free_rim(thing: np.ndarray, mask: np.ndarray) -> bool:
+    # A shadow lies to one side of its object; a highlight or a print is surrounded.
+    rim = thing & (1 - cv2.erode(thing, square(3)))
+    free = rim & (1 - cv2.erode(mask, square(9)))
+    return cv2.countNonZero(free) >= _LEAST_FREE_RIM * cv2.countNonZero(rim)
+
+
+def _has_sharp_step(
+    thing: np.ndarray, rest: np.ndarray, inner: np.ndarray, look: Look
+) -> bool:
+    sides = _Sides(thing & inner, rest & inner, cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
+                   cv2.distanceTransform(1 - thing, cv2.DIST_L2, 3))
+    in_frame, in_ratio = sides.step(look.level, *_NEAR), sides.step(look.ratio, *_NEAR)
+    if in_frame is None:
+        return False
+    farther = sides.step(look.level, *_FARTHER)
+    whole = abs(sides.step(look.ratio, 0.0, np.inf))
+    is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
+               and abs(in_ratio) >= _OF_WHOLE * whole)
+    return bool(is_step and (farther is None or in_frame / farther >= _SHARPNESS
+                             or abs(farther) < abs(in_frame)))
+
+
+class _Sides(NamedTuple):
+    """Both sides of the border between an object and its shade."""
+
+    thing: np.ndarray
+    rest: np.ndarray
+    to_rest: np.ndarray
+    to_thing: np.ndarray
+
+    def step(self, values: np.ndarray, near: float, far: float) -> Optional[float]:
+        """How much higher the median is on the shade's side, between two distances in px."""
+        inside = (self.thing > 0) & (self.to_rest > near) & (self.to_rest <= far)
+        outside = (self.rest > 0) & (self.to_thing > near) & (self.to_thing <= far)
+        if min(inside.sum(), outside.sum()) < _LEAST_RING:
+            return None
+        return float(np.median(values[outside]) - np.median(values[inside]))

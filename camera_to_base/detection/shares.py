@@ -1,0 +1,143 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Places an object by how much of each pixel it covers.
+
+A pixel on the rim shows `share * object + (1 - share) * table`, in linear light. The table's light
+is taken from just outside of the rim, where a shadow may lie, and the object's colour from just
+inside; the share follows by projection, from all three colours. The pixels of which more than half
+is covered make the next, better mask: three turns are enough.
+"""
+
+from typing import Dict, NamedTuple
+
+from camera_to_base.detection.highlight import complete_shares, find_highlight
+from camera_to_base.detection.piece import (
+    channel_sum, disc, largest_part, Piece, square)
+import cv2
+import numpy as np
+
+_TURNS = 3
+# How far a shadow's light changes on the way from where it is seen to the rim, at most; and
+# which part of that way is still to go.
+_STEEPEST, _WAY = 0.3, 0.5
+_CORE_WINDOW, _TABLE_WINDOW, _WIDER_WINDOW = 5, 7, 15
+_WIDER, _ANYWHERE = 1e-3, 1e-7
+_LEAST_LIGHT, _LEAST_POWER = 1e-3, 1e-4
+# A rim with less contrast than this part of the usual tells no share.
+_LEAST_CONTRAST, _LITTLE_CONTRAST, _OTHER_COLOUR = 0.03, 0.4, 0.05
+_BRIGHTEST_RATIO = 4.0
+# A lighter part of a dark object has a negative share of its usual colour.
+_LIGHTER = -0.15
+_LEAST_CORE, _SMALLEST = 6, 6
+
+
+class Placed(NamedTuple):
+    """
+    An object in its piece.
+
+    :param shares: How much of each pixel it covers, shape (h, w), float32.
+    :param mask: The pixels of which it covers more than half, without holes, uint8.
+    """
+
+    shares: np.ndarray
+    mask: np.ndarray
+
+    def moments(self, left: int, top: int) -> Dict[str, float]:
+        """Give the moments of what is covered, as cv2.moments, in px of the picture."""
+        moments = cv2.moments(self.shares)
+        moments['m10'] += left * moments['m00']
+        moments['m01'] += top * moments['m00']
+        return moments
+
+
+def place(piece: Piece) -> Placed:
+    """Place a region's object."""
+    highlight, mask = find_highlight(piece), piece.mask
+    for _ in range(_TURNS):
+        shares = _shares(piece, mask)
+        covered = (shares > 0.5).astype(np.uint8)
+        covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
+        if cv2.countNonZero(covered) < _SMALLEST:
+            break
+        mask = covered
+    shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
+    if highlight is not None:
+        shares = complete_shares(shares, piece.mask, highlight)
+    return Placed(shares.astype(np.float32), mask)
+
+
+def place_whole(piece: Piece) -> Placed:
+    """Place an object that is all of the mask: only the shares of its rim are to be told."""
+    shares = np.maximum(_shares(piece, piece.mask), cv2.erode(piece.mask, square(3)))
+    return Placed(shares.astype(np.float32), piece.mask)
+
+
+def _shares(piece: Piece, mask: np.ndarray) -> np.ndarray:
+    core = _core(mask)
+    table = piece.table * _light_at_rim(piece, mask)
+    usual = np.median(piece.frame[core > 0], axis=0)
+    usual_contrast = table - usual
+    usual_power = _dot(usual_contrast, usual_contrast)
+    thing = _continued(piece.frame, core, _CORE_WINDOW)
+    # A part of another colour counts with its own, small differences are noise.
+    other = thing - usual
+    thing = np.where((_dot(other, other) > _OTHER_COLOUR * usual_power)[..., None], thing, usual)
+    contrast = table - thing
+    power = _dot(contrast, contrast)
+    shares = _dot(table - piece.frame, contrast) / np.maximum(power, 1e-9)
+    least = _LEAST_POWER + _LEAST_CONTRAST * float(np.median(power[mask > 0]))
+    shares = np.where(power < least, mask, shares)
+    # Where the object's rim happens to look like the table, its usual colour may tell more.
+    by_usual = _dot(table - piece.frame, usual_contrast) / np.maximum(usual_power, 1e-9)
+    shares = np.where(
+        (power < _LITTLE_CONTRAST * usual_power) & (by_usual > _LIGHTER), by_usual, shares)
+    return np.minimum(np.clip(shares, 0, 1), cv2.dilate(mask, square(3)))
+
+
+def _core(mask: np.ndarray) -> np.ndarray:
+    cores = (cv2.erode(mask, square(size)) for size in (5, 3))
+    return next((core for core in cores if cv2.countNonZero(core) >= _LEAST_CORE), mask)
+
+
+def _light_at_rim(piece: Piece, mask: np.ndarray) -> np.ndarray:
+    # Seen 2 px outside of the rim and 4 px: what changes in between goes on towards the rim.
+    ratio = np.clip(piece.frame / np.maximum(piece.table, _LEAST_LIGHT), 0, _BRIGHTEST_RATIO)
+    near, farther = 1 - cv2.dilate(mask, disc(5)), 1 - cv2.dilate(mask, disc(9))
+    if not near.any():
+        return np.ones_like(ratio)
+    light = _continued(ratio, near, _TABLE_WINDOW)
+    if not farther.any():
+        return light
+    beyond = np.maximum(_continued(ratio, farther, _TABLE_WINDOW), _LEAST_LIGHT)
+    return light * np.clip(light / beyond, 1 - _STEEPEST, 1 + _STEEPEST) ** _WAY
+
+
+def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray:
+    """Continue values by their mean over a window, over a wider one, or over all."""
+    weights = known.astype(np.float32)
+    anywhere = np.float32(cv2.mean(values, known)[:3])
+    weighted = values * weights[..., None]
+    total = _mean(weighted, window) + _WIDER * _mean(weighted, _WIDER_WINDOW)
+    weight = _mean(weights, window) + _WIDER * _mean(weights, _WIDER_WINDOW)
+    return (total + _ANYWHERE * anywhere) / (weight + _ANYWHERE)[..., None]
+
+
+def _mean(values: np.ndarray, window: int) -> np.ndarray:
+    return cv2.blur(values, (window, window))
+
+
+def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    return channel_sum(one * other)

@@ -1,0 +1,150 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+from pathlib import Path
+import sys
+import time
+
+from camera_to_base.detection import DetectorSettings
+from camera_to_base.sources import DEVICE, VIDEO_FILE
+from camera_to_base.surface.models import ParallelSurface
+from camera_to_base.trust import CameraPipeline, Limits
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / 'benchmarks'))
+import attack_scenes as scenes  # noqa: E402, I100
+
+COIN = (200, 150)
+WIDE = np.array([0.5, -0.5, 0.3, -0.3])
+
+
+class Camera:
+    """A pipeline on a table, with a clock of its own."""
+
+    def __init__(self, name='plain', detector=DetectorSettings(), kind=DEVICE):
+        self.table = scenes.Table(name, np.random.default_rng(5))
+        self.pipeline = CameraPipeline(
+            ParallelSurface(36.0, 640), detector, Limits(confirm_jump_px=0.0), kind=kind)
+        self._now = time.monotonic() + 3600
+        self.sighting = None
+        self.see(seconds=0.2)
+
+    def see(self, *draw, seconds=0.1, light=1.0):
+        """Take frames for a while; give the centres that the last one publishes."""
+        for _ in range(round(seconds * 10)):
+            self._now += 0.1
+            frame = self.table.shoot(draw=draw, light=light)
+            self.sighting = self.pipeline.process(frame, self._now)
+        return [] if self.sighting.reason else [
+            one.detection.centre for one in self.sighting.objects]
+
+    def coin(self, at=COIN):
+        return scenes.coin(at, colour=np.maximum(self.table.colour - 80, 5))
+
+    def arm(self, levels, tip=(400, 300), edge=(560, 560)):
+        return scenes.arm(scenes.arm_cover(edge, tip, 70, WIDE), self.table.colour + levels)
+
+
+def is_coin(centres, at=COIN):
+    return len(centres) == 1 and np.hypot(*np.subtract(centres[0], at)) < 1
+
+
+def island(camera, levels=60):
+    # What a detector makes of a hand whose brightness is partly the table's.
+    return scenes.coin((400, 300), 30, camera.table.colour + levels)
+
+
+@pytest.mark.parametrize('levels', [-100, -40, -12, 12, 35, 80])
+@pytest.mark.parametrize('name', ['plain', 'wood', 'print'])
+def test_hand_of_any_brightness_is_not_published_and_the_coin_beside_it_is(name, levels):
+    camera = Camera(name)
+    assert is_coin(camera.see(camera.coin()))
+    assert is_coin(camera.see(camera.coin(), camera.arm(levels)))
+    assert is_coin(camera.see(camera.coin()))
+
+
+@pytest.mark.parametrize('edge', [(-80, 200), (720, 200), (300, -80), (300, 560)])
+def test_island_within_a_faint_hand_is_left_out_from_every_edge(edge):
+    camera = Camera()
+    faint = camera.arm(9, edge=edge)
+    assert is_coin(camera.see(camera.coin(), faint, island(camera)))
+    kinds = {left_out.reason.kind for left_out in camera.sighting.left_out}
+    assert kinds and kinds <= {'touched', 'cut_off'}
+
+
+def test_hand_over_an_empty_table_publishes_an_empty_table():
+    camera = Camera()
+    assert camera.see(camera.arm(9), island(camera)) == []
+    assert camera.sighting.left_out
+
+
+def test_what_a_hand_leaves_behind_is_published_after_a_second():
+    camera = Camera()
+    camera.see(camera.arm(-80), seconds=0.3)
+    assert camera.see(island(camera), seconds=0.5) == []
+    assert is_coin(camera.see(island(camera), seconds=1.0), (400, 300))
+
+
+def test_coin_that_a_hand_has_covered_is_published_as_soon_as_it_is_free():
+    camera = Camera()
+    camera.see(camera.coin(), seconds=0.3)
+    assert camera.see(camera.coin(), camera.arm(-80, tip=COIN), seconds=0.5) == []
+    assert is_coin(camera.see(camera.coin()))
+
+
+def test_known_coin_at_rest_stays_published_in_a_shadow_and_a_new_one_does_not():
+    camera = Camera()
+    shadow = scenes.shadow(scenes.arm_cover((560, 560), COIN, 90), 0.15)
+    camera.see(camera.coin(), seconds=0.3)
+    assert is_coin(camera.see(shadow, camera.coin()))
+    camera = Camera()
+    assert camera.see(shadow, camera.coin()) == []
+
+
+def test_coin_that_is_half_covered_is_left_out():
+    camera = Camera()
+    camera.see(camera.coin(), seconds=0.3)
+    u, v = COIN
+    assert camera.see(camera.coin(), camera.arm(12, tip=(u + 52, v), edge=(u + 52, 560))) == []
+
+
+@pytest.mark.parametrize('light', [0.3, 0.6, 1.3])
+def test_step_of_the_light_is_no_hand(light):
+    camera = Camera('wood')
+    assert is_coin(camera.see(camera.coin(), light=light))
+
+
+def test_light_from_one_side_is_no_hand():
+    camera = Camera()
+    ramp = np.linspace(0.85, 1.2, scenes.SHAPE[1], dtype=np.float32)[None, :, None]
+    camera.see(camera.coin(), lambda canvas: np.multiply(canvas, ramp, out=canvas))
+    assert is_coin([one.detection.centre for one in camera.sighting.objects])
+
+
+def test_object_at_the_edge_counts_where_cut_off_ones_do():
+    camera = Camera(detector=DetectorSettings(publish_cut_off=True))
+    assert len(camera.see(camera.coin((5, 200)))) == 1
+
+
+def test_tutorials_detector_is_left_as_it_is():
+    camera = Camera(detector=DetectorSettings(method='tutorial'))
+    assert len(camera.see(camera.arm(-130))) == 1
+
+
+def test_frame_of_a_recording_is_judged_by_itself():
+    camera = Camera(kind=VIDEO_FILE)
+    assert camera.see(camera.arm(9), island(camera)) == []
+    assert is_coin(camera.see(island(camera)), (400, 300))
