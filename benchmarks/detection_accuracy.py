@@ -123,7 +123,7 @@ def project(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def publishable(detection: Detection, board: SimulatedBoard) -> bool:
-    """Tell whether an object is whole and of a size that is asked for, on the surface."""
+    """Return whether an object is whole and of a size that is asked for, on the surface."""
     outline = project(board.surface_from_pixel, detection.outline)
     area = cv2.contourArea(outline.astype(np.float32))
     return not detection.cut_off and _AREA_CM2[0] <= area <= _AREA_CM2[1]

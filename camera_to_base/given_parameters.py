@@ -66,7 +66,7 @@ def gives_other_values(
     arguments: Sequence[str], node: str, specs: Iterable[ParameterSpec]
 ) -> bool:
     """
-    Tell whether the parameter files of a command line set a node's parameter to no default.
+    Return whether the parameter files of a command line set a node's parameter to no default.
 
     :param node: The node's full name.
     """

@@ -61,11 +61,11 @@ class Section(NamedTuple):
 
     @property
     def is_for_several(self) -> bool:
-        """Tell whether it is for more nodes than one."""
+        """Return whether it is for more nodes than one."""
         return '*' in self.node
 
     def stands_for(self, node: str) -> bool:
-        """Tell whether a node takes it, by rclpy's rule."""
+        """Return whether a node takes it, by rclpy's rule."""
         pattern = re.escape(self.node).replace(r'/\*\*', r'(/\w+)*').replace(r'/\*', r'(/\w+)')
         return re.fullmatch(pattern, node) is not None
 

@@ -55,7 +55,7 @@ class ParameterSpec:
 
     @property
     def takes_any_list(self) -> bool:
-        """Tell whether the default is an empty list, of which ROS cannot tell the type."""
+        """Return whether the default is an empty list, of which ROS cannot tell the type."""
         return isinstance(self.default, list) and not self.default
 
     @property

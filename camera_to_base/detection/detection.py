@@ -154,7 +154,7 @@ def find_outlines(mask: np.ndarray, left: int, top: int) -> List[np.ndarray]:
 
 
 def touches_edge(box: Box, picture: np.ndarray) -> bool:
-    """Tell whether a box reaches the outermost pixels of a picture of shape (h, w, ...)."""
+    """Return whether a box reaches the outermost pixels of a picture of shape (h, w, ...)."""
     height, width = picture.shape[:2]
     return (box.x <= 0 or box.y <= 0
             or box.x + box.width >= width or box.y + box.height >= height)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import List, Optional, Protocol
 
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.areas import Areas
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
 from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
@@ -28,7 +29,7 @@ import numpy as np
 # What each method takes of the settings, beside the limits for the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
-    'precise': ('faintest', 'publish_cut_off'),
+    'precise': ('faintest', 'split_touching', 'publish_cut_off'),
 }
 
 
@@ -59,11 +60,13 @@ class DetectorSettings:
     :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
     :param faintest: precise: how many grey levels an object must at least differ by, 0..255.
+    :param split_touching: precise: whether convex objects that touch come as one each.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
     :param area: Objects outside of it do not count; None for everywhere.
     :param publish_cut_off: precise: whether an object that touches the picture's edge counts; the
         tutorial's method takes it for whole.
+    :param areas: Where on the surface objects count.
     :raises InvalidValueError: If the smallest area is above the largest.
     """
 
@@ -72,10 +75,12 @@ class DetectorSettings:
     closing_size: int = _DEFAULTS['closing_size']
     median_size: int = _DEFAULTS['median_size']
     faintest: float = _DEFAULTS['faintest']
+    split_touching: bool = _DEFAULTS['split_touching']
     min_area_cm2: float = _DEFAULTS['min_area_cm2']
     max_area_cm2: float = _DEFAULTS['max_area_cm2']
     publish_cut_off: bool = _DEFAULTS['publish_cut_off']
     area: Optional[Hull] = None
+    areas: Areas = Areas()
 
     def __post_init__(self) -> None:
         """Check what the limits of each setting do not."""
@@ -91,14 +96,15 @@ class DetectorSettings:
                 if not self.has_effect(name) and getattr(self, name) != getattr(type(self), name)]
 
     def has_effect(self, name: str) -> bool:
-        """Tell whether the method in use takes a setting."""
+        """Return whether the method in use takes a setting."""
         return not any(name in names for method, names in _METHOD_SETTINGS.items()
                        if method != self.method)
 
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""
         if self.method == 'precise':
-            return PreciseDifferenceDetector(background, faintest=self.faintest)
+            return PreciseDifferenceDetector(background, faintest=self.faintest,
+                                             split_touching=self.split_touching)
         return AbsoluteDifferenceDetector(
             background, threshold=self.threshold, closing_size=self.closing_size,
             median_size=self.median_size)

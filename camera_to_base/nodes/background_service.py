@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The service that takes the background anew, and answers when it is there."""
+"""The service that takes a new background, and responds when it is complete."""
 
 from typing import Callable, Optional
 
@@ -23,7 +23,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-# A background that is not complete after as long as this never will be.
+# If the background is not complete after this time, no good frames are coming.
 _TIMEOUT_S = 10.0
 
 
@@ -32,9 +32,9 @@ class BackgroundService:
     Offers `~/capture_background`.
 
     :param node: The node that offers it.
-    :param pipeline: What takes the background.
-    :param frame_count: Tells of how many frames.
-    :param has_frames: Whether frames come at all.
+    :param pipeline: The pipeline that takes the background.
+    :param frame_count: Returns the number of frames that make a background.
+    :param has_frames: Whether the source gives frames; random pixels do not.
     """
 
     def __init__(
@@ -49,12 +49,12 @@ class BackgroundService:
         self._frame_count = frame_count
         self._has_frames = has_frames
         self._captured: Optional[Future] = None
-        # A group of its own: frames come in while it waits for them.
+        # A separate callback group, so that frames are processed while the service waits for them.
         node.create_service(Trigger, '~/capture_background', self._on_call,
                             callback_group=MutuallyExclusiveCallbackGroup())
 
     def notice_frame(self) -> None:
-        """Answer a waiting caller if the pipeline has its background."""
+        """Respond to a waiting client if the pipeline has its background."""
         if self._captured is not None and self._pipeline.background is not None:
             self._captured.set_result(True)
 

@@ -61,7 +61,7 @@ class JumpFilter:
         return believed
 
     def believes_empty(self) -> bool:
-        """Tell whether the last two frames agree that there is nothing."""
+        """Return whether the last two frames agree that there is nothing."""
         return not self._radius_px or (len(self._seen) == 2 and not any(self._seen))
 
     def _expected(self) -> Iterable[Pixel]:
