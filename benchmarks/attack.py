@@ -27,6 +27,7 @@ import json
 import time
 
 import attack_scenes as scenes
+from camera_to_base.sources import DEVICE
 from camera_to_base.surface.models import ParallelSurface
 from camera_to_base.trust import CameraPipeline, Limits
 from camera_to_base.trust.quick_look import QuickLook
@@ -43,7 +44,8 @@ class Watcher:
     """A pipeline with a clock of its own."""
 
     def __init__(self, table):
-        self._pipeline = CameraPipeline(ParallelSurface(36.0, scenes.WIDTH), limits=Limits())
+        self._pipeline = CameraPipeline(
+            ParallelSurface(36.0, scenes.WIDTH), limits=Limits(), kind=DEVICE)
         self._now = time.monotonic() + 3600
         for _ in range(2):
             self.see(table.shoot())

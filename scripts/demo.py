@@ -88,7 +88,17 @@ def listen(nodes):
             rclpy.spin_once(node, timeout_sec=0.1)
     finally:
         report.close()
-    return 0 if told_to_end.is_set() else max(process.poll() or 0 for process in nodes)
+    return 0 if told_to_end.is_set() else max(exit_code(process) for process in nodes)
+
+
+def exit_code(process):
+    """Give a node's exit code, as a shell has it where a signal ended the node; 0 if it runs."""
+    code = process.poll() or 0
+    if code >= 0:
+        return code
+    print(f'error: {os.path.basename(process.args[0])} has died: '
+          f'{signal.strsignal(-code)} (signal {-code})', file=sys.stderr)
+    return 128 - code
 
 
 class Report:

@@ -17,10 +17,12 @@
 from dataclasses import dataclass
 from typing import Optional
 
-from camera_to_base.calibration.squares import count_beyond, is_board, square_contrast
+from camera_to_base.calibration.squares import (
+    count_beyond, edges_reached, is_board, is_pattern, square_contrast)
 from camera_to_base.checks import whole_number
 from camera_to_base.detection import check_frame
-from camera_to_base.errors import CalibrationError
+from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.image_size import check_image_size
 import cv2
 import numpy as np
 
@@ -28,7 +30,13 @@ import numpy as np
 # nearest neighbour. 0.25 to 0.3 measured best; at 0.4 the window contains neighbouring edges.
 WINDOW_SHARE = 0.3
 
-# Pictures are searched at this width first: it is faster, and the finder works better.
+# Finders need a few pixels for a square.
+SMALLEST_SQUARE_PX = 4
+
+# Of a board that is cut off so many parts are searched, to say so.
+MOST_PARTS = 12
+
+# Pictures are searched at this width first: fast, and the finder copes better with few pixels.
 SEARCH_WIDTH = 1000
 
 
@@ -58,12 +66,15 @@ def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
     :param image: Shape (h, w, 3), uint8, BGR.
     :param columns: Inner corners along a row.
     :param rows: Inner corners along a column.
-    :raises InvalidValueError: If the counts are below 3, or the picture is invalid.
-    :raises CalibrationError: If there is no board, or one of other counts; the message says which.
+    :raises InvalidValueError: If the counts are below 3, or the picture is none, too small for so
+        many squares, or too large for a frame.
+    :raises CalibrationError: If there is no board, one that is cut off, or one of other counts;
+        the message says which.
     """
     check_frame(image, 'picture')
     columns = whole_number('the count of inner corners along a row', columns, 3, 1000)
     rows = whole_number('the count of inner corners along a column', rows, 3, 1000)
+    _check_size(image, columns, rows)
     grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     corners = search(grey, columns, rows)
     if corners is None:
@@ -183,8 +194,24 @@ def _without(grey, corners):
     return cv2.fillConvexPoly(grey.copy(), grown.round().astype(np.int32), int(grey.mean()))
 
 
+def _check_size(image, columns, rows):
+    height, width = image.shape[:2]
+    try:
+        check_image_size((width, height))
+    except InvalidValueError as error:
+        raise InvalidValueError(
+            f'the picture of {width} x {height} px is larger than a frame can be, make it '
+            f'smaller: {error}') from error
+    long, short = max(columns, rows) + 1, min(columns, rows) + 1
+    if (max(width, height) < SMALLEST_SQUARE_PX * long
+            or min(width, height) < SMALLEST_SQUARE_PX * short):
+        raise InvalidValueError(
+            f'the picture of {width} x {height} px is too small to show {columns + 1} x '
+            f'{rows + 1} squares: use a larger one')
+
+
 def _why_not_found(grey, columns, rows):
-    """Return the error's text, after a search for boards with similar counts."""
+    """Look for a board of nearly these counts or a part of one, to say so if there is one."""
     scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
     grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
@@ -194,11 +221,30 @@ def _why_not_found(grey, columns, rows):
             corners = corners.reshape(other[1], other[0], 2).astype(float)
             if is_board(grey, corners):
                 more_columns, more_rows = count_beyond(grey, corners)
-                return _other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows)
+                return _other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows,
+                                     edges_reached(grey, corners))
+    edges = _cut_off_at(grey, columns, rows)
+    if edges:
+        return f'{_cut_off_text(edges)}: the whole board must be in it, with a white margin'
     return (
         f'no chessboard with {columns} x {rows} inner corners found: the whole board must be in '
         'the picture with a white margin, evenly lit and sharp, and its inner corners counted '
         'where four squares meet (one less than the squares in each direction)')
+
+
+def _cut_off_at(grey, columns, rows):
+    """Name the picture's edges that cut a board off, as far as a part of it can be found."""
+    parts = [*((fewer, rows) for fewer in range(columns - 1, 2, -1)),
+             *((columns, fewer) for fewer in range(rows - 1, 2, -1))]
+    for counts in parts[:MOST_PARTS]:
+        found, corners = cv2.findChessboardCornersSB(
+            grey, counts, flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
+        if found:
+            part = corners.reshape(counts[1], counts[0], 2).astype(float)
+            edges = edges_reached(grey, part) if is_pattern(grey, part) else []
+            if edges:
+                return edges
+    return []
 
 
 def _nearby_counts(columns, rows):
@@ -207,7 +253,12 @@ def _nearby_counts(columns, rows):
     return sorted(near, key=lambda counts: abs(counts[0] - columns) + abs(counts[1] - rows))
 
 
-def _other_counts(columns, rows, found_columns, found_rows):
+def _other_counts(columns, rows, found_columns, found_rows, edges=()):
+    cut_off = f'{_cut_off_text(edges)}, or ' if edges else ''
     return (
         f'the board in the picture has {found_columns} x {found_rows} inner corners, not '
-        f'{columns} x {rows}: give --corners {found_columns}x{found_rows}')
+        f'{columns} x {rows}: {cut_off}give --corners {found_columns}x{found_rows}')
+
+
+def _cut_off_text(edges):
+    return f'the board is cut off by the {" and the ".join(edges)} edge of the picture'

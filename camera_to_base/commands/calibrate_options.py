@@ -19,10 +19,16 @@ import argparse
 import re
 from typing import Any, List, Optional, Tuple
 
+from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.parser import CommandParser
 from camera_to_base.errors import InvalidValueError
 
 EXAMPLES = {
+    'sheet': """
+Print it at 100 % (not "fit to page"), measure the ruler on it, and glue it to something flat.
+
+  calibrate sheet -o board.pdf
+  calibrate sheet --paper Letter --corners 8x5 --square-mm 28 -o board.pdf""",
     'board': """
 Print a chessboard, lay it flat on the work surface, and take one picture of it.
 
@@ -52,6 +58,10 @@ z_base_cm, which are 0 by default).
 Use points that the calibration was not made from, in a table as for `calibrate points`:
 
   calibrate check surface.yaml more_points.csv""",
+    'status': """
+How old each part is, how good it is, and what to do next:
+
+  calibrate status cell.yaml""",
 }
 DESCRIPTION = """
 Calibrates a camera that looks at a work surface, and reports the errors. The output is a
@@ -80,7 +90,8 @@ def _parser() -> argparse.ArgumentParser:
         prog='calibrate', description=DESCRIPTION,
         formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest='command', required=True, parser_class=CommandParser,
-                                     metavar='board | points | base | check')
+                                     metavar='sheet | board | points | base | check | status')
+    _add_sheet(_command(commands, 'sheet', 'a chessboard to print'))
     _add_board(_command(commands, 'board',
                         'the surface, from one picture of a chessboard that lies on it'))
     points = _command(commands, 'points', 'the surface, from a table of points')
@@ -103,17 +114,32 @@ def _parser() -> argparse.ArgumentParser:
     check = _command(commands, 'check', 'the error of a calibration on other points')
     check.add_argument('file', metavar='FILE', help='from calibrate board or calibrate points')
     check.add_argument('table', metavar='TABLE.csv')
+    status = _command(commands, 'status', 'what a parameter file holds, and what it lacks')
+    status.add_argument('file', metavar='FILE')
     return parser
 
 
 def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
-    does = 'Computes' if name == 'check' else 'Calibrates'
+    does = {'sheet': 'Draws', 'check': 'Tells', 'status': 'Tells'}.get(name, 'Calibrates')
     command = commands.add_parser(
         name, help=purpose, description=f'{does} {purpose}.\n{EXAMPLES[name]}',
         formatter_class=argparse.RawDescriptionHelpFormatter)
     command.add_argument('--json', action='store_true',
                          help='print the report as one JSON object')
     return command
+
+
+def _add_sheet(sheet: argparse.ArgumentParser) -> None:
+    sheet.add_argument('--paper', choices=tuple(PAPERS), default='A4',
+                       help='(default: %(default)s)')
+    sheet.add_argument('--corners', default='9x6', metavar='9x6',
+                       help='inner corners along a row and along a column; one even and one odd '
+                            'give the board one origin (default: %(default)s)')
+    sheet.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+                       help="a square's edge (default: %(default)g)")
+    sheet.add_argument('-o', '--output', required=True, metavar='FILE',
+                       help='the file to write: .pdf, .svg or .png')
+    sheet.add_argument('--force', action='store_true', help='overwrite a file')
 
 
 def _add_board(board: argparse.ArgumentParser) -> None:

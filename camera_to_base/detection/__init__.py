@@ -25,7 +25,7 @@ position may be published.
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.detection.background_taker import BackgroundTaker
 from camera_to_base.detection.detection import (
-    Box, check_frame, Detection, locate_on_surface, Pixel, touches_edge)
+    Box, check_frame, check_same_size, Detection, locate_on_surface, Pixel, touches_edge)
 from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
@@ -35,8 +35,9 @@ from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.specs import BACKGROUND_SPECS, DETECTOR_SPECS
 
 __all__ = [
-    'AbsoluteDifferenceDetector', 'BACKGROUND_SPECS', 'BackgroundTaker', 'Box', 'changed_blocks',
-    'check_frame', 'Detection', 'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'LeftOut',
-    'locate_on_surface', 'locate_pixel', 'LocatedObject', 'mean_blocks', 'ObjectLocator', 'Pixel',
-    'Point', 'PreciseDifferenceDetector', 'random_pixel', 'touches_edge',
+    'AbsoluteDifferenceDetector', 'BACKGROUND_SPECS', 'BackgroundTaker', 'Box',
+    'changed_blocks', 'check_frame', 'check_same_size', 'Detection', 'DETECTOR_SPECS',
+    'DetectorSettings', 'Found', 'LeftOut', 'locate_on_surface', 'locate_pixel',
+    'LocatedObject', 'mean_blocks', 'ObjectLocator', 'Pixel', 'Point',
+    'PreciseDifferenceDetector', 'random_pixel', 'touches_edge',
 ]

@@ -68,6 +68,14 @@ class Camera:
                 f"camera '{self.name}' gives no frame: was it unplugged or switched off?")
         return frame
 
+    @property
+    def stamp_s(self) -> Optional[float]:
+        """The last frame's stamp, in s from any beginning, where an RTSP stream gives stamps."""
+        # Of other streams FFmpeg counts frames, by a rate that it guesses.
+        if self._capture is None or not self.name.startswith(('rtsp://', 'rtsps://')):
+            return None
+        return self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
+
     def release(self) -> None:
         """Release the camera."""
         if self._capture is not None:

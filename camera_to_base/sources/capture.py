@@ -14,7 +14,10 @@
 
 """Opens OpenCV captures without OpenCV's warnings, and with time-outs short enough for a node."""
 
+from contextlib import suppress
 import os
+import subprocess
+import sys
 from typing import List, Optional, Union
 
 import cv2
@@ -28,13 +31,38 @@ os.environ.setdefault('OPENCV_FFMPEG_CAPTURE_OPTIONS', 'rtsp_transport;tcp|fpspr
 # neither property; its default of 10 s is changed by the environment variable.
 _STREAM_TIMEOUTS = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, 1500, cv2.CAP_PROP_READ_TIMEOUT_MSEC, 1200]
 os.environ.setdefault('OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT', '1')
-# OpenCV 4 has the function in cv2.utils.logging, OpenCV 5 in cv2.
+# FFmpeg's name of the format, 'BGR' and 24 bits.
+_BGR_24 = int.from_bytes(b'BGR\x18', 'little')
+_READ_ONE = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+import cv2
+cv2.VideoCapture(sys.argv[1]).read()
+"""
+_LONGEST_PROBE_S = 30.0
+# OpenCV 5 has moved it.
 _set_log_level = getattr(cv2, 'setLogLevel', None) or cv2.utils.logging.setLogLevel
 
 
 def open_file(path: str) -> Optional[cv2.VideoCapture]:
     """Open a video file; return None if OpenCV cannot."""
     return _open(path, cv2.CAP_ANY)
+
+
+def is_readable(path: str, capture: cv2.VideoCapture) -> bool:
+    """
+    Tell whether reading an opened file leaves the process alive.
+
+    OpenCV 5.0.0 crashes on uncompressed BGR whose lowest row comes first, as AVI files have it. A
+    process of its own reads the first frame of a file that might be one.
+    """
+    if int(capture.get(cv2.CAP_PROP_CODEC_PIXEL_FORMAT)) != _BGR_24:
+        return True
+    with suppress(subprocess.TimeoutExpired):
+        return subprocess.run(
+            [sys.executable, '-c', _READ_ONE, path], stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL, timeout=_LONGEST_PROBE_S).returncode == 0
+    return False
 
 
 def open_stream(url: str) -> Optional[cv2.VideoCapture]:

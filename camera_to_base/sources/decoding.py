@@ -129,7 +129,9 @@ def decode_compressed(data: Any, format_name: str = '') -> np.ndarray:
             f'the compressed picture of {len(content)} bytes was cut off: check the camera and '
             'its network')
     try:
-        frame = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+        # As it is stored: a calibration is made of pictures without their EXIF orientation.
+        frame = cv2.imdecode(np.frombuffer(content, np.uint8),
+                             cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
     except cv2.error:
         frame = None  # for example a size above OpenCV's limit
     if frame is None:

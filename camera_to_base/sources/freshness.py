@@ -18,7 +18,9 @@ from collections import deque
 from statistics import median
 from typing import Deque, Optional
 
-# A frame that was read in less time was in a buffer, unless the camera is even faster.
+from camera_to_base.sources.stream_clock import StreamClock
+
+# A frame that could be read faster than this was there already, unless the camera is faster yet.
 _WAITED_S = 0.006
 # On a busy processor, reading a buffered frame takes long, too. So a new frame must also arrive
 # at least this share of the usual interval after the frame before.
@@ -48,7 +50,8 @@ class Freshness:
         self.restart()
 
     def restart(self) -> None:
-        """Forget all frames, after the stream was opened again."""
+        """Trust nothing yet: the stream was opened anew."""
+        self._stream_clock = StreamClock()
         self._waits_needed = 2
         self._waited_s = _WAITED_S
         self._rush_waits: Deque[float] = deque(maxlen=_RUSH_WAITS)
@@ -56,13 +59,28 @@ class Freshness:
         self._rushing_since: Optional[float] = None
         self._ended_at: Optional[float] = None
 
-    def is_fresh(self, begun_at: float, ended_at: float) -> bool:
+    @property
+    def lags(self) -> bool:
+        """Tell whether all frames will be old until the stream is opened anew."""
+        return self._stream_clock.lags
+
+    def is_fresh(
+        self, begun_at: float, ended_at: float, stamp_s: Optional[float] = None
+    ) -> bool:
         """
         Judge one frame.
 
-        :param begun_at: When reading it began, in s, of a monotonic clock.
-        :param ended_at: When reading it ended.
+        :param begun_at: When reading it began, in s, of a clock that never jumps.
+        :param ended_at: When it was there.
+        :param stamp_s: The stream's own time stamp, in s from any beginning; None for none.
         """
+        is_late = stamp_s is not None and self._stream_clock.is_late(stamp_s, ended_at)
+        is_fresh = self._was_waited_for(begun_at, ended_at) and not is_late
+        if is_fresh and stamp_s is not None:
+            self._stream_clock.accept()
+        return is_fresh
+
+    def _was_waited_for(self, begun_at: float, ended_at: float) -> bool:
         interval = ended_at - (self._ended_at if self._ended_at is not None else begun_at)
         self._ended_at = ended_at
         usual = median(self._intervals) if self._intervals else 0.0

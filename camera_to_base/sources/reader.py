@@ -127,6 +127,10 @@ class FrameReader(ReaderStatus):
                     self._count(reconnects=1)
                 self._keep(image, begun_at, time.monotonic())
                 count += 1
+                if self._freshness is not None and self._freshness.lags:
+                    self._camera.release()
+                    raise FrameSourceError(
+                        'the stream is behind, by its own time stamps: it is opened anew')
         except FrameSourceError as error:
             self._lose(error)
         except Exception as error:
@@ -146,7 +150,8 @@ class FrameReader(ReaderStatus):
         self._note_frame(ended_at)
         self._first_attempt_over.set()
         self._note_damage(damage)
-        fresh = self._freshness is None or self._freshness.is_fresh(begun_at, ended_at)
+        fresh = self._freshness is None or self._freshness.is_fresh(
+            begun_at, ended_at, getattr(self._camera, 'stamp_s', None))
         self._note_age(is_old=not fresh)
         if fresh and damage is None and not self._stop.is_set():
             with self._lock:

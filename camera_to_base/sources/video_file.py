@@ -20,7 +20,7 @@ from typing import Optional, Protocol
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.sources.cameras import Camera
-from camera_to_base.sources.capture import open_file
+from camera_to_base.sources.capture import is_readable, open_file
 from camera_to_base.sources.source_kind import kind_of, SourceKind, VIDEO_FILE
 import cv2
 import numpy as np
@@ -66,6 +66,16 @@ class VideoFile:
         if self._capture is None:
             raise FrameSourceError(
                 f"cannot open video '{path}': it is no video that OpenCV can read")
+        if not is_readable(path, self._capture):
+            self.release()
+            raise FrameSourceError(
+                f"cannot read video '{path}': OpenCV {cv2.__version__} crashes on its "
+                f"uncompressed pictures: convert it, ffmpeg -i '{path}' -c:v ffv1 converted.avi")
+        self._first = self._next()
+        if self._first is None:
+            self.release()
+            raise FrameSourceError(
+                f"cannot read video '{path}': OpenCV decodes no frame of it; was it cut off?")
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.kind = VIDEO_FILE._replace(
             frame_rate=rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE)
@@ -77,7 +87,11 @@ class VideoFile:
         return int(count) if count > 0 else None
 
     def read(self) -> Optional[np.ndarray]:
-        """Return the next frame, see :meth:`FrameSource.read`."""
+        """Give the next frame, see :meth:`FrameSource.read`."""
+        frame, self._first = self._first, None
+        return self._next() if frame is None else frame
+
+    def _next(self) -> Optional[np.ndarray]:
         good, frame = self._capture.read()
         return frame if good else None
 

@@ -50,7 +50,7 @@ class MotionFit:
     """
 
     def __init__(self, places: np.ndarray, size: Tuple[int, int], information: np.ndarray) -> None:
-        self._information = information
+        self._information, self._size = information, size
         self._lever = _lever(places, size)
         self._weighted = self._lever.transpose(0, 2, 1) @ information
         self._share = self._weighted @ self._lever
@@ -80,6 +80,18 @@ class MotionFit:
                 missed.transpose(0, 2, 1) @ self._information @ missed)[:, 0, 0]
             weights = is_seen / (1 + deviations / _HALF_WEIGHT) ** 2
         return Motion(numbers, is_seen & (deviations < _DISAGREES))
+
+    def matrix(self, numbers: np.ndarray) -> np.ndarray:
+        """
+        Give a similarity as the map from the background's pixels to the frame's.
+
+        :returns: Shape (2, 3), as cv2.warpAffine takes it.
+        """
+        growth, turn = numbers[2:] / (np.hypot(*self._size) / 2)
+        matrix = np.array([[1 + growth, -turn, 0.0], [turn, 1 + growth, 0.0]])
+        centre = np.array(self._size) / 2
+        matrix[:, 2] = centre + numbers[:2] - matrix[:, :2] @ centre
+        return matrix
 
     def farthest_px(self, numbers: np.ndarray) -> float:
         """Tell how far the picture's centre or a corner moves, the farthest of them, in px."""

@@ -21,13 +21,17 @@ import cv2
 import numpy as np
 
 # The smoothing that the background's gradient is taken with, in px: the better one for a patch.
-_SIGMAS, _USUAL_LENGTH = (1.0, 2.5), 1280
-_LEAST_HALF_PX = 1.5
-# The coarser gradient is taken where it tells this much more.
-_CLEARLY_BETTER = 1.3
+_SIGMAS, _USUAL_LENGTH = (0.7, 1.2, 2.5), 1280
+_LEAST_HALF_PX = 1.0
+# A coarser gradient is taken where it tells this much more.
+_CLEARLY_BETTER = 1.5
+# The gradient is that of a smoothed picture, the smaller one: shifts come out too large by this.
+_TOO_LARGE = 1.25
 # What the linear model misses of a shift, in px: no patch tells one better.
 _MODEL_PX = 0.2
 _UNTOLD_PX2 = 1e6
+# At least this share of a patch's energy is taken for structure.
+_LEAST_TRUE = 0.2
 # A patch is seen where the model explains this share of what is not noise, ...
 _LEAST_EXPLAINED = 0.5
 # ... under a gain like that of the others, and where that is more than chance, in levels².
@@ -72,11 +76,15 @@ class PatchFit:
         energy = np.maximum(np.einsum('ij,ij->i', levels, levels), 1e-6)
         self.energy = energy / levels.shape[1]
         sigmas = np.array(_SIGMAS) * max(1.0, max(grey.shape) / _USUAL_LENGTH)
-        fine, coarse = (self._fit(levels, energy, grey, sigma, noise) for sigma in sigmas)
-        better = _worst(coarse[-1]) > _CLEARLY_BETTER * _worst(fine[-1])
-        for ours, theirs in zip(fine, coarse):
-            ours[better] = theirs[better]
-        slopes, fitted, estimated, self.information = fine
+        best, *coarser = (self._fit(levels, energy, grey, sigma, noise) for sigma in sigmas)
+        for other in coarser:
+            is_better = _worst(other[-1]) > _CLEARLY_BETTER * _worst(best[-1])
+            for ours, theirs in zip(best, other):
+                ours[is_better] = theirs[is_better]
+        slopes, fitted, estimated, self.information = best
+        # Noise in the patch makes its gain too small, and a shift by it too large.
+        true_energy = np.maximum(self.energy - variance / 2, self.energy * _LEAST_TRUE)
+        self._gain_of_noise = true_energy / self.energy
         gains = levels[:, None] / energy[:, None, None]
         self._inverse = np.concatenate([gains, fitted, estimated], axis=1).astype(np.float32)
         self._model = np.concatenate([levels[:, :, None], slopes], axis=2).astype(np.float32)
@@ -122,7 +130,8 @@ class PatchFit:
                    & (explained > _LEAST_ENERGY + _LEAST_NOISE_SHARE * noise))
         gain = float(np.median(gains[is_seen])) if is_seen.any() else 1.0
         is_seen &= (gains > _USUAL_GAINS[0] * gain) & (gains < _USUAL_GAINS[1] * gain)
-        shifts = -factors[:, 3:] / np.maximum(gains, _GAINS[0])[:, None]
+        shifts = factors[:, 3:] * (
+            -self._gain_of_noise / _TOO_LARGE / np.maximum(gains, _GAINS[0]))[:, None]
         return PatchShifts(shifts, is_seen, residuals, gain)
 
 

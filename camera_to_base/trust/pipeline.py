@@ -19,7 +19,7 @@ import time
 from typing import Optional
 
 from camera_to_base.detection import (
-    BackgroundTaker, check_frame, DetectorSettings, ObjectLocator)
+    BackgroundTaker, check_frame, check_same_size, DetectorSettings, ObjectLocator)
 from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.sources import SIMULATED, SourceKind
@@ -138,15 +138,22 @@ class CameraPipeline:
             reason = self._background_reason(frame)
             if reason is not None:
                 return Sighting([], reason)
-            found = self._current_locator().find(frame)
+            locator = self._current_locator()
+            check_same_size(frame, self.background)
+            reason = self._view.reason(frame)
+            if self._detector.method == 'precise':
+                frame = self._view.moved_back(frame)
+            found = locator.find(frame)
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
-        reason = self._view.reason(frame)
         if reason is None and self._leaves_out_cut_off():
-            found = self._arms.check(
-                frame, found, taken_at if self._kind.is_live else None, self._view.shift_px)
+            found = self._arms.check(frame, found, self._time_of(taken_at), self._view.shift_px)
         seen = Sighting(found.objects, reason, found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
+
+    def _time_of(self, taken_at: Optional[float]) -> Optional[float]:
+        # Each frame of a recording stands for itself.
+        return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
 
     def _leaves_out_cut_off(self) -> bool:
         # An arm that reaches in is a cut-off object; it is an object if these are published.

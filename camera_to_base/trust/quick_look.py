@@ -42,10 +42,12 @@ class Look(NamedTuple):
     :param share: How much of the structure agrees on a motion: of that which tells the least
         certain direction, 0..1.
     :param shift_px: How far the picture's centre or a corner has moved, the farthest of them.
+    :param matrix: Shape (2, 3), maps the background's pixels to the frame's.
     """
 
     share: float
     shift_px: float
+    matrix: np.ndarray
 
 
 class QuickLook:
@@ -94,11 +96,9 @@ class QuickLook:
         motion = self._motion_fit.solve(
             seen.shifts, seen.is_seen, float(np.clip(seen.gain, _DARKEST_GAIN, 1)) ** 2)
         part = self._whitening @ self._motion_fit.total(motion.agrees) @ self._whitening.T
-        return Look(max(0.0, float(np.linalg.eigvalsh(part)[0])), self.told_px(motion.numbers))
-
-    def told_px(self, numbers: np.ndarray) -> float:
-        """Tell how far a similarity moves the farthest corner, as far as the surface tells it."""
-        return self._motion_fit.farthest_px(self._told @ (self._told.T @ numbers))
+        numbers = self._told @ (self._told.T @ motion.numbers)
+        return Look(max(0.0, float(np.linalg.eigvalsh(part)[0])),
+                    self._motion_fit.farthest_px(numbers), self._motion_fit.matrix(numbers))
 
     def _make_fit(self, places: np.ndarray) -> PatchFit:
         return PatchFit(Patches(places, step_for(self._size)), self._background, self._grey,

@@ -31,6 +31,9 @@ _EDGE_SHARE = 0.4
 # Rounds of the fit of smooth light, and what counts half in it, in shares of the light.
 _ROUNDS, _HALF_WEIGHT = 8, 0.03
 _GRID_STEP = 4
+# On a surface whose own levels vary by this much, an arm is like it here and there: gaps of up to
+# 4 cells are closed there.
+_TEXTURE_LEVELS, _CLOSING = 2.0, np.ones((5, 5), np.uint8)
 # Of a large picture some pixels are enough: this many along a cell.
 _SAMPLES = 4
 
@@ -54,6 +57,8 @@ class ReachingIn:
         self._background = np.maximum(small, 1)
         self._range = (cv2.dilate(small, np.ones((3, 3))) - cv2.erode(small, np.ones((3, 3)))) / 2
         noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
+        self._is_textured = cv2.dilate(
+            (self._range.max(axis=2) > _TEXTURE_LEVELS).astype(np.uint8), np.ones((3, 3)))
         # Of the mean of a cell; that of a frame and the background's together.
         self._noise = float(noise) / 0.6745 * self._step / self.scale
         self._terms = _quadratic_terms(*self._size)
@@ -79,7 +84,8 @@ class ReachingIn:
         lit = np.minimum(self._background * gain, 255)
         least = max(_FAINTEST * min(float(np.median(gain)), 1.0), _FAINTEST_IN_THE_DARK,
                     _NOISE_DEVIATIONS * self._noise)
-        differs = (np.abs(picture - lit) - slack).max(axis=2) > least
+        differs = ((np.abs(picture - lit) - slack).max(axis=2) > least).astype(np.uint8)
+        differs |= cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
         # Around it is an edge from which all that touches it is filled.
         framed = np.ones((differs.shape[0] + 2, differs.shape[1] + 2), np.uint8)
         framed[1:-1, 1:-1] = differs

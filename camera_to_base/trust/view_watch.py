@@ -20,6 +20,7 @@ from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.quick_look import Look, QuickLook
 from camera_to_base.trust.view_check import View, view_reason, ViewCheck
+import cv2
 import numpy as np
 
 # The look clears a frame where this share of the structure agrees, on a motion of this share of
@@ -30,6 +31,8 @@ _LEAST_SHARE_OF_FULL = 0.1
 # Where the full comparison finds no shift, less structure counts if it agrees on less motion, and
 # the less the more of the picture is as it was: share, share of view.max_shift_px, changed share.
 _LESS = ((0.2, 0.4, 1.0), (0.1, 0.23, 0.5))
+# A frame is moved back where it has shifted by more than this, in px: less is the look's error.
+_LEAST_MOVED_PX = 0.4
 
 
 class ViewWatch:
@@ -49,6 +52,7 @@ class ViewWatch:
     ) -> None:
         self.view: Optional[View] = None
         self.full_count = 0
+        self._matrix: Optional[np.ndarray] = None
         self._look = QuickLook(background, witness)
         self._check = ViewCheck(background)
         self._limits = limits
@@ -57,6 +61,21 @@ class ViewWatch:
     def shift_px(self) -> float:
         """How far the view of the last frame had moved, as far as that is known, in px."""
         return (self.view.shift_px or 0.0) if self.view is not None else 0.0
+
+    def moved_back(self, frame: np.ndarray) -> np.ndarray:
+        """
+        Give the last frame as the camera would see it from where the background was taken.
+
+        An edge of the surface that has moved by a pixel would be an object to a detector.
+
+        :param frame: The frame that `reason` was asked of last.
+        :returns: The same array where it has hardly moved, or its shift is not known well.
+        """
+        if self._matrix is None or self.shift_px < _LEAST_MOVED_PX:
+            return frame
+        return cv2.warpAffine(frame, self._matrix, frame.shape[1::-1],
+                              flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                              borderMode=cv2.BORDER_REPLICATE)
 
     def configure(self, limits: Limits) -> None:
         """Use other limits from the next frame on."""
@@ -68,6 +87,7 @@ class ViewWatch:
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         """
+        self._matrix = None
         if not self._limits.max_shift_px:
             self.view = None
             return None
@@ -76,7 +96,7 @@ class ViewWatch:
             self.view = View(None, 0.0, has_structure=False)
             return None
         if self._is_sure(look):
-            self.view = View(look.shift_px, 1 - look.share)
+            self.view, self._matrix = View(look.shift_px, 1 - look.share), look.matrix
             return None
         return self._full_reason(frame, look)
 
@@ -98,7 +118,11 @@ class ViewWatch:
             return reason
         is_cleared = (look.share >= _LEAST_SHARE_OF_FULL if view.shift_px is not None
                       else self._is_likely(look, view.changed_share))
-        return None if is_cleared else _unknown(look)
+        if not is_cleared:
+            return _unknown(look)
+        if look.share >= _LEAST_SHARE and look.shift_px <= limits.max_shift_px:
+            self._matrix = look.matrix
+        return None
 
     def _is_likely(self, look: Look, changed_share: float) -> bool:
         return any(

@@ -76,6 +76,16 @@ def test_drift_within_the_limit_is_told_and_goes_on():
     assert view.view.shift_px == pytest.approx(1.6, abs=0.4)
 
 
+def test_frame_of_a_camera_that_has_drifted_is_moved_back():
+    surface = table('print')
+    view, before = watch(surface), surface.shoot().astype(int)
+    frame = surface.shoot((1.2, -1.0, 0.1, 0))
+    view.reason(frame)
+    inner = np.s_[10:-10, 10:-10]
+    moved_back = np.abs(view.moved_back(frame) - before)[inner].mean()
+    assert moved_back < 0.8 * np.abs(frame - before)[inner].mean()
+
+
 def test_how_far_the_camera_was_bumped_is_said():
     surface = table('print')
     reason = watch(surface).reason(surface.shoot((8, 6, 0, 0)))
