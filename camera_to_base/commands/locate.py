@@ -173,6 +173,7 @@ def _annotate(
 ) -> None:
     try:
         picture = draw_objects(timed.frame, sighting.objects, settings.debug_label)
+        settings.area_overlay.draw(picture)
     except CameraToBaseError:
         return  # the frame cannot be decoded
     reason = '' if sighting.reason is None else f', {sighting.reason.sentence}'

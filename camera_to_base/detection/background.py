@@ -79,7 +79,9 @@ class Background:
         return Region(rows, slice(int(columns[0]), int(columns[-1]) + 1)) if len(columns) else None
 
 
-def changed_rows(frame: np.ndarray, picture: np.ndarray, threshold: float) -> Optional[slice]:
+def changed_rows(
+    frame: np.ndarray, picture: np.ndarray, threshold: float, exact: bool = True
+) -> Optional[slice]:
     """
     Find the rows between the first and the last pixel in which two pictures differ.
 
@@ -90,6 +92,7 @@ def changed_rows(frame: np.ndarray, picture: np.ndarray, threshold: float) -> Op
     :param frame: Shape (h, w, 3), uint8.
     :param picture: Of the same shape.
     :param threshold: Grey levels; a channel that differs by more has changed.
+    :param exact: Whether the second search within a block is worth its time.
     :returns: None if nothing has changed.
     """
     ends = [int(end * len(picture)) for end in _BLOCK_ENDS]
@@ -105,6 +108,8 @@ def changed_rows(frame: np.ndarray, picture: np.ndarray, threshold: float) -> Op
     if first is None:
         return None
     last = first_changed(reversed(blocks))
+    if not exact:
+        return slice(first.start, last.stop)
     return slice(first_changed(_steps(first)).start,
                  first_changed(reversed(_steps(last))).stop)
 

@@ -128,14 +128,14 @@ class ObjectLocator:
             return LeftOut(detection, Reason(
                 'beyond_horizon', Level.WARN, f'no position is published: {error}',
                 is_passing=True))
-        reason = self._reason_to_leave_out(detection, cm_per_px)
+        reason = self._reason_to_leave_out(detection, point, cm_per_px)
         if reason is not None:
             return LeftOut(detection, reason)
         yaw = object_yaw(self._surface, detection, cm_per_px, self._least_width)
         return LocatedObject(detection, point, yaw)
 
     def _reason_to_leave_out(
-        self, detection: Detection, cm_per_px: np.ndarray
+        self, detection: Detection, point: Point, cm_per_px: np.ndarray
     ) -> Optional[Reason]:
         settings = self._settings
         if detection.cut_off and settings.method == 'precise' and not settings.publish_cut_off:
@@ -144,6 +144,11 @@ class ObjectLocator:
         if settings.area is not None and not settings.area.contains(detection.centre):
             return _left_out('outside_hull', 'it lies outside the area that the calibration was '
                              'measured in, see surface.reject_outside_hull')
+        areas = settings.areas
+        if areas.work is not None and not areas.work.contains(point):
+            return _left_out('outside_work_area', 'it lies outside of work_area')
+        if any(area.contains(point) for area in areas.ignored):
+            return _left_out('in_ignored_area', 'it lies in one of ignored_areas')
         area_cm2 = detection.area * abs(np.linalg.det(cm_per_px))
         if area_cm2 < settings.min_area_cm2:
             return _left_out('too_small', f'its area of {area_cm2:.3g} cm² is less than '

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import List, Optional, Protocol
 
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.areas import Areas
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
 from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
@@ -28,7 +29,7 @@ import numpy as np
 # The settings that each method uses, in addition to the limits of the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
-    'precise': ('faintest', 'publish_cut_off'),
+    'precise': ('faintest', 'split_touching', 'publish_cut_off'),
 }
 
 
@@ -59,11 +60,13 @@ class DetectorSettings:
     :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
     :param faintest: precise: least difference of an object from the surface, grey levels, 0..255.
+    :param split_touching: precise: whether convex objects that touch are separated.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
     :param area: Objects outside this area do not count; None for no limit.
     :param publish_cut_off: precise: whether an object that touches the picture's edge counts;
         with the tutorial's method it always does.
+    :param areas: The areas on the surface in which objects count.
     :raises InvalidValueError: If the smallest area is above the largest.
     """
 
@@ -72,10 +75,12 @@ class DetectorSettings:
     closing_size: int = _DEFAULTS['closing_size']
     median_size: int = _DEFAULTS['median_size']
     faintest: float = _DEFAULTS['faintest']
+    split_touching: bool = _DEFAULTS['split_touching']
     min_area_cm2: float = _DEFAULTS['min_area_cm2']
     max_area_cm2: float = _DEFAULTS['max_area_cm2']
     publish_cut_off: bool = _DEFAULTS['publish_cut_off']
     area: Optional[Hull] = None
+    areas: Areas = Areas()
 
     def __post_init__(self) -> None:
         """Check the relation of the areas, which the limits of each setting do not cover."""
@@ -98,7 +103,8 @@ class DetectorSettings:
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""
         if self.method == 'precise':
-            return PreciseDifferenceDetector(background, faintest=self.faintest)
+            return PreciseDifferenceDetector(background, faintest=self.faintest,
+                                             split_touching=self.split_touching)
         return AbsoluteDifferenceDetector(
             background, threshold=self.threshold, closing_size=self.closing_size,
             median_size=self.median_size)

@@ -49,9 +49,23 @@ DETECTOR_SPECS = [
     ParameterSpec('detector.max_area_cm2', _LARGEST_AREA_CM2,
                   'Larger objects (a hand) are not published; their area on the surface.',
                   (0, _LARGEST_AREA_CM2), unit='cm²'),
+    ParameterSpec('detector.split_touching', False,
+                  'precise: whether convex objects that touch (coins, nuts) come as one each; '
+                  'where false, nothing is taken apart.'),
     ParameterSpec('detector.publish_cut_off', False,
                   "precise: whether an object that touches the picture's edge is published; the "
                   'tutorial publishes it.'),
+]
+AREA_SPECS = [
+    ParameterSpec(
+        'work_area', [],
+        'Only objects whose centre lies in this polygon are published: x and y of one corner '
+        'after the other; empty for everywhere.', unit='cm', constraints='x and y in turn'),
+    ParameterSpec(
+        'ignored_areas', '',
+        'Objects whose centre lies in one of these polygons are not published (a rail, a cable, '
+        "the robot's foot): in cm, corners with , between them, polygons with ; between them.",
+        constraints="such as '0 0, 5 0, 5 3; 30 0, 36 0, 36 27'"),
 ]
 # By their names without 'detector.'.
 DETECTOR_DEFAULTS: Mapping[str, Any] = grouped(default_values(DETECTOR_SPECS), 'detector.')

@@ -114,7 +114,8 @@ class CameraPublisher(Node):
         sighting = self._pipeline.process(frame, taken_at)
         self._positions.publish_sighting(header, sighting, settings)
         self._debug_images.publish(
-            header, frame, sighting, self._note(sighting), settings.debug_label)
+            header, frame, sighting, self._note(sighting), settings.debug_label,
+            settings.area_overlay)
         self._background_keeper.keep()
         self._background_service.notice_frame()
 

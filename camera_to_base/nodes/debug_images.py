@@ -14,9 +14,9 @@
 
 """Publishes pictures of what a camera node sees, if there are subscribers."""
 
-from typing import Callable
+from typing import Callable, Optional
 
-from camera_to_base.drawing import draw_note, draw_objects, Label, object_mask
+from camera_to_base.drawing import AreaOverlay, draw_note, draw_objects, Label, object_mask
 from camera_to_base.nodes.image_messages import image_message, jpeg_message
 from camera_to_base.trust import Sighting
 import numpy as np
@@ -49,7 +49,8 @@ class DebugImages:
         self._mask = publisher(Image, 'mask')
 
     def publish(
-        self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label
+        self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label,
+        areas: Optional[AreaOverlay] = None,
     ) -> None:
         """
         Publish the pictures that have subscribers.
@@ -58,9 +59,12 @@ class DebugImages:
         :param sighting: The objects that were found on it.
         :param note: Text for the corner: the background's age, or why nothing is published.
         :param label: Formats a position as text.
+        :param areas: The areas in which objects count; None to draw none.
         """
         if _has_listener(self._image) or _has_listener(self._jpeg):
             picture = draw_objects(frame, sighting.objects, label)
+            if areas is not None:
+                areas.draw(picture)
             draw_note(picture, note)
             _publish(self._image, lambda: image_message(header, picture))
             _publish(self._jpeg, lambda: jpeg_message(header, picture))

@@ -18,8 +18,10 @@ from dataclasses import dataclass
 from typing import List, Optional
 
 from camera_to_base.checks import frame_id
-from camera_to_base.detection import BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings
-from camera_to_base.drawing import base_label, camera_label, check_background_path, Label
+from camera_to_base.detection import (
+    AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, read_areas)
+from camera_to_base.drawing import (
+    AreaOverlay, base_label, camera_label, check_background_path, Label)
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.parameter_spec import grouped, ParameterSpec, Values
@@ -55,6 +57,7 @@ class CameraSettings:
     hull: Optional[Hull]
     simulated: SimulationSettings
     debug_label: Label
+    area_overlay: AreaOverlay
     is_configured: bool
     is_calibrated: bool
 
@@ -107,7 +110,7 @@ _OUTPUT_SPECS = [
 ]
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
-    *PLACEMENT_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS]
+    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS]
 
 
 # Parameters that can be set without setting up a camera or a robot.
@@ -126,7 +129,8 @@ def camera_settings(values: Values) -> CameraSettings:
     """
     if not values['source']:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
-    hull = make_hull(values)
+    hull, surface = make_hull(values), make_surface(values)
+    areas = read_areas(values['work_area'], values['ignored_areas'])
     return CameraSettings(
         source=values['source'],
         period=values['period'],
@@ -140,11 +144,12 @@ def camera_settings(values: Values) -> CameraSettings:
         image_size=tuple(values['surface.image_size']),
         detector=DetectorSettings(
             **grouped(values, 'detector.'),
-            area=hull if values['surface.reject_outside_hull'] else None),
-        surface=make_surface(values),
+            area=hull if values['surface.reject_outside_hull'] else None, areas=areas),
+        surface=surface,
         hull=hull,
         simulated=simulation_settings(**grouped(values, 'simulated.')),
         debug_label=_debug_label(values),
+        area_overlay=AreaOverlay(surface, areas),
         is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
         is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
                           for name in _other_than_default(values)))
