@@ -14,6 +14,8 @@
 
 """What a node was given on its command line, and what of that reaches no parameter."""
 
+from functools import lru_cache
+import os
 from typing import Any, Collection, Iterable, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.errors import InvalidValueError
@@ -129,6 +131,14 @@ def file_warnings(path: str, node: str) -> List[str]:
 
 
 def _readable_sections(path: str) -> Optional[List[Section]]:
+    try:
+        return _read_once(path, os.stat(path).st_mtime_ns)
+    except OSError:
+        return None
+
+
+@lru_cache(maxsize=4)
+def _read_once(path: str, changed_at: int) -> Optional[List[Section]]:
     # ROS has refused before what cannot be read at all.
     try:
         return read_sections(path)

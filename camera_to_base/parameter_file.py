@@ -23,6 +23,10 @@ from camera_to_base.errors import InvalidValueError
 import yaml
 
 
+# PyYAML takes seconds for more.
+_MOST_CHARACTERS = 200_000
+
+
 class _Loader(yaml.SafeLoader):
     """Refuses aliases, as rcl does: a file could contain itself, or grow without an end."""
 
@@ -161,6 +165,9 @@ def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     except (OSError, ValueError) as error:
         reason = getattr(error, 'strerror', None) or error
         raise InvalidValueError(f"cannot read the {kind} '{path}': {reason}") from error
+    if len(text) > _MOST_CHARACTERS:
+        raise InvalidValueError(
+            f"the {kind} '{path}' has {len(text)} characters, at most {_MOST_CHARACTERS} are read")
     try:
         return text, yaml.load(text, _Loader)
     # What is no number, time or truth for its tag comes out of PyYAML as Python's own errors.
