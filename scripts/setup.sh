@@ -76,7 +76,7 @@ build() {
     set -u
 }
 
-[ -w "${HOME:-/}" ] || export ROS_LOG_DIR=$PWD/$base/log/ros
+[ -n "${HOME:-}" ] && [ -w "$HOME" ] || export ROS_LOG_DIR=$PWD/$base/log/ros
 
 if [ "${ROS_DISTRO:-}" = jazzy ] && [ -n "${AMENT_PREFIX_PATH:-}" ]; then
     use_sourced_ros

@@ -58,7 +58,8 @@ class Device:
 
     def read(self):
         self.frames -= 1
-        return self.frames >= 0, np.zeros((48, 64, 3), np.uint8) + self.index
+        level = self.index if isinstance(self.index, int) else 0
+        return self.frames >= 0, np.full((48, 64, 3), level, np.uint8)
 
     def release(self):
         self.frames = 0

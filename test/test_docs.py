@@ -22,8 +22,9 @@ import shlex
 from camera_to_base.commands.calibrate import main as calibrate
 from camera_to_base.commands.calibrate_options import parse
 from camera_to_base.commands.locate import main as locate
+from camera_to_base.settings import read_node_settings
 from camera_to_base.settings.camera import CAMERA_SPECS
-from camera_to_base.simulation import SimulatedBoard
+from camera_to_base.simulation import SimulatedBoard, SimulatedChessboard
 from camera_to_base.transform_parameters import TRANSFORM_SPECS
 import pytest
 
@@ -97,7 +98,7 @@ def test_files_of_the_package_are_there(page):
 def test_each_kind_of_reason_is_listed():
     page = (ROOT / 'docs' / 'topics_and_frames.md').read_text()
     kinds = {kind for module in (ROOT / 'camera_to_base').glob('**/*.py') for kind in re.findall(
-        r"(?:Reason|_waiting|_damage|_left_out)\(\s*'(\w+)'", module.read_text())}
+        r"(?:[Rr]eason|_waiting|_damage|_left_out)\(\s*'(\w+)'", module.read_text())}
     assert len(kinds) > 20
     assert not sorted(kind for kind in kinds if f'`{kind}`' not in page)
 
@@ -167,6 +168,17 @@ def practised(tmp_path, monkeypatch, capsys):
 
 
 def test_readme_calibrates_the_simulated_camera_to_half_a_millimetre(practised):
+    settings = read_node_settings('cell.yaml')
+    view = SimulatedChessboard(9, 6, 2.5, image_size=(640, 480)).view
+    for x, y in ((9.0, 8.0), (27.0, 8.0), (27.0, 19.0), (9.0, 19.0), (18.0, 13.5)):
+        u, v, w = view.pixel_from_surface @ (x, y, 1.0)
+        point, = settings.camera.surface.locate([[u / w, v / w]])
+        assert settings.transform.base_point(*point)[:2] == pytest.approx(
+            (x - 17.8, 24.4 - y), abs=0.05)
+
+
+@pytest.mark.slow
+def test_readme_locates_the_simulated_objects_to_half_a_millimetre(practised):
     assert locate(['simulated', '--params-file', 'cell.yaml', '--every', '50',
                    '--csv', 'positions.csv']) == 0
     board = SimulatedBoard(image_size=(640, 480))

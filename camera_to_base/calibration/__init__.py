@@ -18,7 +18,7 @@ Calibration: from measured points to parameters and a report.
 In: pictures of a chessboard, tables of points, or pairs of points in both frames. Out: the values
 of `surface.*` or of the transform, their errors in mm, and a picture of them.
 
-Callers: `commands`. A node never imports it.
+Callers: `commands`. The nodes do not import it.
 """
 
 from camera_to_base.calibration.board import find_board
@@ -27,10 +27,13 @@ from camera_to_base.calibration.calibration import (
     add_camera_pose, calibrate_base, calibrate_surface, Calibration, check_surface)
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.report_text import Report, report_lines
+from camera_to_base.calibration.sheet import has_one_origin, PAPERS, sheet_content
+from camera_to_base.calibration.status import file_status, without_base
 from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
 
 __all__ = [
     'add_camera_pose', 'board_points', 'calibrate_base', 'calibrate_surface', 'Calibration',
-    'check_surface', 'find_board', 'read_camera_info', 'read_pairs', 'read_points',
-    'refuse_other_size', 'Report', 'report_lines',
+    'check_surface', 'file_status', 'find_board', 'has_one_origin', 'PAPERS', 'read_camera_info',
+    'read_pairs', 'read_points', 'refuse_other_size', 'Report', 'report_lines', 'sheet_content',
+    'without_base',
 ]

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether pairs of points can be what a camera saw on its table and a robot touched there."""
+"""Checks whether pairs of points are plausible for a camera, its table and a robot."""
 
 from typing import Any, List, Mapping
 
@@ -22,25 +22,26 @@ from camera_to_base.surface import (
     Hull, make_hull, make_surface, PointPairs, Surface, SURFACE_DEFAULTS)
 import numpy as np
 
-# Nearer pairs say nothing of the direction; farther ones are no table's, if its surface does not
-# say so.
+# Nearer pairs do not determine the rotation. Farther ones do not fit on a table, unless a surface
+# file shows a larger one.
 SMALLEST_SPREAD_CM = 1.0
 LARGEST_SPREAD_CM = 150.0
-# What a gripper tip and a ruler are off by at best.
+# The smallest error of a gripper tip and a ruler.
 TOUCH_ERROR_CM = 0.1
-# The error at the far end of the table, from the pairs alone, that is told and that is refused.
+# Expected errors at the far end of the table from which on the pairs are reported, and refused.
 DOUBTFUL_ERROR_CM = 0.5
 LARGEST_ERROR_CM = 2.0
 DOUBTFUL_RMS_CM = 0.3
-# Of a table's normal along the base's z: less is a wall, whose side this does not tell.
+# Component of a table's normal along the base's z. If it is smaller, the surface is a wall, and z
+# cannot show on which side of it the camera is.
 _LEVEL = 0.1
 
 
 def check_pairs(pairs: PointPairs, fit: RigidFit) -> List[str]:
     """
-    Check what can be told from the pairs alone.
+    Check the pairs by themselves, without a surface.
 
-    :returns: What is doubtful, as sentences.
+    :returns: Sentences about what is doubtful.
     :raises CalibrationError: If the pairs lie too near each other.
     """
     extent = spread(pairs.camera_points)
@@ -62,9 +63,9 @@ def check_pairs(pairs: PointPairs, fit: RigidFit) -> List[str]:
 
 def check_without_surface(pairs: PointPairs) -> List[str]:
     """
-    Check the pairs where the surface is not known.
+    Check the pairs if the surface is not known.
 
-    :returns: What is doubtful, as sentences.
+    :returns: Sentences about what is doubtful.
     :raises CalibrationError: If the pairs lie too far apart for a table.
     """
     extent = spread(pairs.camera_points)
@@ -82,17 +83,18 @@ def check_with_surface(
     """
     Check the pairs against the surface that the camera points were measured with.
 
-    :param values: The surface's parameters by full name; the others have the nodes' defaults.
+    :param values: The surface's parameters by full name; missing ones have their defaults.
     :param base_z: 'up' if the base frame's z points away from the table, 'down' if into it.
-    :returns: What is doubtful, as sentences.
+    :returns: Sentences about what is doubtful.
     :raises CalibrationError: If a point cannot have been seen, the base frame is mirrored, columns
         are exchanged, or the pairs lie too near each other for the size of the surface.
     """
-    # The pairs lie on the surface, whatever the height of the objects that are to come.
+    # The pairs lie on the surface, whatever object height the parameters set.
     values = {**SURFACE_DEFAULTS, **values, 'object_height_cm': 0.0}
     surface = make_surface(values)
     width, height = values['surface.image_size']
-    picture = Hull([[0, 0], [width, 0], [width, height], [0, height]])
+    # With a pixel around it, so that an object at the edge may be rounded.
+    picture = Hull([[-1, -1], [width + 1, -1], [width + 1, height + 1], [-1, height + 1]])
     hull = make_hull(values) or picture
     _refuse_exchanged(pairs, surface, hull)
     _refuse_unseen(pairs, surface, picture)
@@ -101,7 +103,7 @@ def check_with_surface(
 
 
 def _inside(points: np.ndarray, surface: Surface, hull: Hull) -> np.ndarray:
-    """Tell which points (n, 3) the surface shows within an area, shape (n,)."""
+    """Return which points (n, 3) the surface shows within an area, shape (n,)."""
     pixels = surface.pixels(points[:, :2])
     return np.array([bool(np.isfinite(pixel).all()) and hull.contains(pixel) for pixel in pixels])
 
@@ -126,7 +128,7 @@ def _refuse_unseen(pairs: PointPairs, surface: Surface, picture: Hull) -> None:
 
 
 def _refuse_mirrored(fit: RigidFit, surface: Surface, hull: Hull, base_z: str) -> None:
-    # The camera's side of the table is up.
+    # Up is the side of the table on which the camera is.
     up_in_camera_frame = -1.0 if _sees_y_clockwise(surface, hull) else 1.0
     up_in_base_frame = up_in_camera_frame * fit.rotation[2, 2]
     if (up_in_base_frame if base_z == 'up' else -up_in_base_frame) < -_LEVEL:
@@ -138,7 +140,7 @@ def _refuse_mirrored(fit: RigidFit, surface: Surface, hull: Hull, base_z: str) -
 
 
 def _sees_y_clockwise(surface: Surface, hull: Hull) -> bool:
-    """Tell whether the camera sees y a quarter turn clockwise from x, in the middle of an area."""
+    """Return whether the camera sees y clockwise from x, in the middle of an area."""
     origin = surface.locate([hull.corners.mean(axis=0)])[0]
     start, along_x, along_y = surface.pixels(origin + [[0, 0], [1e-3, 0], [0, 1e-3]])
     (u_of_x, v_of_x), (u_of_y, v_of_y) = along_x - start, along_y - start
@@ -148,7 +150,7 @@ def _sees_y_clockwise(surface: Surface, hull: Hull) -> bool:
 def _precision(
     pairs: PointPairs, fit: RigidFit, surface: Surface, hull: Hull
 ) -> List[str]:
-    """Warn of pairs too near each other for the area, with what an error of touch becomes."""
+    """Warn of pairs too near each other for the area, and give the error that results."""
     freedom = max(2 * len(pairs) - 3, 1)
     deviation = max(TOUCH_ERROR_CM, np.sqrt(np.sum(fit.residuals ** 2) / freedom))
     centre = pairs.camera_points[:, :2].mean(axis=0)

@@ -12,21 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Find a chessboard's inner corners, in an order that does not depend on chance."""
+"""Find a chessboard's inner corners, in a reproducible order."""
 
 from dataclasses import dataclass
 from typing import Optional
 
-from camera_to_base.calibration.squares import count_beyond, is_board, square_contrast
+from camera_to_base.calibration.squares import (
+    count_beyond, edges_reached, is_board, is_pattern, square_contrast)
 from camera_to_base.checks import whole_number
 from camera_to_base.detection import check_frame
-from camera_to_base.errors import CalibrationError
+from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.image_size import check_image_size
 import cv2
 import numpy as np
 
 # Half the side of the window in which a corner is refined, as a share of the distance to its
-# nearest neighbour: measured best from 0.25 to 0.3; at 0.4 neighbouring edges get in.
+# nearest neighbour. 0.25 to 0.3 measured best; at 0.4 the window contains neighbouring edges.
 WINDOW_SHARE = 0.3
+
+# Finders need a few pixels for a square.
+SMALLEST_SQUARE_PX = 4
+
+# Of a board that is cut off so many parts are searched, to say so.
+MOST_PARTS = 12
 
 # Pictures are searched at this width first: fast, and the finder copes better with few pixels.
 SEARCH_WIDTH = 1000
@@ -39,8 +47,7 @@ class Board:
 
     :param corners: Shape (rows, columns, 2), u and v, in px. The first is the origin, x runs along
         the rows and y along the columns. See `canonical`.
-    :param second_board: Whether another board of the same size is in the picture; this one is the
-        larger.
+    :param second_board: Whether the picture shows another, smaller board with the same counts.
     """
 
     corners: np.ndarray
@@ -59,12 +66,15 @@ def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
     :param image: Shape (h, w, 3), uint8, BGR.
     :param columns: Inner corners along a row.
     :param rows: Inner corners along a column.
-    :raises InvalidValueError: If the counts are below 3, or the picture is none.
-    :raises CalibrationError: If there is no board, or one of other counts; the message says which.
+    :raises InvalidValueError: If the counts are below 3, or the picture is none, too small for so
+        many squares, or too large for a frame.
+    :raises CalibrationError: If there is no board, one that is cut off, or one of other counts;
+        the message says which.
     """
     check_frame(image, 'picture')
     columns = whole_number('the count of inner corners along a row', columns, 3, 1000)
     rows = whole_number('the count of inner corners along a column', rows, 3, 1000)
+    _check_size(image, columns, rows)
     grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     corners = search(grey, columns, rows)
     if corners is None:
@@ -81,9 +91,9 @@ def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
 
 def canonical(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """
-    Order corners so that the same board comes out the same, however it lies.
+    Order corners so that the same board gives the same order, however it is turned.
 
-    1. The camera sees y a quarter turn clockwise from x, as u and v are: z points into the
+    1. The camera sees y a quarter turn clockwise from x, like v from u: z points into the
        surface.
     2. Where the counts differ by an odd number, the board has one end with dark corner squares:
        the origin is the corner at that end that 1. leaves.
@@ -107,7 +117,7 @@ def canonical(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 def refine(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """
-    Move each corner to where the edges around it cross.
+    Move each corner to the crossing of the edges around it.
 
     :param grey: Shape (h, w), uint8.
     :param corners: Shape (rows, columns, 2), in px, a few px off.
@@ -128,7 +138,7 @@ def refine(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
 def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True
            ) -> Optional[np.ndarray]:
     """
-    Find corners to a pixel: reduced if the picture is large, then as it is.
+    Find corners to a pixel: first in a reduced picture if it is large, then in the full one.
 
     :param grey: Shape (h, w), uint8.
     :param thorough: False looks at the reduced picture only, which takes a tenth of the time.
@@ -144,7 +154,7 @@ def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True
 
 
 def _search_once(grey, columns, rows):
-    """Search with the finder that is measured to be better, then with the one for blur."""
+    """Search with the finder that measured better, then with the one for blurred pictures."""
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
     found, corners = cv2.findChessboardCorners(grey, (columns, rows), flags=flags)
     if not found or not is_board(grey, corners.reshape(rows, columns, 2)):
@@ -184,8 +194,24 @@ def _without(grey, corners):
     return cv2.fillConvexPoly(grey.copy(), grown.round().astype(np.int32), int(grey.mean()))
 
 
+def _check_size(image, columns, rows):
+    height, width = image.shape[:2]
+    try:
+        check_image_size((width, height))
+    except InvalidValueError as error:
+        raise InvalidValueError(
+            f'the picture of {width} x {height} px is larger than a frame can be, make it '
+            f'smaller: {error}') from error
+    long, short = max(columns, rows) + 1, min(columns, rows) + 1
+    if (max(width, height) < SMALLEST_SQUARE_PX * long
+            or min(width, height) < SMALLEST_SQUARE_PX * short):
+        raise InvalidValueError(
+            f'the picture of {width} x {height} px is too small to show {columns + 1} x '
+            f'{rows + 1} squares: use a larger one')
+
+
 def _why_not_found(grey, columns, rows):
-    """Look for boards of nearly these counts, to say so if there is one."""
+    """Look for a board of nearly these counts or a part of one, to say so if there is one."""
     scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
     grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
@@ -195,11 +221,30 @@ def _why_not_found(grey, columns, rows):
             corners = corners.reshape(other[1], other[0], 2).astype(float)
             if is_board(grey, corners):
                 more_columns, more_rows = count_beyond(grey, corners)
-                return _other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows)
+                return _other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows,
+                                     edges_reached(grey, corners))
+    edges = _cut_off_at(grey, columns, rows)
+    if edges:
+        return f'{_cut_off_text(edges)}: the whole board must be in it, with a white margin'
     return (
         f'no chessboard with {columns} x {rows} inner corners found: the whole board must be in '
         'the picture with a white margin, evenly lit and sharp, and its inner corners counted '
         'where four squares meet (one less than the squares in each direction)')
+
+
+def _cut_off_at(grey, columns, rows):
+    """Name the picture's edges that cut a board off, as far as a part of it can be found."""
+    parts = [*((fewer, rows) for fewer in range(columns - 1, 2, -1)),
+             *((columns, fewer) for fewer in range(rows - 1, 2, -1))]
+    for counts in parts[:MOST_PARTS]:
+        found, corners = cv2.findChessboardCornersSB(
+            grey, counts, flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
+        if found:
+            part = corners.reshape(counts[1], counts[0], 2).astype(float)
+            edges = edges_reached(grey, part) if is_pattern(grey, part) else []
+            if edges:
+                return edges
+    return []
 
 
 def _nearby_counts(columns, rows):
@@ -208,7 +253,12 @@ def _nearby_counts(columns, rows):
     return sorted(near, key=lambda counts: abs(counts[0] - columns) + abs(counts[1] - rows))
 
 
-def _other_counts(columns, rows, found_columns, found_rows):
+def _other_counts(columns, rows, found_columns, found_rows, edges=()):
+    cut_off = f'{_cut_off_text(edges)}, or ' if edges else ''
     return (
         f'the board in the picture has {found_columns} x {found_rows} inner corners, not '
-        f'{columns} x {rows}: give --corners {found_columns}x{found_rows}')
+        f'{columns} x {rows}: {cut_off}give --corners {found_columns}x{found_rows}')
+
+
+def _cut_off_text(edges):
+    return f'the board is cut off by the {" and the ".join(edges)} edge of the picture'

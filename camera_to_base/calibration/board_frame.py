@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Place the camera frame on a chessboard."""
+"""Places the camera frame on a chessboard."""
 
 from typing import Sequence
 
@@ -31,7 +31,7 @@ ORIGIN_CORNERS = {
 def board_points(columns: int, rows: int, square_mm: float, *, origin_corner: int = 0,
                  origin_mm: Sequence[float] = (0.0, 0.0), yaw_deg: float = 0.0) -> np.ndarray:
     """
-    Return where the corners of a `Board` are in the camera frame.
+    Return the positions of a `Board`'s corners in the camera frame.
 
     x runs along the board's rows and y along its columns, from the corner that is the origin into
     the board. From corners 0 and 2 the camera sees y a quarter turn clockwise from x, and z points

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""From matched points to the nodes' parameters, with a report of how good they are."""
+"""Computes the nodes' parameters from matched points, and reports the errors."""
 
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
@@ -37,20 +37,20 @@ from camera_to_base.surface import (
     PointPairs, sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
 import numpy as np
 
-# Corners are found to 0.1 to 0.2 px, and so well do a lens's own intrinsics show them.
+# Corners are found to 0.1 to 0.2 px; the right intrinsics reproduce them to the same accuracy.
 LARGEST_POSE_RMS_PX = 1.0
-# The fit is repeated without each of the points: a thousand take a minute, ten thousand hours.
+# The fit is repeated without each point: a thousand points take a minute, ten thousand hours.
 _MOST_POINTS = 1000
 
 
 @dataclass(frozen=True)
 class Calibration:
     """
-    What was computed.
+    The result of a calibration.
 
-    :param report: The figures and all else that `calibrate --json` prints.
+    :param report: The report that `calibrate --json` prints.
     :param values: The nodes' parameters, by full name.
-    :param picture: The report picture, shape (h, w, 3), uint8; None where there is none.
+    :param picture: The report picture, shape (h, w, 3), uint8; None if there is none.
     """
 
     report: Report
@@ -67,12 +67,12 @@ def calibrate_surface(
     Fit the surface.
 
     :param image_size: Width and height of the picture, in px.
-    :param source: What the report says that the points are from.
+    :param source: The points' origin, for the report.
     :param model: 'homography' or 'polynomial'.
-    :param points_are: What the report calls a point.
-    :param image: The picture, for the report's; see :func:`report_picture`.
+    :param points_are: The report's word for a point.
+    :param image: The background of the report picture; see :func:`report_picture`.
     :param lattice: The grid to draw; see :func:`report_picture`.
-    :raises CameraToBaseError: If the points do not determine it.
+    :raises CameraToBaseError: If the points do not determine the surface.
     """
     _refuse_too_many(matched)
     if model == 'homography':
@@ -104,17 +104,17 @@ def add_camera_pose(
     calibration: Calibration, matched: MatchedPoints, intrinsics: CameraIntrinsics
 ) -> Calibration:
     """
-    Add where the camera is above the surface.
+    Add the camera's position above the surface.
 
-    :param calibration: Of a surface.
-    :param matched: The points that it was made of.
-    :raises CameraToBaseError: If the intrinsics are of another picture size, or the points do not
+    :param calibration: A surface's calibration.
+    :param matched: The points that it was made from.
+    :raises CameraToBaseError: If the intrinsics have another picture size, or the points do not
         determine the pose.
     """
     report = calibration.report
     _check_intrinsics_size(intrinsics.image_size, report['image_size'])
     pose = camera_pose(matched, intrinsics)
-    # To a micrometre, which is less than the figures are good for.
+    # Rounded to a micrometre, which is finer than the accuracy.
     found = {'camera_height_cm': round(pose.height_cm, 4),
              'camera_foot_cm': [round(value, 4) for value in pose.foot_cm]}
     doubts = [] if pose.rms_px < LARGEST_POSE_RMS_PX else [
@@ -135,12 +135,12 @@ def calibrate_base(
     """
     Fit the transform from the camera frame to the base frame.
 
-    :param source: What the report says that the pairs are from.
+    :param source: The pairs' origin, for the report.
     :param surface_values: The parameters of the surface that the camera points were measured
         with, by full name; None if they are not known.
-    :param base_z: Where the base frame's z points at the table: 'up', away from it, or 'down'.
-    :raises CameraToBaseError: If the pairs do not determine it, none fits them, or they cannot be
-        pairs of this surface.
+    :param base_z: Direction of the base frame's z at the table: 'up', away from it, or 'down'.
+    :raises CameraToBaseError: If the pairs do not determine the transform, no transform fits them,
+        or they do not fit the surface.
     """
     _refuse_too_many(pairs)
     fit = fit_rigid(pairs)
@@ -164,18 +164,18 @@ def check_surface(
     values: Mapping[str, Any], matched: MatchedPoints, table_size: Optional[ImageSize] = None
 ) -> Report:
     """
-    Tell the error of a surface on points that it was not made of.
+    Compute the error of a surface on points that it was not made from.
 
-    :param values: Its parameters, by full name; those not given have the nodes' defaults.
-    :param table_size: Width and height of the points' picture, in px, if known.
-    :raises CameraToBaseError: If the parameters make no surface, the picture's sizes differ, or a
-        pixel does not look at the surface.
+    :param values: Its parameters by full name; missing ones have their defaults.
+    :param table_size: Width and height of the points' picture, in px; None if unknown.
+    :raises CameraToBaseError: If the parameters do not define a surface, the picture sizes differ,
+        or a pixel does not show the surface.
     """
     if not any(name.startswith('surface.') for name in values):
         raise InvalidValueError(
             'expected the parameters of a surface, as calibrate board and calibrate points write '
             f'them, got {", ".join(values) or "none"}')
-    # The points lie on the surface, whatever the height of the objects that are to come.
+    # The points lie on the surface, whatever object height the parameters set.
     values = {**checked_values(SURFACE_SPECS, values), 'object_height_cm': 0.0}
     surface, hull = make_surface(values), make_hull(values)
     refuse_other_size(table_size, values['surface.image_size'])
@@ -200,7 +200,7 @@ def _refuse_too_many(points: Union[MatchedPoints, PointPairs]) -> None:
 
 
 def _axes(surface: Surface, matched: MatchedPoints) -> Dict[str, Any]:
-    """Tell where the camera frame's origin and axes are in the picture, if it shows them."""
+    """Describe where the picture shows the camera frame's origin and axes, if it does."""
     length = float(np.ptp(matched.points, axis=0).max())
     pixels = surface.pixels([[0, 0], [length, 0], [0, length]])
     if not np.isfinite(pixels).all():

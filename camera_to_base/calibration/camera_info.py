@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Reads a lens's intrinsics as ROS's camera_calibration and camera_info_manager write them."""
+"""Reads a lens's intrinsics from the files of ROS's camera_calibration and camera_info_manager."""
 
 from typing import Any, Mapping
 
@@ -29,7 +29,7 @@ def read_camera_info(path: str) -> CameraIntrinsics:
     """
     Read a camera_info file.
 
-    :raises InvalidValueError: If there is no such file, or it is not what it must be; the text
+    :raises InvalidValueError: If there is no such file, or its content is invalid; the message
         names the file, the key and the value.
     """
     _, content = load_yaml(path, 'camera_info file')
@@ -41,7 +41,7 @@ def read_camera_info(path: str) -> CameraIntrinsics:
 
 def _intrinsics(content: Any) -> CameraIntrinsics:
     size = [_value(content, 'image_width'), _value(content, 'image_height')]
-    # Files from before there was a choice have no such key; ROS reads them the same way.
+    # Older files have no such key; ROS reads them the same way.
     model = content.get('distortion_model', DISTORTION_MODELS[0])
     if model not in DISTORTION_MODELS:
         raise InvalidValueError(

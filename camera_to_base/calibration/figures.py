@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How good a calibration is, in figures."""
+"""Error figures of a calibration."""
 
 from dataclasses import dataclass
 from typing import Any, Callable, List, Optional, Sequence
@@ -23,17 +23,17 @@ import numpy as np
 
 MM_PER_CM = 10
 
-# A tilt is told where leaving points out moves it by less than this.
+# The tilt is reported if its standard error is less than this, in degrees.
 TILT_TOLERANCE_DEG = 3.0
 
 
 @dataclass(frozen=True)
 class ErrorFigures:
     """
-    Distances between where points are and where a calibration puts them.
+    Distances between the measured and the computed positions of points.
 
-    :param leave_one_out_rms_mm: Of each point under the calibration from all others; None where
-        the others do not suffice.
+    :param leave_one_out_rms_mm: The rms error of each point under the calibration from all other
+        points; None if the others do not suffice.
     :param worst_row: The row of the largest error.
     """
 
@@ -48,11 +48,12 @@ class ErrorFigures:
 def error_figures(errors_cm: np.ndarray, rows: Sequence[int],
                   left_out_cm: Optional[np.ndarray] = None) -> ErrorFigures:
     """
-    Sum up errors.
+    Summarise errors.
 
     :param errors_cm: Shape (n,), the distances.
     :param rows: The rows of the n points.
-    :param left_out_cm: Shape (n,), each under the calibration without it; None if unknown.
+    :param left_out_cm: Shape (n,), each point's distance under the calibration without it; None if
+        unknown.
     """
     errors = MM_PER_CM * np.asarray(errors_cm, float)
     left_out = None if left_out_cm is None else MM_PER_CM * root_mean_square(left_out_cm)
@@ -62,10 +63,10 @@ def error_figures(errors_cm: np.ndarray, rows: Sequence[int],
 
 def surface_errors(surface: Surface, matched: MatchedPoints) -> np.ndarray:
     """
-    Return how far off a surface puts each pixel.
+    Return the error of a surface at each point.
 
     :returns: Shape (n,), in cm.
-    :raises HorizonError: If the surface refuses one of the pixels.
+    :raises HorizonError: If a pixel lies on the horizon or beyond it.
     """
     return np.linalg.norm(surface.locate(matched.pixels) - matched.points, axis=1)
 
@@ -74,10 +75,10 @@ def left_out_errors(
     surfaces: Sequence[Optional[Surface]], matched: MatchedPoints
 ) -> Optional[np.ndarray]:
     """
-    Return how far off each point is under the surface that was fitted without it.
+    Return each point's error under the surface that was fitted without it.
 
-    :param surfaces: n surfaces, or None where the other points do not suffice.
-    :returns: Shape (n,), in cm; None if one cannot be told.
+    :param surfaces: n surfaces; None where the other points do not suffice.
+    :returns: Shape (n,), in cm; None if one of them is unknown.
     """
     if None in surfaces:
         return None
@@ -92,8 +93,8 @@ def leave_one_out(fit: Callable[[np.ndarray], Any], count: int) -> List[Any]:
     """
     Fit without each of `count` points in turn.
 
-    :param fit: From the indices of the points kept to whatever is fitted.
-    :returns: What was fitted, or None where the other points do not suffice.
+    :param fit: Makes a fit from the indices of the points that are kept.
+    :returns: The fits; None where the other points do not suffice.
     """
     return [_or_none(fit, np.delete(np.arange(count), index)) for index in range(count)]
 
@@ -127,13 +128,13 @@ def tilt(
     surface: HomographySurface, without: Sequence[Optional[HomographySurface]]
 ) -> Optional[float]:
     """
-    Return the angle between the camera's axis and the surface's normal, where it can be told.
+    Return the angle between the camera's axis and the surface's normal, if it is well determined.
 
-    It is told where it is about the same without each of the points: seen almost level, or from
-    few points, the tilt and the focal length hide behind each other.
+    It is well determined if it is about the same without each of the points. With few points, or a
+    camera that looks almost straight down, the tilt and the focal length cannot be separated.
 
     :param without: The n surfaces that were fitted without one point each, or None.
-    :returns: In degrees, 0 for a camera that looks straight down; None where it cannot be told.
+    :returns: In degrees, 0 for a camera that looks straight down; None if not well determined.
     """
     if None in without or not without:
         return None
@@ -146,10 +147,10 @@ def tilt(
 
 def tilt_of(surface: HomographySurface) -> float:
     """
-    Return the tilt under square pixels and a principal point at the centre of the distortion.
+    Return the tilt, assuming square pixels and a principal point at the centre of distortion.
 
-    With the surface's axes turned so that only x runs to the horizon, the columns of the
-    homography are as long as each other for one focal length.
+    With the surface's axes turned so that only x runs to the horizon, exactly one focal length
+    makes the columns of the homography equally long.
 
     :returns: In degrees; NaN if no focal length fits.
     """
@@ -172,7 +173,7 @@ def tilt_of(surface: HomographySurface) -> float:
 
 def warnings(figures: ErrorFigures, covered: Optional[float] = None) -> List[str]:
     """
-    Say what should keep a user from trusting the figures.
+    Return warnings about figures that cannot be trusted.
 
     :param covered: The share of the picture that the points cover, 0 to 1.
     """

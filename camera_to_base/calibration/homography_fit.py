@@ -30,31 +30,31 @@ import numpy as np
 # without distortion is twice the homography's.
 POINTS_FOR_DISTORTION = 8
 
-# What a lens is expected to be before its picture is seen, in units of half the picture's
-# diagonal: a coefficient of 0 +- 0.3, and a centre within 0.03 (12 px of 640 x 480) of the
-# picture's. Measured cameras: coefficient -0.18, centre off by 0.02 to 0.03.
+# Prior of the lens, in units of half the picture's diagonal: a coefficient of 0 +- 0.3, and a
+# centre within 0.03 (12 px of 640 x 480) of the picture's centre. Measured cameras have a
+# coefficient of -0.18, and a centre off by 0.02 to 0.03.
 EXPECTED_COEFFICIENT = 0.3
 EXPECTED_CENTRE = 0.03
 
-# Where the search starts: a lens without distortion, and a strong barrel.
+# Start values of the search: a lens without distortion, and strong barrel distortion.
 START_COEFFICIENTS = (0.0, -0.3)
 
-# Near the minimum each step is the square of the one before: after such a one nothing is left.
+# Convergence is quadratic near the minimum: after a step this small, the rest is negligible.
 SMALL_STEP = 1e-10
 
 _OPEN = ('the points do not determine the surface, too many of them lie on one line: spread them '
          'over the picture')
 
-# A direction that changes the picture by less than this share of the strongest one is left open.
+# A direction that changes the picture by less than this share of the strongest is undetermined.
 OPEN_DIRECTION = 1e-6
 
 
 @dataclass(frozen=True)
 class HomographyFit:
     """
-    A fitted surface, and how it would have come out without each point.
+    A fitted surface, and the surfaces fitted without each point.
 
-    :param surface: From all points.
+    :param surface: Fitted to all points.
     :param without: n surfaces, the i-th without point i; None where the others do not suffice.
     """
 
@@ -64,12 +64,12 @@ class HomographyFit:
 
 def fit_homography(matched: MatchedPoints, image_size: ImageSize) -> HomographyFit:
     """
-    Fit a homography, and one radial coefficient where the points can tell it.
+    Fit a homography, and one radial coefficient if the points determine it.
 
-    What is minimised is the distance in the picture between each pixel and where the surface shows
-    its point: clicks and corners err in pixels, by the same amount everywhere, and the positions
-    on the surface are taken as exact. The coefficient is kept if it predicts the pixels of points
-    that the fit has not seen better than the homography alone does.
+    The fit minimises the distances in the picture between the measured pixels and the projected
+    points. Clicks and corners have the same error in pixels everywhere; the positions on the
+    surface count as exact. The coefficient is kept if, in leave-one-out fits, it predicts the left
+    out pixels better than the homography alone does.
 
     :param image_size: Width and height of the picture, in px.
     :raises InvalidValueError: If a pixel lies outside the picture.
@@ -83,14 +83,14 @@ def fit_homography(matched: MatchedPoints, image_size: ImageSize) -> HomographyF
     try:
         radial = _fit_with_folds(_Problem(matched, image_size, with_distortion=True))
     except CalibrationError:
-        return plain  # No lens that there can be fits better.
+        return plain  # No plausible lens fits better.
     if _prediction_error(radial, matched) < _prediction_error(plain, matched):
         return radial
     return plain
 
 
 def _prediction_error(fit, matched):
-    """Return the leave-one-out rms in px; infinity where a fold says nothing."""
+    """Return the leave-one-out rms in px; infinity if one of the fits fails."""
     if None in fit.without:
         return np.inf
     predicted = [surface.pixels([point])[0]
@@ -108,10 +108,11 @@ def _fit_with_folds(problem):
 
 class _Problem:
     """
-    Eight numbers of a homography from surface to undistorted pixel, and three of the lens.
+    The least-squares problem of the fit.
 
-    Points and pixels are normalised first, so that neither units nor the picture's size matter.
-    The homography's ninth number is 1: it is the depth of the points' centre, which lies before
+    It has eight numbers of a homography from surface to undistorted pixel, and three of the lens.
+    Points and pixels are normalised first, so that units and picture size do not matter. The
+    homography's ninth number is 1: it is the depth of the points' centre, which lies in front of
     every camera that sees the points.
     """
 
@@ -132,8 +133,8 @@ class _Problem:
         """
         Return the parameters, and the noise of a pixel's coordinate.
 
-        The lens's expected values weigh as much as the noise says, and the noise is what the fit
-        leaves over: found together by iteration. Points without noise leave no weight to them.
+        The weight of the lens's prior depends on the noise, and the noise is the residual of the
+        fit; an iteration finds both. With points without noise, the prior has no weight.
         """
         everything = np.arange(len(self.pixels))
         parameters, noise = self._start(everything), 0.0
@@ -148,7 +149,7 @@ class _Problem:
 
     def solve_for(self, kept, parameters, noise):
         """
-        Return the surface from some of the points, starting near it.
+        Return the surface fitted to some of the points, from a start value near it.
 
         :raises CalibrationError: If they do not determine it.
         """
@@ -156,7 +157,7 @@ class _Problem:
         return self.surface(self._refine(parameters, kept, noise), kept)
 
     def surface(self, parameters, kept):
-        """Return the surface in the units that the points and pixels came in."""
+        """Return the surface in the units of the points and pixels."""
         homography = _homography(parameters)
         pixel_from_surface = np.linalg.inv(self._pixel_scale) @ homography @ self._point_scale
         w = homogeneous(homography, self.points[kept])[:, 2]
@@ -195,7 +196,7 @@ class _Problem:
         return np.append(homography.ravel()[:8], lens)
 
     def _refine(self, parameters, kept, noise):
-        # Here, so that a node that reads a surface does not pay for the import.
+        # Imported here, so that other users of this module do not load scipy.
         from scipy.optimize import least_squares
 
         def residuals(trial):
@@ -210,7 +211,7 @@ class _Problem:
         return found.x
 
     def _misfit(self, trial, kept):
-        """Return where a trial shows the points minus their pixels, shape (2 n,)."""
+        """Return the projected points of a trial minus their pixels, shape (2 n,)."""
         shown = homogeneous(_homography(trial), self.points[kept])
         shown = shown[:, :2] / shown[:, 2:]
         if self._with_distortion:

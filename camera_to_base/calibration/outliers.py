@@ -12,13 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Finds the one measurement that does not belong to the others."""
+"""Finds a single outlier among measurements."""
 
 from typing import Optional
 
 import numpy as np
 
-# Of a hundred tables without a bad row, one is suspected of having one.
+# Of a hundred tables without an outlier, one is wrongly reported to have one.
 FALSE_ALARMS = 0.01
 
 
@@ -26,21 +26,21 @@ def find_outlier(
     squares: float, squares_without: np.ndarray, *, dimensions: int, parameters: int, floor: float
 ) -> Optional[int]:
     """
-    Find the measurement without which all others fit much better.
+    Find the measurement without which the others fit much better.
 
-    An F test of by how much the sum of squared residuals falls when a measurement is left out,
-    against what the others leave; the level is divided by the number of measurements, as the worst
-    of them is tested. It takes into account that a measurement at the rim pulls the fit to itself.
+    An F test compares the decrease of the sum of squared residuals when a measurement is left out
+    with the residuals of the others. The level is divided by the number of measurements, because
+    the worst of them is tested. The test accounts for the leverage of measurements at the rim.
 
     Source: S. Weisberg, Applied Linear Regression, section 9.1.2, for measurements of several
     coordinates.
 
     :param squares: The sum of squared residuals of the fit to all.
-    :param squares_without: Shape (n,), of each fit without one, over the measurements it has.
-    :param dimensions: Coordinates of a measurement.
-    :param parameters: Of the fit.
-    :param floor: The deviation of a coordinate that is not worth a word, in the residuals' unit.
-    :returns: The index of the measurement; None if there is no such one, or too few to tell.
+    :param squares_without: Shape (n,), the same of each fit without one measurement.
+    :param dimensions: Number of coordinates of a measurement.
+    :param parameters: Number of parameters of the fit.
+    :param floor: Deviation of a coordinate that is never reported, in the residuals' unit.
+    :returns: Index of the outlier; None if there is none, or if there are too few measurements.
     """
     from scipy.special import fdtrc
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Fit the tutorial's tilted camera: what its spreadsheet's trend lines did."""
+"""Fits the tutorial's model of a tilted camera, like the trend lines of its spreadsheet."""
 
 from dataclasses import dataclass
 from typing import Optional, Tuple
@@ -28,9 +28,9 @@ class PolynomialFit:
     """
     A fitted surface, and the share of the variance that each quadratic explains.
 
-    :param surface: From all rows.
-    :param y_r_squared: Of y over v on the centre line.
-    :param px_per_cm_r_squared: Of px per cm over y.
+    :param surface: Fitted to all rows.
+    :param y_r_squared: R squared of y over v on the centre line.
+    :param px_per_cm_r_squared: R squared of px per cm over y.
     :param without: n surfaces, the i-th without point i; None where the others do not suffice.
     """
 
@@ -50,9 +50,9 @@ def fit_polynomial(matched: MatchedPoints, image_size: ImageSize) -> PolynomialF
     """
     Fit y to v along the centre line, and px per cm to y.
 
-    Points of the same y form a row of the grid. A line through the u and v of a row, over x, gives
-    its px per cm and where it crosses the centre line x = 0; a single point at x = 0 gives the
-    crossing alone.
+    Points with the same y form a row of the grid. A straight line through the u and v of a row,
+    over x, gives its px per cm and its crossing with the centre line x = 0. A single point at
+    x = 0 gives only the crossing.
 
     :param image_size: Width and height of the picture, in px.
     :raises InvalidValueError: If a pixel lies outside the picture.
@@ -118,7 +118,7 @@ def _fit_quadratic(argument, value, name):
     if len(np.unique(argument)) < 3:
         raise CalibrationError(f'a quadratic needs three different values of {name}, got '
                                f'{sorted(set(argument))}: measure more rows')
-    # Fitted about the middle, where the three terms differ most, and multiplied out.
+    # Fitted about the middle, where the three terms are best conditioned, then multiplied out.
     series = np.polynomial.Polynomial.fit(argument, value, 2).convert()
     coefficients = np.append(series.coef, np.zeros(3))[:3]
     return tuple(float(number) for number in coefficients[::-1])

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Draw a calibration, so that a look tells whether to trust it."""
+"""Draws a calibration, so that a user can judge it by eye."""
 
 from typing import Optional, Sequence
 
@@ -33,13 +33,13 @@ EMPTY = (90, 90, 90)
 
 PANEL_HEIGHT = 640
 CAPTION_HEIGHT = 34
-# The same for all pictures, so that a bad fit looks bad: 0.1 px is a dot, 1 px a long arrow.
+# The same scale for all pictures, so that a bad fit looks bad: 0.1 px is a dot, 1 px a long arrow.
 ENLARGEMENT = 20
 PICTURE_TITLE = ('the picture: the blue grid must lie on the surface, errors (red arrows) be '
                  f'small: drawn {ENLARGEMENT} x')
 TOP_VIEW_TITLE = 'seen from above: squares must look square; bright: where the figures hold'
 CURVE_POINTS = 60
-# OpenCV draws in steps of 1 / 2^SHIFT px.
+# OpenCV draws with a resolution of 1 / 2^SHIFT px.
 SHIFT = 4
 
 
@@ -50,12 +50,12 @@ def report_picture(surface: Surface, matched: MatchedPoints, image_size: ImageSi
     Draw the picture with the fit over it, and the surface from above beside it.
 
     :param surface: Anything with `locate` and `pixels`.
-    :param matched: The points that it was fitted to, or is checked with.
+    :param matched: The points of the fit or of the check.
     :param image_size: Width and height, in px.
     :param image: Shape (h, w, 3), uint8, BGR; None draws on an empty picture.
     :param lattice: Shape (rows, columns, 2), in cm: the points that the grid runs through; None
         draws a grid along x and y with a round step.
-    :param lines: Written below, the figures first.
+    :param lines: Text below the picture, the figures first.
     :returns: Shape (h, w, 3), uint8.
     """
     if image is None:
@@ -143,7 +143,7 @@ def _arrow(canvas, start, end):
 
 
 def _drawable(*pixels):
-    """Tell whether OpenCV can draw there: it has no NaN, and integers of 32 bits."""
+    """Return whether OpenCV can draw there: it needs finite numbers within 32 bits."""
     return bool((np.abs(pixels) < 1e5).all())
 
 

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Says how good a calibration is: for a person, for a parameter file, under a picture."""
+"""Formats a calibration's report as text: for the terminal, a parameter file, and the picture."""
 
 from typing import Any, Dict, Iterator, List, Mapping
 
@@ -32,6 +32,8 @@ def report_lines(report: Mapping[str, Any]) -> List[str]:
 
 def figure_lines(report: Mapping[str, Any]) -> List[str]:
     """Write the errors, and where they hold, as lines."""
+    if 'points' not in report:
+        return []
     lines = [f'error at {report["points"]} points: rms {report["rms_mm"]:.2f} mm, '
              f'mean {report["mean_mm"]:.2f} mm, '
              f'largest {report["max_mm"]:.2f} mm ({report["points_are"]} {report["worst_row"]})']
@@ -94,6 +96,18 @@ def _equations(report: Mapping[str, Any]) -> Iterator[str]:
         yield f'{equation}   (R^2 = {r_squared:.6f})'
 
 
+def _sheet(report: Mapping[str, Any]) -> Iterator[str]:
+    columns, rows = report['corners']
+    yield (f'a chessboard of {columns} x {rows} inner corners, {report["square_mm"]:g} mm apart, '
+           f'on {report["paper"]}')
+
+
+def _status(report: Mapping[str, Any]) -> Iterator[str]:
+    yield from report['holds']
+    yield from (f'not in the file: {part}' for part in report['lacks'])
+    yield f'next: {report["next"]}'
+
+
 def _rotation(report: Mapping[str, Any]) -> Iterator[str]:
     yield ('camera frame in the base frame: rotated by roll {:.3f}, pitch {:.3f}, yaw {:.3f} '
            'degrees about the fixed axes'.format(*report['rotation_deg']))
@@ -109,4 +123,6 @@ _PARTS = {
     'camera_height_cm': _camera,
     'origin_px': _axes,
     'rotation_deg': _rotation,
+    'paper': _sheet,
+    'status_of': _status,
 }

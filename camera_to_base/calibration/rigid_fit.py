@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Fit the transform from the camera frame to the base frame to pairs of points."""
+"""Fits the transform from the camera frame to the base frame to pairs of points."""
 
 from dataclasses import dataclass
 from typing import Optional, Tuple
@@ -23,20 +23,20 @@ from camera_to_base.errors import CalibrationError
 from camera_to_base.surface import on_one_line, PointPairs
 import numpy as np
 
-# A ruler and a gripper tip are a few millimetres off; more than this is a swapped row or a sign.
+# A ruler and a gripper tip are off by a few millimetres; more than this is a swapped row or sign.
 LARGEST_RESIDUAL_CM = 2.0
-# With fewer pairs each fits about as well as another.
+# With fewer pairs, a bad pair cannot be identified.
 PAIRS_TO_TELL_A_BAD_ONE = 5
-# A deviation that no ruler shows.
+# A deviation too small to measure with a ruler.
 _FLOOR_CM = 0.03
-# Beyond it the two frames do not have the same unit.
+# With a larger ratio of distances, the two frames do not have the same unit.
 _LARGEST_RATIO = 1.25
 
 
 @dataclass(frozen=True)
 class RigidFit:
     """
-    A rigid transform, as the transform node takes it.
+    A rigid transform with its residuals.
 
     :param rotation: Shape (3, 3), from the camera frame to the base frame.
     :param displacement_cm: x, y and z.
@@ -58,11 +58,10 @@ class RigidFit:
 
 def fit_rigid(pairs: PointPairs) -> RigidFit:
     """
-    Fit a rotation and a displacement by least squares, and refuse pairs that none fits.
+    Fit a rotation and a displacement by least squares; refuse pairs that no transform fits.
 
-    :raises CalibrationError: If there are fewer than three pairs, all on one line, one of them
-        does not belong to the others, or the largest residual is over 20 mm; the message names
-        the row.
+    :raises CalibrationError: If there are fewer than three pairs, all lie on one line, one is an
+        outlier, or the largest residual is over 20 mm; the message names the row.
     """
     everything = np.arange(len(pairs))
     transform = _fit(pairs, everything)
@@ -96,8 +95,8 @@ def align(points: np.ndarray, targets: np.ndarray) -> Tuple[np.ndarray, np.ndarr
     """
     Find the proper rotation and the displacement that take points to targets.
 
-    Both may lie in a plane: a plane seen from its back is a rotation by 180 degrees about an axis
-    in it, and not a reflection.
+    Both may lie in a plane: a plane seen from behind is a rotation by 180 degrees about an axis in
+    the plane, not a reflection.
 
     :param points: Shape (n, 3), not on one line.
     :param targets: Shape (n, 3), in the same unit.
@@ -114,7 +113,7 @@ def rotation_deg(rotation: np.ndarray) -> Tuple[float, float, float]:
     """
     Write a rotation as Rz(yaw) Ry(pitch) Rx(roll).
 
-    Not by scipy's `as_euler`, which prints a warning where pitch is a right angle, as for a camera
+    Not by scipy's `as_euler`: it prints a warning if pitch is a right angle, as with a camera
     frame on a wall.
 
     :param rotation: Shape (3, 3), proper.
@@ -125,20 +124,21 @@ def rotation_deg(rotation: np.ndarray) -> Tuple[float, float, float]:
     if level > 1e-9:
         roll = np.arctan2(rotation[2, 1], rotation[2, 2])
         yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
-    else:  # Roll and yaw turn about the same axis: all of it goes to roll.
+    else:  # Roll and yaw turn about the same axis: roll takes the whole angle.
         roll, yaw = np.arctan2(-rotation[1, 2], rotation[1, 1]), 0.0
     return tuple(_upper_half_open(np.degrees(angle)) for angle in (roll, pitch, yaw))
 
 
 def _upper_half_open(degrees):
-    """Round to 1e-9 degrees, so that -180 + 1e-14 and -0.0 come out as 180 and 0."""
+    """Round to 1e-9 degrees, so that -180 + 1e-14 becomes 180, and -0.0 becomes 0."""
     rounded = round(float(degrees), 9)
     return 180.0 if rounded == -180.0 else rounded + 0.0
 
 
 def _refuse_other_unit(pairs):
-    # The median, so that it is not one bad row that makes them differ.
-    ratio = float(np.median(_distances(pairs.base_points) / _distances(pairs.camera_points)))
+    # The median, so that a single bad row does not change the ratio.
+    with np.errstate(all='ignore'):  # points so near that their squares vanish have no ratio
+        ratio = float(np.median(_distances(pairs.base_points) / _distances(pairs.camera_points)))
     if not 1 / _LARGEST_RATIO < ratio < _LARGEST_RATIO:
         raise CalibrationError(
             f'no rigid transform fits the pairs: the base points lie {ratio:.3g} times as far '
@@ -153,7 +153,7 @@ def _distances(points):
 
 def spread(points: np.ndarray) -> float:
     """
-    Tell how far apart the farthest two points lie.
+    Return the distance between the two points that are farthest apart.
 
     :param points: Shape (n, d), n at least 2.
     :returns: In the points' unit.

@@ -12,13 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Read the squares between and around a chessboard's corners."""
+"""Measures the squares between and around a chessboard's corners."""
 
 import cv2
 import numpy as np
 
-# Real boards: contrast 0.79 or more where squares are, 0.30 or less where there are none;
-# irregularity 0.07 or less, and 0.25 or more in most of what finders invent.
+# Real boards have a contrast of 0.79 or more at squares, 0.30 or less beside the board, and an
+# irregularity of 0.07 or less. Most false boards of the finders have 0.25 or more.
 LEAST_CONTRAST = 0.55
 LARGEST_IRREGULARITY = 0.2
 
@@ -38,25 +38,35 @@ def square_contrast(grey: np.ndarray, corners: np.ndarray) -> float:
 
 def is_board(grey: np.ndarray, corners: np.ndarray) -> bool:
     """
-    Tell whether corners are those of a chessboard: finders also return others.
+    Return whether corners are those of a chessboard: finders also return false ones.
 
-    They must lie regularly, the squares between them alternate, and so must those around.
+    They must be regular, and the squares between and around them must alternate.
+
+    :param grey: Shape (h, w), uint8.
+    :param corners: Shape (rows, columns, 2), in px.
+    """
+    return (is_pattern(grey, corners)
+            and all(_has_squares_beyond(grey, np.rot90(corners, turn), 0) for turn in range(4)))
+
+
+def is_pattern(grey: np.ndarray, corners: np.ndarray) -> bool:
+    """
+    Return whether corners are those of a chessboard or of a part of one.
 
     :param grey: Shape (h, w), uint8.
     :param corners: Shape (rows, columns, 2), in px.
     """
     return (_irregularity(corners) < LARGEST_IRREGULARITY
-            and abs(square_contrast(grey, corners)) > LEAST_CONTRAST
-            and all(_has_squares_beyond(grey, np.rot90(corners, turn), 0) for turn in range(4)))
+            and abs(square_contrast(grey, corners)) > LEAST_CONTRAST)
 
 
 def count_beyond(grey: np.ndarray, corners: np.ndarray) -> tuple[int, int]:
     """
     Count the corners that a board has beyond those found.
 
-    Finders are content with a part of a board: asked for 8 x 6 corners, OpenCV 4.6 and 5.0 find
-    them in 24 and 25 of 26 pictures of a 9 x 6 board. A board ends after one square beyond its
-    outermost corners; where a second one follows, so does a corner.
+    Finders accept a part of a board: when asked for 8 x 6 corners, OpenCV 4.6 and 5.0 find them
+    in 24 and 25 of 26 pictures of a 9 x 6 board. A board ends one square beyond its outermost
+    corners; if a second square follows, there is another corner between.
 
     :param grey: Shape (h, w), uint8.
     :param corners: Shape (rows, columns, 2), in px.
@@ -64,6 +74,30 @@ def count_beyond(grey: np.ndarray, corners: np.ndarray) -> tuple[int, int]:
     """
     sides = [_count_beyond_last_row(grey, np.rot90(corners, turn)) for turn in range(4)]
     return sides[1] + sides[3], sides[0] + sides[2]
+
+
+def edges_reached(grey: np.ndarray, corners: np.ndarray) -> list[str]:
+    """
+    Name the picture's edges at which a board ends because the picture does.
+
+    :param grey: Shape (h, w), uint8.
+    :param corners: Shape (rows, columns, 2), in px: of the board, or of a part of it.
+    :returns: Some of 'left', 'right', 'top' and 'bottom'.
+    """
+    edges = set()
+    for turn in range(4):
+        turned, skip = np.rot90(corners, turn), 0
+        while skip < 20 and _has_squares_beyond(grey, turned, skip):
+            skip += 1
+        edges |= _edges_passed(grey, _places_beyond(turned, skip))
+    return [edge for edge in ('left', 'right', 'top', 'bottom') if edge in edges]
+
+
+def _edges_passed(grey, pixels):
+    """Name the edges that pixels (n, 2) lie beyond."""
+    (height, width), (u, v) = grey.shape, pixels.T
+    passed = {'left': u < 0, 'right': u >= width, 'top': v < 0, 'bottom': v >= height}
+    return {edge for edge, beyond in passed.items() if beyond.any()}
 
 
 def _count_beyond_last_row(grey, corners):
@@ -74,17 +108,22 @@ def _count_beyond_last_row(grey, corners):
 
 
 def _has_squares_beyond(grey, corners, skip):
-    """Tell whether the pattern goes on, that many squares after the last row of corners."""
-    rows, columns = corners.shape[:2]
-    # A quarter into the squares: many prints cut the outermost in half.
-    places = np.stack([np.arange(columns - 1) + 0.5,
-                       np.full(columns - 1, rows - 1 + skip + 0.25)], axis=1)
-    pixels = cv2.perspectiveTransform(places[None], _pixel_from_square(corners))[0]
+    """Return whether the pattern continues that many squares after the last row of corners."""
+    rows, pixels = corners.shape[0], _places_beyond(corners, skip)
     if not _inside(grey, pixels):
         return False
     contrast = _alternation(_values_at(grey, _square_centres(corners)))
     beyond = _alternation(_values_at(grey, pixels[None])) * (-1) ** (rows - 1 + skip)
     return beyond / contrast > LEAST_CONTRAST
+
+
+def _places_beyond(corners, skip):
+    """Return a pixel of each square, that many squares after the last row of corners, (n, 2)."""
+    rows, columns = corners.shape[:2]
+    # A quarter into the squares: many prints cut the outermost in half.
+    places = np.stack([np.arange(columns - 1) + 0.5,
+                       np.full(columns - 1, rows - 1 + skip + 0.25)], axis=1)
+    return cv2.perspectiveTransform(places[None], _pixel_from_square(corners))[0]
 
 
 def _pixel_from_square(corners):

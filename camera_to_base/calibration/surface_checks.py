@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether the points that a surface was fitted to can be measurements of it."""
+"""Checks whether the points of a surface fit are plausible measurements."""
 
 from typing import List, Optional, Sequence
 
@@ -22,29 +22,29 @@ from camera_to_base.errors import CalibrationError, HorizonError
 from camera_to_base.surface import HomographySurface, Hull, ImageSize, MatchedPoints, Surface
 import numpy as np
 
-# Of the diagonal of the box around the points. Simulated tables of 5 to 20 points with errors of
+# Share of the diagonal of the points' box. Simulated tables of 5 to 20 points with errors of
 # 1 px and 0.5 mm stay below 1.2 %; two exchanged rows give more than 2 % in 39 of 40 tables, and
 # so do shuffled columns. On OpenCV's 26 sample boards it is 0.05 to 0.1 %.
 LARGEST_RMS_SHARE = 0.02
-# A square of this share of the picture is 7 % of its height: an error of 0.2 px at its corners is
-# 3 px and more at the picture's.
+# A square of this share of the picture has 7 % of its height: an error of 0.2 px at its corners
+# becomes 3 px and more at the picture's corners.
 SMALLEST_COVERAGE = 0.005
-# A table's size: a smaller or larger one is doubtful, since cm are easily mistaken.
+# Usual sizes of a table. Another size is reported: the unit may be wrong.
 SMALLEST_EXTENT_CM = 3.0
 LARGEST_EXTENT_CM = 300.0
-# A pixel is not clicked at better than this.
+# The smallest error of a click.
 _FLOOR_PX = 0.3
-# Of a homography, and of the lens.
+# Number of parameters of a homography, and of the lens.
 _NUMBERS, _LENS_NUMBERS = 8, 3
 
 
 def check_fit(surface: Surface, matched: MatchedPoints, image_size: ImageSize) -> List[str]:
     """
-    Check that the errors of a fit can be errors of measurement, and that its points have a size.
+    Check that the errors of a fit are plausible, and that its points cover enough of the picture.
 
     :param image_size: Width and height of the picture, in px.
-    :returns: What is doubtful, as sentences.
-    :raises CalibrationError: If they cannot, or the points are too near each other.
+    :returns: Sentences about what is doubtful.
+    :raises CalibrationError: If the errors are too large, or the points too near each other.
     """
     share = Hull(matched.pixels).area / (image_size[0] * image_size[1])
     if share < SMALLEST_COVERAGE:
@@ -72,10 +72,10 @@ def refuse_outlier(
     matched: MatchedPoints,
 ) -> None:
     """
-    Refuse a table with one row that does not belong to the others.
+    Refuse a table with one row that does not fit the others.
 
     :param without: The n surfaces that were fitted without one point each, or None.
-    :raises CalibrationError: Naming the row, and how well the others fit without it.
+    :raises CalibrationError: If there is one; the message names the row and the fit without it.
     """
     if None in without:
         return

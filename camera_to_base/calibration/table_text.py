@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Reads a table's text as spreadsheets of any locale write it: encoding, separators, numbers."""
+"""Reads text tables of spreadsheets in any locale: encoding, separators, numbers."""
 
 import csv
 from pathlib import Path
@@ -26,11 +26,11 @@ Record = Tuple[int, List[str]]
 # With a byte order mark; Excel's "Unicode text" is UTF-16.
 _MARKED = ((b'\xef\xbb\xbf', 'utf-8-sig'), (b'\xff\xfe', 'utf-16'), (b'\xfe\xff', 'utf-16'))
 _WORKBOOK_START = b'PK\x03\x04'
-# Spaces that group digits, as French locales write them: no-break, thin and narrow no-break.
+# Spaces that group digits in French locales: no-break, thin and narrow no-break.
 _SPACES = str.maketrans(dict.fromkeys('\u00a0\u2009\u202f ', ''))
 _NUMBER = re.compile(r'[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?')
 _WITH_COMMA = re.compile(r'[+-]?\d*,\d+([eE][+-]?\d+)?')
-# One and a fraction, or a thousand and more.
+# '1,234' can mean one and a fraction, or more than a thousand.
 _TWO_NUMBERS = re.compile(r'[+-]?[1-9]\d{0,2},\d{3}')
 _GROUPED = re.compile(r'[+-]?\d{1,3}([.,])\d{3}(\1\d{3})*(?!\1)[.,]\d+')
 
@@ -39,8 +39,8 @@ class Table(NamedTuple):
     """
     A table's cells.
 
-    :param records: Those that are not empty, each with its row as a spreadsheet numbers it.
-    :param decimal_comma: Whether a number of it has a decimal comma, so that a point is none.
+    :param records: The records that are not empty, each with its row number in a spreadsheet.
+    :param decimal_comma: Whether numbers have a decimal comma, so that points are not decimal.
     """
 
     records: List[Record]
@@ -51,14 +51,14 @@ def read_table(path: Path) -> Table:
     """
     Read a table's cells.
 
-    Columns are separated by tabs, semicolons or commas, whichever the header has. A first line
-    `sep=;` is for Excel, which does not number it.
+    Columns are separated by tabs, semicolons or commas, as in the header. A first line `sep=;` is
+    for Excel, which does not count it as a row.
 
     :raises InvalidValueError: If there is no such file, or it is no table of text.
     """
     try:
         lines = _text(path.read_bytes()).splitlines()
-    except (OSError, UnicodeError) as error:
+    except (OSError, UnicodeError, InvalidValueError) as error:
         reason = getattr(error, 'strerror', None) or error
         raise InvalidValueError(f'cannot read the table {path}: {reason}') from error
     if lines and re.fullmatch(r'"?sep=.?"?', lines[0].strip(), re.IGNORECASE):
@@ -76,10 +76,10 @@ def read_table(path: Path) -> Table:
 
 def number(text: str, decimal_comma: bool) -> float:
     """
-    Read a number with a decimal point or comma, and digits in groups where that is plain.
+    Read a number with a decimal point or comma, and groups of digits if they are unambiguous.
 
     :param decimal_comma: Whether the table has decimal commas.
-    :raises InvalidValueError: If it is no number, or can be two; the text says which.
+    :raises InvalidValueError: If it is no number, or ambiguous; the message says which.
     """
     plain = text.translate(_SPACES).replace('\u2212', '-')  # the minus sign of typesetting
     if _GROUPED.fullmatch(plain):
@@ -98,7 +98,7 @@ def number(text: str, decimal_comma: bool) -> float:
 
 def _text(content: bytes) -> str:
     if content.startswith(_WORKBOOK_START):
-        raise UnicodeError("it is a spreadsheet's workbook: save it as CSV")
+        raise InvalidValueError("it is a spreadsheet's workbook: save it as CSV")
     for mark, encoding in _MARKED:
         if content.startswith(mark):
             return content.decode(encoding)
@@ -107,7 +107,7 @@ def _text(content: bytes) -> str:
     try:
         return content.decode('utf-8')
     except UnicodeDecodeError:
-        # Windows in Western Europe; each byte is a character there or in its larger sister.
+        # Windows in Western Europe; the few bytes without a character are replaced.
         return content.decode('cp1252', errors='replace')
 
 
@@ -118,7 +118,7 @@ def _has_decimal_comma(records: List[Record], delimiter: str) -> bool:
 
 
 def _refuse_long_rows(records: List[Record], delimiter: str) -> None:
-    """Refuse rows with more cells than the header: 2,5 without quotes is two of them."""
+    """Refuse rows with more cells than the header: 2,5 without quotes is two cells."""
     for row, cells in records[1:]:
         width = len(records[0][1])
         if any(cell.strip() for cell in cells[width:]):

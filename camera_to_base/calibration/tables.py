@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Read the tables of points that a calibration is made from."""
+"""Reads the tables of points for a calibration."""
 
 from pathlib import Path
 from typing import Optional, Tuple
@@ -25,7 +25,7 @@ import numpy as np
 POINT_COLUMNS = ('x_cm', 'y_cm', 'u_px', 'v_px')
 SIZE_COLUMNS = ('width_px', 'height_px')
 PAIR_COLUMNS = ('x_cam_cm', 'y_cam_cm', 'x_base_cm', 'y_base_cm')
-LARGEST = 1e6  # In cm and px: more is a slip, and its square would overflow.
+LARGEST = 1e6  # In cm and px: a larger number is a typing error, and its square could overflow.
 PAIR_HEIGHTS = ('z_cam_cm', 'z_base_cm')
 
 
@@ -33,8 +33,8 @@ def read_points(path: str) -> Tuple[MatchedPoints, Optional[ImageSize]]:
     """
     Read the columns x_cm, y_cm, u_px and v_px, in any order, with a header.
 
-    :returns: The points, their rows named as a spreadsheet numbers them, the header being row 1;
-        and the picture's width and height in px, if the table has columns width_px and height_px.
+    :returns: The points, with row numbers as in a spreadsheet (the header is row 1); and the
+        picture's width and height in px, or None without the columns width_px and height_px.
     :raises InvalidValueError: Saying what is wrong in which row.
     """
     values, rows = _read(path, POINT_COLUMNS, SIZE_COLUMNS)
@@ -49,7 +49,7 @@ def read_pairs(path: str) -> PointPairs:
     """
     Read the columns x_cam_cm, y_cam_cm, x_base_cm and y_base_cm, in any order, with a header.
 
-    Columns z_cam_cm and z_base_cm are read where they are there, and are 0 where not.
+    The columns z_cam_cm and z_base_cm are optional, and 0 by default.
 
     :raises InvalidValueError: Saying what is wrong in which row.
     """

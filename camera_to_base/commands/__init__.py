@@ -13,11 +13,11 @@
 # limitations under the License.
 
 """
-The commands `calibrate` and `locate`, and what belongs to them.
+The commands `calibrate` and `locate`.
 
-In: a command line. Out: files, tables, an exit code, and one sentence where something is wrong.
+In: a command line. Out: files, tables, an exit code, and one sentence per error.
 
-Callers: the installed executables alone, so that nothing stands in `__all__`.
+Callers: only the installed executables, so there is no `__all__`.
 """
 
 __all__ = []

@@ -13,9 +13,10 @@
 # limitations under the License.
 
 
-"""Command: calibrates from a chessboard or a table, and says how good the result is."""
+"""The command `calibrate`: calibrates from a chessboard or a table, and reports the errors."""
 
 import argparse
+from datetime import datetime
 import json
 import os
 import sys
@@ -23,10 +24,11 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from camera_to_base.calibration import (
     add_camera_pose, board_points, calibrate_base, calibrate_surface, Calibration, check_surface,
-    find_board, read_camera_info, read_pairs, read_points, refuse_other_size, Report, report_lines)
+    file_status, find_board, has_one_origin, read_camera_info, read_pairs, read_points,
+    refuse_other_size, Report, report_lines, sheet_content, without_base)
 from camera_to_base.commands.calibrate_options import parse
 from camera_to_base.drawing import check_picture_path, encoded_picture
-from camera_to_base.errors import CameraToBaseError
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
@@ -53,13 +55,29 @@ def main(args: Optional[List[str]] = None) -> int:
     return 0
 
 
+def _run_sheet(options: argparse.Namespace) -> Report:
+    _outputs(options)
+    columns, rows = options.corners
+    ending = os.path.splitext(options.output)[1].lower()
+    if ending not in ('.pdf', '.svg', '.png'):
+        raise InvalidValueError(
+            f"a sheet's name must end in .pdf, .svg or .png, got '{options.output}'")
+    content = sheet_content(options.paper, columns, rows, options.square_mm, ending[1:])
+    doubts = [] if has_one_origin(columns, rows) else [
+        f'a board of {columns} x {rows} inner corners looks the same when it is turned: where the '
+        'camera frame starts depends on how it lies; with one even and one odd count it does not']
+    kept = write_files({options.output: content}, keep_old=True)
+    return {'file': options.output, 'paper': options.paper, 'corners': [columns, rows],
+            'square_mm': options.square_mm, 'warnings': doubts, 'kept': kept}
+
+
 def _run_board(options: argparse.Namespace) -> Report:
     columns, rows = options.corners
     points = board_points(columns, rows, options.square_mm, origin_corner=options.origin_corner,
                           origin_mm=options.origin_mm, yaw_deg=options.yaw_deg)
     outputs = _outputs(options, options.picture_file, options.intrinsics)
     intrinsics = read_camera_info(options.intrinsics) if options.intrinsics else None
-    image, name, source_values = _board_picture(options)
+    image, name, source_values, doubts = _board_picture(options)
     board = find_board(image, columns, rows)
     matched = MatchedPoints(points, board.pixels)
     calibration = calibrate_surface(
@@ -70,8 +88,8 @@ def _run_board(options: argparse.Namespace) -> Report:
     if intrinsics is not None:
         calibration = add_camera_pose(calibration, matched, intrinsics)
     if board.second_board:
-        calibration.report['warnings'].append(
-            'another such board is in the picture: this is the larger one')
+        doubts.append('another such board is in the picture: this is the larger one')
+    calibration.report['warnings'] += doubts
     return _write(calibration, outputs, source_values)
 
 
@@ -85,7 +103,7 @@ def _run_points(options: argparse.Namespace) -> Report:
         matched, image_size or DEFAULT_IMAGE_SIZE, source=options.table, model=options.model)
     if image_size is None:
         calibration.report['warnings'].append(
-            'taken for granted: the points were measured in a picture of {} x {} px; say it with '
+            'assumed: the points were measured in a picture of {} x {} px; say it with '
             '--image-size'.format(*DEFAULT_IMAGE_SIZE))
     return _write(calibration, outputs)
 
@@ -99,7 +117,7 @@ def _run_base(options: argparse.Namespace) -> Report:
     calibration = calibrate_base(
         pairs, source=options.table, surface_values=surface.values, base_z=options.base_z)
     return _write(calibration, outputs, surface.values,
-                  ['', f'The surface, from {options.surface}:', *surface.comments])
+                  ['', f'The surface, from {options.surface}:', *without_base(surface.comments)])
 
 
 def _run_check(options: argparse.Namespace) -> Report:
@@ -107,16 +125,29 @@ def _run_check(options: argparse.Namespace) -> Report:
     return {'checked': options.file, **check_surface(values, *read_points(options.table))}
 
 
-_COMMANDS = {'board': _run_board, 'points': _run_points, 'base': _run_base, 'check': _run_check}
+def _run_status(options: argparse.Namespace) -> Report:
+    file = read_parameter_file(options.file)
+    return file_status(options.file, file.values, file.comments, datetime.now().astimezone())
 
 
-def _board_picture(options: argparse.Namespace) -> Tuple[np.ndarray, str, Dict[str, Any]]:
-    """Get the picture, what to call it, and the parameters that belong to its source."""
+_COMMANDS = {'sheet': _run_sheet, 'board': _run_board, 'points': _run_points, 'base': _run_base,
+             'check': _run_check, 'status': _run_status}
+
+
+def _board_picture(
+    options: argparse.Namespace
+) -> Tuple[np.ndarray, str, Dict[str, Any], List[str]]:
+    """Get the picture, what to call it, its source's parameters, and what is doubtful."""
     if options.camera is None:
-        return read_picture(options.picture_file), options.picture_file, {}
+        picture = read_picture(options.picture_file)
+        doubts = [
+            'the EXIF orientation of the picture asks viewers to turn or mirror it; it was used '
+            "as it is stored, as the node gets a camera's frames: if that is another program's "
+            'picture, take one with --camera'] if picture.is_shown_turned else []
+        return picture.frame, options.picture_file, {}, doubts
     source, values = _open_camera(options)
     try:
-        return median_frame(source), f'camera {options.camera}', values
+        return median_frame(source), f'camera {options.camera}', values, []
     finally:
         source.release()
 
@@ -132,7 +163,7 @@ def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, An
 
 
 def _outputs(options: argparse.Namespace, *sources: Optional[str]) -> List[str]:
-    """Name the files to write, and check them before any work is done for them."""
+    """Return the paths of the files to write, after checking them."""
     outputs = [options.output]
     if 'picture' in options:
         outputs.append(options.picture or f'{os.path.splitext(options.output)[0]}_report.png')
@@ -151,7 +182,7 @@ def _write(
     calibration: Calibration, outputs: List[str], values: Optional[Dict[str, Any]] = None,
     comments: Iterable[str] = (),
 ) -> Report:
-    """Write the parameter file, and the picture if there is one; return the report."""
+    """Write the parameter file and the picture, if there is one; return the report."""
     text = parameter_text(
         {**(values or {}), **calibration.values},
         ['Written by `calibrate` of camera_to_base.', *report_lines(calibration.report),
@@ -167,6 +198,8 @@ def _lines(report: Report) -> List[str]:
     written = [f'{name}: {report[name]}' for name in ('file', 'picture') if name in report]
     written += [f'the old one is kept: {path}' for path in report.get('kept', ())]
     advice = ['look at the picture before you trust the figures'] if 'picture' in report else []
+    if 'paper' in report:
+        advice = ['print it at 100 %, and measure the ruler: it must be 100 mm long']
     return [*report_lines(report), *written, *advice]
 
 

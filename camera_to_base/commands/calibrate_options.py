@@ -13,16 +13,22 @@
 # limitations under the License.
 
 
-"""What can be said to the command `calibrate`."""
+"""Command-line options of `calibrate`."""
 
 import argparse
 import re
 from typing import Any, List, Optional, Tuple
 
+from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.parser import CommandParser
 from camera_to_base.errors import InvalidValueError
 
 EXAMPLES = {
+    'sheet': """
+Print it at 100 % (not "fit to page"), measure the ruler on it, and glue it to something flat.
+
+  calibrate sheet -o board.pdf
+  calibrate sheet --paper Letter --corners 8x5 --square-mm 28 -o board.pdf""",
     'board': """
 Print a chessboard, lay it flat on the work surface, and take one picture of it.
 
@@ -30,32 +36,36 @@ Print a chessboard, lay it flat on the work surface, and take one picture of it.
   calibrate board --camera 0 --corners 9x6 --square-mm 25 -o surface.yaml
 
 The camera frame lies on the board: its origin is the first inner corner, x runs along the rows
-of corners, y along the columns. The report and its picture show where that came out.
+of corners, y along the columns. The report and its picture show the result.
 
-Objects that are not flat need the camera's height, too. It follows from what ROS's
-camera_calibration found of the lens:
+Objects that are not flat need the camera's height, too. It is computed from the intrinsics that
+ROS's camera_calibration writes:
 
   calibrate board picture.png --corners 9x6 --square-mm 25 --intrinsics lens.yaml -o cell.yaml""",
     'points': """
-Measure where points lie on the work surface (cm), and at which pixel the picture shows them.
-The table's columns, in any order: x_cm, y_cm, u_px, v_px (and width_px, height_px if you like).
+Measure the positions of points on the work surface (cm) and their pixels in the picture.
+The table's columns, in any order: x_cm, y_cm, u_px, v_px (optional: width_px, height_px).
 
   calibrate points points.csv --image-size 640x480 -o surface.yaml""",
     'base': """
-Put objects on the surface, note what /pos_in_cam_frame says, and touch them with the robot.
+Put objects on the surface, note their /pos_in_cam_frame, and touch them with the robot.
 The table's columns, in any order: x_cam_cm, y_cam_cm, x_base_cm, y_base_cm (and z_cam_cm,
 z_base_cm, which are 0 by default).
 
   calibrate base pairs.csv --surface surface.yaml -o cell.yaml
   ros2 launch camera_to_base camera_to_base.launch.py params_file:=cell.yaml""",
     'check': """
-Points that the calibration was not made of, in a table as for `calibrate points`:
+Use points that the calibration was not made from, in a table as for `calibrate points`:
 
   calibrate check surface.yaml more_points.csv""",
+    'status': """
+How old each part is, how good it is, and what to do next:
+
+  calibrate status cell.yaml""",
 }
 DESCRIPTION = """
-Calibrates a camera that looks at a work surface, and says how far off it is. What it writes is a
-parameter file for the nodes. An example of each command is in its own --help; the first one:
+Calibrates a camera that looks at a work surface, and reports the errors. The output is a
+parameter file for the nodes. The --help of each command has an example; the first one:
 
   calibrate board picture.png --corners 9x6 --square-mm 25 -o surface.yaml"""
 
@@ -64,8 +74,8 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
     """
     Parse the command line; `command` is the subcommand's name.
 
-    :raises InvalidValueError: If an option is not what it must be.
-    :raises SystemExit: With code 0 after --help, with 1 if the options are not those there are.
+    :raises InvalidValueError: If an option has an invalid value.
+    :raises SystemExit: With code 0 after --help, with 1 if an option is unknown or missing.
     """
     options = _parser().parse_args(args)
     for name in ('corners', 'image_size'):
@@ -80,7 +90,8 @@ def _parser() -> argparse.ArgumentParser:
         prog='calibrate', description=DESCRIPTION,
         formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest='command', required=True, parser_class=CommandParser,
-                                     metavar='board | points | base | check')
+                                     metavar='sheet | board | points | base | check | status')
+    _add_sheet(_command(commands, 'sheet', 'a chessboard to print'))
     _add_board(_command(commands, 'board',
                         'the surface, from one picture of a chessboard that lies on it'))
     points = _command(commands, 'points', 'the surface, from a table of points')
@@ -90,30 +101,45 @@ def _parser() -> argparse.ArgumentParser:
     _add_image_size(points, 'of the picture that the points were measured in')
     _add_output(points, with_picture=True)
     base = _command(commands, 'base',
-                    'where the camera frame lies in the base frame, from pairs of points')
+                    'the pose of the camera frame in the base frame, from pairs of points')
     base.add_argument('table', metavar='PAIRS.csv')
     base.add_argument('--surface', metavar='FILE',
                       help='a parameter file whose parameters and comments are copied into the '
                            'output, so that one file serves both nodes; the pairs are checked '
                            'against it')
     base.add_argument('--base-z', choices=('up', 'down'), default='up',
-                      help="where the base frame's z points at the table: up, away from it, or "
-                           'down, as for a hanging robot (default: %(default)s)')
+                      help="direction of the base frame's z at the table: up, away from it, or "
+                      'down, as for a hanging robot (default: %(default)s)')
     _add_output(base, with_picture=False)
     check = _command(commands, 'check', 'the error of a calibration on other points')
-    check.add_argument('file', metavar='FILE', help='of calibrate board or calibrate points')
+    check.add_argument('file', metavar='FILE', help='from calibrate board or calibrate points')
     check.add_argument('table', metavar='TABLE.csv')
+    status = _command(commands, 'status', 'what a parameter file holds, and what it lacks')
+    status.add_argument('file', metavar='FILE')
     return parser
 
 
 def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
-    does = 'Tells' if name == 'check' else 'Calibrates'
+    does = {'sheet': 'Draws', 'check': 'Tells', 'status': 'Tells'}.get(name, 'Calibrates')
     command = commands.add_parser(
         name, help=purpose, description=f'{does} {purpose}.\n{EXAMPLES[name]}',
         formatter_class=argparse.RawDescriptionHelpFormatter)
     command.add_argument('--json', action='store_true',
                          help='print the report as one JSON object')
     return command
+
+
+def _add_sheet(sheet: argparse.ArgumentParser) -> None:
+    sheet.add_argument('--paper', choices=tuple(PAPERS), default='A4',
+                       help='(default: %(default)s)')
+    sheet.add_argument('--corners', default='9x6', metavar='9x6',
+                       help='inner corners along a row and along a column; one even and one odd '
+                            'give the board one origin (default: %(default)s)')
+    sheet.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+                       help="a square's edge (default: %(default)g)")
+    sheet.add_argument('-o', '--output', required=True, metavar='FILE',
+                       help='the file to write: .pdf, .svg or .png')
+    sheet.add_argument('--force', action='store_true', help='overwrite a file')
 
 
 def _add_board(board: argparse.ArgumentParser) -> None:
@@ -123,8 +149,8 @@ def _add_board(board: argparse.ArgumentParser) -> None:
                         help="instead of a picture: a device, a video, a stream's URL, or "
                              'simulated; the median of several frames')
     board.add_argument('--corners', required=True, metavar='9x6',
-                       help='inner corners along a row and along a column: where four squares '
-                            'meet, one less than the squares')
+                       help='number of inner corners, where four squares meet, along a row and '
+                       'along a column: one less than the squares')
     board.add_argument('--square-mm', type=float, required=True, metavar='25',
                        help="a square's edge as printed: measure it")
     board.add_argument('--origin-corner', type=int, default=0, metavar='0..3',
@@ -135,11 +161,11 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--yaw-deg', type=float, default=0.0, metavar='DEG',
                        help="turn the camera frame from the board's x towards its y")
     board.add_argument('--intrinsics', metavar='CAMERA_INFO.yaml',
-                       help="the lens as ROS's camera_calibration writes it: tells the camera's "
-                            'height and foot point, which object_height_cm needs')
-    _add_image_size(board, 'that --camera is asked for')
+                       help="the lens as ROS's camera_calibration writes it: gives the camera's "
+                       'height and foot point, which object_height_cm needs')
+    _add_image_size(board, 'requested from --camera')
     board.add_argument('--simulated-tilt-deg', type=float, default=0.0, metavar='DEG',
-                       help='of --camera simulated (default: %(default)s)')
+                       help='tilt of --camera simulated (default: %(default)s)')
     _add_output(board, with_picture=True)
 
 

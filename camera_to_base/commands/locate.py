@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Command: the whole flow on a recording, a camera or a bag, without ROS running."""
+"""The command `locate`: finds objects on a recording, a camera or a bag, without ROS."""
 
 import argparse
 from contextlib import ExitStack
@@ -37,7 +37,7 @@ from camera_to_base.sources import (
     SIMULATED, TimedFrame)
 from camera_to_base.trust import Sighting
 
-# One round of the simulated objects.
+# The simulated objects repeat their path after this time.
 _SIMULATED_S = 60
 
 
@@ -52,7 +52,7 @@ def main(args: Optional[List[str]] = None) -> int:
         print(f'locate: {error}', file=sys.stderr)
         return 1
     except BrokenPipeError:
-        # Whoever reads the table has seen enough; Python would complain when it flushes.
+        # The reader has closed the pipe. Without dup2, Python prints an error when it flushes.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
@@ -93,7 +93,7 @@ def _open(options: argparse.Namespace, settings: CameraSettings) -> Recording:
 
 
 def _frames(recording: Recording, every: int, interrupt: Interrupt) -> Iterator[TimedFrame]:
-    """Walk over every Nth frame until Ctrl-C, with a progress bar on a terminal."""
+    """Iterate over every Nth frame until Ctrl-C, with a progress bar on a terminal."""
     from tqdm import tqdm
 
     count = recording.frame_count
@@ -149,7 +149,7 @@ def _csv_writer(files: ExitStack, path: str) -> Any:
 def _tell(
     timed: TimedFrame, sighting: Sighting, settings: NodeSettings, rows: Any
 ) -> int:
-    """Write the table's lines for a frame; return how many objects are beyond reach."""
+    """Write the table's lines for a frame; return the number of objects beyond reach."""
     if sighting.reason is not None:
         return 0
     found = list(positions(timed, sighting.objects, settings.transform))
@@ -159,12 +159,12 @@ def _tell(
 
 
 def _say(line: str, rows: Any, cells: List[str]) -> None:
-    """Print a line, and write its row where there is a CSV file (a `csv.writer`, or None)."""
+    """Print a line, and write its CSV row; `rows` is a `csv.writer`, or None."""
     from tqdm import tqdm
 
     if rows is not None:
         rows.writerow(cells)
-    tqdm.write(line)  # around the progress bar, where both are on one terminal
+    tqdm.write(line)  # clears and redraws the progress bar
     sys.stdout.flush()
 
 
@@ -173,8 +173,9 @@ def _annotate(
 ) -> None:
     try:
         picture = draw_objects(timed.frame, sighting.objects, settings.debug_label)
+        settings.area_overlay.draw(picture)
     except CameraToBaseError:
-        return  # a frame that cannot be decoded
+        return  # the frame cannot be decoded
     reason = '' if sighting.reason is None else f', {sighting.reason.sentence}'
     draw_note(picture, f'frame {timed.number}, {timed.stamp_ns / 1e9:.3f} s{reason}')
     video.add(picture)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What can be said to the command `locate`."""
+"""Command-line options of `locate`."""
 
 import argparse
 from typing import List, Optional
@@ -25,19 +25,19 @@ from camera_to_base.files import refuse_existing, refuse_same_file
 from camera_to_base.sources import BAG, kind_of
 
 DESCRIPTION = """
-Finds objects on a recording, without ROS: prints where each one lies, in the camera frame and in
-the robot's base frame, as the two nodes with the same parameter file publish it. The recording's
-first frame must show the empty surface (or as many as background_frames says).
+Finds objects on a recording, without ROS, and prints their positions in the camera frame and in
+the robot's base frame. The two nodes publish the same positions with the same parameter file. The
+first frame, or as many as background_frames says, must show the empty surface.
 
   locate last_night.mp4 --params-file cell.yaml
   locate last_night.mp4 --params-file cell.yaml --csv positions.csv --annotated seen.mp4
   locate rosbag2_2026_01_31/ --topic /camera/image_raw --every 10
   locate 0 --params-file cell.yaml                           a camera, until Ctrl-C
 
-A camera is for looking at here: its frames wait while one is searched. An arm needs the nodes,
-which take the newest.
+Do not control an arm with this command: a camera's frames wait in a queue while one is processed.
+The nodes always take the newest frame.
 
-On how many frames is there an object, if the threshold were 40, 50, ... 120?
+The number of frames with an object, for the thresholds 40, 50, ... 120:
 
   locate last_night.mp4 --params-file cell.yaml --sweep threshold=40:120:10 --picture sweep.png"""
 
@@ -46,8 +46,8 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
     """
     Parse the command line; `sweep` becomes a SweepRange.
 
-    :raises InvalidValueError: If an option is not what it must be, or a file is in the way.
-    :raises SystemExit: With code 0 after --help, with 1 if the options are not those there are.
+    :raises InvalidValueError: If an option has an invalid value, or an output file exists already.
+    :raises SystemExit: With code 0 after --help, with 1 if an option is unknown or missing.
     """
     options = _parser().parse_args(args)
     if options.every < 1:
@@ -66,26 +66,26 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('source', metavar='SOURCE',
                         help='a video file; a rosbag2 bag (its folder, a .mcap or .db3 file; '
                              'needs the library rosbags); a device (0, /dev/video0) or a '
-                             "stream's URL, until Ctrl-C; or simulated, a minute of it")
+                             "stream's URL, until Ctrl-C; or simulated, for one minute")
     parser.add_argument('--params-file', metavar='FILE',
                         help="the nodes' parameters, as `calibrate` writes them and `ros2 run` "
                              'takes them (default: their defaults)')
     parser.add_argument('--namespace', metavar='NAME',
-                        help="the nodes' namespace, for a file with parameters for several")
+                        help="the nodes' namespace, if the file has parameters for several")
     parser.add_argument('--topic', metavar='NAME',
-                        help='of a bag: the topic of sensor_msgs/Image or CompressedImage '
+                        help="a bag's topic of sensor_msgs/Image or CompressedImage "
                              '(default: the only one)')
     parser.add_argument('--every', type=int, default=1, metavar='N',
                         help='use the first frame and every Nth after it (default: all)')
-    parser.add_argument('--csv', metavar='OUT.csv', help='write the table there, too')
+    parser.add_argument('--csv', metavar='OUT.csv', help='also write the table to this file')
     parser.add_argument('--annotated', metavar='OUT.mp4',
-                        help='write a video there with the objects drawn on the frames')
+                        help='write a video of the frames with the objects drawn on them')
     parser.add_argument('--sweep', metavar='NAME=FIRST:LAST:STEP',
                         help='instead: count the frames with an object for each value of a '
                              f'detector parameter, {MOST_VALUES} values at most; NAME is one of '
                              f'{", ".join(NAMES)}; threshold is that of the method in use')
     parser.add_argument('--picture', metavar='SWEEP.png',
-                        help='of --sweep: the chart to write (default: sweep.png)')
+                        help='the chart that --sweep writes (default: sweep.png)')
     parser.add_argument('--force', action='store_true', help='overwrite files')
     return parser
 

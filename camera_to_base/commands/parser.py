@@ -12,15 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command lines' parser."""
+"""The parser of the commands' options."""
 
 import argparse
 
 
 class CommandParser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, as for any other bad input, and ends with 1."""
+    """Reports a wrong option in one sentence, like any other wrong input, and exits with 1."""
 
     def error(self, message: str) -> None:
-        """End with the sentence."""
-        command = self.prog.split()[0]  # what follows it is the subcommand
+        """Exit with the sentence."""
+        command = self.prog.split()[0]  # after the first word follows the subcommand
         self.exit(1, f'{command}: {message}: see {self.prog} --help\n')

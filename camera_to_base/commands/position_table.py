@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Where objects were found, as lines of a table: for a person, and as CSV."""
+"""Formats positions as lines of a table, as text and as CSV."""
 
 import math
 from typing import Iterator, List, NamedTuple, Optional
@@ -26,10 +26,10 @@ from camera_to_base.transform_parameters import TransformSettings
 
 class Column(NamedTuple):
     """
-    One column.
+    One column of the table.
 
-    :param width: In characters, for a person; 0 leaves it to the CSV.
-    :param decimals: For a person.
+    :param width: In characters, in the text table; 0 for a column of the CSV only.
+    :param decimals: In the text table.
     """
 
     name: str
@@ -48,12 +48,12 @@ _CSV_DECIMALS = 4
 
 class Position(NamedTuple):
     """
-    Where one object was found.
+    The position of one object.
 
-    :param timed: On which frame.
+    :param timed: The frame.
     :param number: 1 is the largest of its frame.
-    :param found: On the picture, and in the camera frame.
-    :param base: In the base frame, in cm and rad; None for what lies beyond reach_cm.
+    :param found: The object on the picture and in the camera frame.
+    :param base: The pose in the base frame, in cm and rad; None beyond reach_cm.
     """
 
     timed: TimedFrame
@@ -63,9 +63,9 @@ class Position(NamedTuple):
 
     @property
     def values(self) -> List[Optional[float]]:
-        """One number for each column; None where there is none."""
+        """One number for each column; None for an empty cell."""
         found, base, nothing = self.found, self.base, (None, None, None)
-        # A round object has no direction in either frame.
+        # A round object has no yaw.
         has_yaw = base is not None and found.yaw is not None
         return [self.timed.number, self.timed.stamp_ns / 1e9, self.number,
                 *found.detection.centre, *found.point, *(nothing if base is None else base[:3]),
@@ -76,7 +76,7 @@ def positions(
     timed: TimedFrame, objects: List[LocatedObject], transform: TransformSettings
 ) -> Iterator[Position]:
     """
-    Convert what was found on a frame to the base frame.
+    Convert the objects of a frame to the base frame.
 
     :param objects: The largest first.
     :raises CameraToBaseError: If a point cannot be converted.
@@ -90,21 +90,21 @@ def positions(
 
 
 def table_header() -> str:
-    """Give the table's first line, for a person."""
+    """Return the first line of the text table."""
     return '  '.join(column.name.rjust(column.width) for column in COLUMNS if column.width)
 
 
 def table_line(position: Position) -> str:
-    """Give an object's line of the table, for a person."""
+    """Return an object's line of the text table."""
     return '  '.join(
         ('-' if value is None else f'{value:.{column.decimals}f}').rjust(column.width)
         for column, value in zip(COLUMNS, position.values) if column.width)
 
 
 def csv_cells(position: Position) -> List[str]:
-    """Give an object's row of a CSV file; what there is not is empty."""
+    """Return an object's row of the CSV file; missing values are empty cells."""
     cells = ['' if value is None else f'{value:.{_CSV_DECIMALS if column.decimals else 0}f}'
              for column, value in zip(COLUMNS, position.values)]
-    # A float cannot hold a time since 1970 to the ns, by which a message's stamp is found again.
+    # From integers: a float cannot hold a time since 1970 to the ns. The stamp must stay exact.
     cells[1] = '{}.{:09d}'.format(*divmod(position.timed.stamp_ns, 10**9))
     return cells

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Runs the camera's pipeline on a recording, and counts what came of it."""
+"""Runs the camera's pipeline on a recording, and counts the results."""
 
 from collections import Counter
 from typing import Dict, List
@@ -23,16 +23,16 @@ from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import SourceKind, TimedFrame, VIDEO_FILE
 from camera_to_base.trust import CameraPipeline, Sighting
 
-# Kinds of reasons that no other setting of the detector would change.
+# Kinds of reasons that do not depend on the detector's settings.
 _UNUSABLE = {'damaged', 'frame_size', 'frame_unusable', 'beyond_horizon'}
 
 
 class SightingCounter:
     """
-    A pipeline as the camera node has it, and how often it saw what.
+    The camera node's pipeline, with counts of its results.
 
-    :param settings: The camera node's.
-    :param kind: What gives the frames.
+    :param settings: The camera node's settings.
+    :param kind: The kind of source.
     """
 
     def __init__(self, settings: CameraSettings, kind: SourceKind = VIDEO_FILE) -> None:
@@ -44,15 +44,15 @@ class SightingCounter:
 
     @property
     def with_any(self) -> int:
-        """On how many frames there was an object."""
+        """Number of frames with an object."""
         return self.with_one + self.with_more
 
     def see(self, timed: TimedFrame) -> Sighting:
         """
         Find the objects on a frame.
 
-        :returns: The objects, and the reason where they would not be published; a frame that
-            cannot be decoded is such a reason, too.
+        :returns: The objects, and the reason if they would not be published, for example if the
+            frame cannot be decoded.
         """
         self.frames += 1
         sighting = self._sighting(timed)
@@ -68,9 +68,9 @@ class SightingCounter:
 
     def check_any_used(self) -> None:
         """
-        Check that what was seen can tell anything.
+        Check that at least one frame could be used.
 
-        :raises CameraToBaseError: If not a single frame could be used: why.
+        :raises CameraToBaseError: If no frame could be used; the message says why.
         """
         unusable = [kind for kind in self._counts if kind in _UNUSABLE]
         refused = sum(self._counts[kind] for kind in unusable)
@@ -81,7 +81,7 @@ class SightingCounter:
                 f'no frame could be used: {self._first[unusable[0]].sentence}')
 
     def summary(self) -> List[str]:
-        """Tell in lines what was seen."""
+        """Return the counts as lines of text."""
         lines = [f'{self.frames} frames: {self.with_any} with an object ({self.with_one} with '
                  f'one, {self.with_more} with more)']
         return lines + [

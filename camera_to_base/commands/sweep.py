@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tries one parameter of the detector with several values, on the same frames."""
+"""Compares several values of a detector parameter on the same frames."""
 
 from dataclasses import replace
 import math
@@ -27,15 +27,15 @@ from camera_to_base.sources import TimedFrame
 
 NAMES = ('threshold', 'faintest', 'closing_size', 'median_size', 'min_area_cm2',
          'max_area_cm2')
-# Each value takes a detector of its own.
+# Each value needs its own detector.
 MOST_VALUES = 100
 
 
 class SweepRange(NamedTuple):
     """
-    Which values to try.
+    The parameter and the values to try.
 
-    :param name: One of NAMES; threshold means that of the method in use.
+    :param name: One of NAMES; 'threshold' is that of the method in use.
     :param values: At least two, in order.
     """
 
@@ -45,11 +45,11 @@ class SweepRange(NamedTuple):
 
 class SweepResult(NamedTuple):
     """
-    What came of it.
+    The result of a sweep.
 
-    :param name: Of the parameter that was swept, 'detector.threshold'.
+    :param name: The parameter's full name, such as 'detector.threshold'.
     :param current: Its value in the settings.
-    :param values: Those that were tried.
+    :param values: The values that were tried.
     :param counters: One for each value.
     """
 
@@ -61,10 +61,10 @@ class SweepResult(NamedTuple):
 
 def sweep_range(text: str) -> SweepRange:
     """
-    Read what to sweep.
+    Parse the option `--sweep`.
 
-    :param text: NAME=FIRST:LAST:STEP; LAST is tried, too, where the steps meet it.
-    :raises InvalidValueError: If it is not that.
+    :param text: NAME=FIRST:LAST:STEP; LAST is included if the steps reach it exactly.
+    :raises InvalidValueError: If the text has another form.
     """
     name, _, span = text.partition('=')
     numbers = [_number(part) for part in span.split(':')]
@@ -87,8 +87,8 @@ def sweep(
     """
     Find the objects on the same frames with each value; the frames are read once.
 
-    :param settings: The camera node's.
-    :raises CameraToBaseError: If a value cannot be used, or changes nothing.
+    :param settings: The camera node's settings.
+    :raises CameraToBaseError: If a value cannot be used, or the parameter has no effect.
     """
     name = _name_in(settings.detector, wanted.name)
     values = list(_values(name, wanted.values))
@@ -102,7 +102,7 @@ def sweep(
 
 
 def sweep_lines(result: SweepResult) -> List[str]:
-    """Make a table of how many frames have an object with each value."""
+    """Return a table of the number of frames with an object, for each value."""
     name = f'{result.name} (now {result.current:g})'
     header = f'{name}  {"no object":>9}  {"one":>7}  {"more":>7}'
     return [header, *(

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Draws a sweep: on how many frames there is an object, over the parameter's value."""
+"""Draws the chart of a sweep: number of frames with an object, over the parameter's value."""
 
 from camera_to_base.commands.sweep import SweepResult
 import numpy as np
@@ -20,11 +20,11 @@ import numpy as np
 
 def sweep_picture(result: SweepResult) -> np.ndarray:
     """
-    Draw the chart of a sweep; its current value is a line of its own.
+    Draw the chart of a sweep; a vertical line marks the current value.
 
     :returns: Shape (h, w, 3), uint8, BGR.
     """
-    # pyplot would look for a display and keep the figure.
+    # Not pyplot, which looks for a display and keeps the figure in memory.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator

@@ -13,16 +13,17 @@
 # limitations under the License.
 
 """
-Detection: which objects a frame shows, and where on the surface they lie.
+Detection: finds the objects on a frame, and their positions on the surface.
 
 In: a frame, a background picture of the same size and the parameters `detector.*`. Out: detections
 in px, and located objects in cm, the largest first.
 
-Callers: `trust` and the rooms below. It imports numpy and OpenCV alone; whether a position may be
-published is decided in `trust`.
+Callers: `trust` and the rooms below. It imports only numpy and OpenCV; `trust` decides whether a
+position may be published.
 """
 
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.areas import Area, Areas, read_areas
 from camera_to_base.detection.background_taker import BackgroundTaker
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, locate_on_surface, Pixel, touches_edge)
@@ -32,12 +33,12 @@ from camera_to_base.detection.locator import (
 from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.settings import DetectorSettings
-from camera_to_base.detection.specs import BACKGROUND_SPECS, DETECTOR_SPECS
+from camera_to_base.detection.specs import AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS
 
 __all__ = [
-    'AbsoluteDifferenceDetector', 'BACKGROUND_SPECS', 'BackgroundTaker', 'Box',
-    'changed_blocks', 'check_frame', 'check_same_size', 'Detection', 'DETECTOR_SPECS',
-    'DetectorSettings', 'Found', 'LeftOut', 'locate_on_surface', 'locate_pixel',
+    'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
+    'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame', 'check_same_size', 'Detection',
+    'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'LeftOut', 'locate_on_surface', 'locate_pixel',
     'LocatedObject', 'mean_blocks', 'ObjectLocator', 'Pixel', 'Point',
-    'PreciseDifferenceDetector', 'random_pixel', 'touches_edge',
+    'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
 ]

@@ -84,15 +84,27 @@ def find_ghost(frame: np.ndarray, background: np.ndarray, region: Region) -> Opt
     :param background: Of the same shape, at the frame's light.
     :returns: None where it shows an object of the frame.
     """
+    if not _has_edges(frame, background, region):
+        return None
     box = region.box
     window = grown(box, 2 * max(box.width, box.height) + 8 * _RIM, frame)
     inside = filled(region.outline, window)
     part = slices(window)
     now, before = _clearest_channel(frame[part], background[part], inside)
-    if not _has_edges(now, before, inside):
-        return None
     left = _left(now, before, inside)
     return None if left is None else Ghost(window, left)
+
+
+def _has_edges(frame: np.ndarray, background: np.ndarray, region: Region) -> bool:
+    window = grown(region.box, _RIM, frame)
+    rim = np.zeros((window.height, window.width), np.uint8)
+    cv2.drawContours(rim, [region.outline], 0, 1, _RIM, offset=(-window.x, -window.y))
+    part = slices(window)
+    # A mean of three channels' edges: an object may have the table's grey.
+    in_frame, in_background = (
+        sum(cv2.mean(cv2.morphologyEx(picture[part], cv2.MORPH_GRADIENT, square(5)), rim))
+        for picture in (frame, background))
+    return in_background > _LEAST_EDGES * in_frame
 
 
 def _clearest_channel(
@@ -102,14 +114,6 @@ def _clearest_channel(
     channel = int(np.argmax(contrast))
     return tuple(cv2.blur(cv2.extractChannel(picture, channel), (3, 3))
                  for picture in (frame, background))
-
-
-def _has_edges(now: np.ndarray, before: np.ndarray, inside: np.ndarray) -> bool:
-    rim = cv2.dilate(inside, square(3)) & (1 - cv2.erode(inside, square(5)))
-    strengths = (cv2.mean(cv2.morphologyEx(picture, cv2.MORPH_GRADIENT, square(5)), rim)[0]
-                 for picture in (now, before))
-    in_frame, in_background = strengths
-    return in_background > _LEAST_EDGES * in_frame
 
 
 def _left(now: np.ndarray, before: np.ndarray, inside: np.ndarray) -> Optional[np.ndarray]:

@@ -22,7 +22,8 @@ rim cannot be told from brightness, but from how the outline runs elsewhere.
 
 from typing import Optional
 
-from camera_to_base.detection.piece import disc, largest_part, Piece, square
+from camera_to_base.detection.piece import (
+    channel_extremes, channel_sum, disc, largest_part, Piece, square)
 import cv2
 import numpy as np
 
@@ -42,7 +43,7 @@ def find_highlight(piece: Piece) -> Optional[np.ndarray]:
     light = _lighter(piece, piece.mask)
     spot = light.astype(bool)
     is_small = _LEAST_AREA <= spot.sum() < _LARGEST_SHARE * cv2.countNonZero(piece.mask)
-    if not is_small or not (piece.frame.min(axis=2)[spot] > _SATURATED).any():
+    if not is_small or not (channel_extremes(piece.frame)[0][spot] > _SATURATED).any():
         return None
     return cv2.dilate(light, _AROUND)
 
@@ -73,5 +74,5 @@ def complete_shares(shares: np.ndarray, mask: np.ndarray, highlight: np.ndarray)
 
 
 def _lighter(piece: Piece, where: np.ndarray) -> np.ndarray:
-    light = piece.frame.sum(axis=2) > _BRIGHTER * piece.table.sum(axis=2)
+    light = channel_sum(piece.frame) > _BRIGHTER * channel_sum(piece.table)
     return (light & (where > 0)).astype(np.uint8)

@@ -14,6 +14,7 @@
 
 """The camera's curve, and the light of a frame beside the background's."""
 
+import math
 from typing import NamedTuple, Tuple
 
 import numpy as np
@@ -24,6 +25,7 @@ _POINTS_PER_SIDE = 24
 # Darker levels are mostly noise, lighter ones may be cut off.
 _DARKEST, _LIGHTEST = 8, 247
 _LEAST_LIGHT = 1e-3
+_DARKEST_GAIN = 0.06
 
 
 def _linear_levels() -> np.ndarray:
@@ -87,8 +89,11 @@ class GainMeter:
         ratios = LINEAR[frame.reshape(-1)[self._places]] * self._inverse
         middle = ratios.shape[1] // 2
         ratios.partition(middle, axis=1)
-        logs = np.log(np.maximum(ratios[:, middle], 0.01))
-        return Gain(*(round(_STEPS * value) for value in logs.tolist()))
+        medians = ratios[:, middle].tolist()
+        if min(medians) < _DARKEST_GAIN:
+            # The surface cannot be seen: all of it is covered, or it is dark.
+            return NO_GAIN
+        return Gain(*(round(_STEPS * math.log(median)) for median in medians))
 
 
 def _usable_places(background: np.ndarray, channel: int) -> np.ndarray:

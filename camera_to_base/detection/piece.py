@@ -14,23 +14,38 @@
 
 """A region and its surroundings, in linear light: what the long way works on."""
 
-from typing import NamedTuple, Optional
+from functools import lru_cache
+from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.light import LINEAR
 import cv2
 import numpy as np
 
 _LEAST_LIGHT = 1e-3
+_ONES = np.ones((1, 3), np.float32)
 
 
+@lru_cache(maxsize=None)
 def square(size: int) -> np.ndarray:
     """Make a square kernel."""
     return np.ones((size, size), np.uint8)
 
 
+@lru_cache(maxsize=None)
 def disc(size: int) -> np.ndarray:
     """Make a round kernel."""
     return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+
+
+def channel_sum(values: np.ndarray) -> np.ndarray:
+    """Add up the channels: shape (h, w, 3) to (h, w), float32."""
+    return cv2.transform(values, _ONES)
+
+
+def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Give the smallest and the largest channel of each pixel: shape (h, w, 3) to two (h, w)."""
+    blue, green, red = cv2.split(values)
+    return (cv2.min(cv2.min(blue, green), red), cv2.max(cv2.max(blue, green), red))
 
 
 class Piece(NamedTuple):
@@ -81,10 +96,10 @@ class Look(NamedTuple):
 def look_at(piece: Piece) -> Look:
     """Compare a piece's frame with its table."""
     frame, table = cv2.blur(piece.frame, (3, 3)), cv2.blur(piece.table, (3, 3))
-    level, usual = (np.log(np.maximum(light.sum(axis=2), 3 * _LEAST_LIGHT))
+    level, usual = (cv2.log(cv2.max(channel_sum(light), 3 * _LEAST_LIGHT))
                     for light in (frame, table))
-    ratio = frame / np.maximum(table, _LEAST_LIGHT)
-    return Look(level, level - usual, ratio.max(axis=2), ratio.min(axis=2))
+    smallest, largest = channel_extremes(cv2.divide(frame, cv2.max(table, _LEAST_LIGHT)))
+    return Look(level, level - usual, largest, smallest)
 
 
 def largest_part(mask: np.ndarray) -> np.ndarray:

@@ -23,7 +23,7 @@ place, see `shares`.
 
 from typing import Optional
 
-from camera_to_base.detection.piece import Piece, square
+from camera_to_base.detection.piece import largest_part, Piece, square
 from camera_to_base.detection.shares import Placed
 import cv2
 import numpy as np
@@ -58,7 +58,10 @@ def place_plain(frame: np.ndarray, piece: Piece, noise: float) -> Optional[Place
     if cv2.countNonZero(between) > _WIDEST_RIM * cv2.countNonZero(outline):
         return None
     shares = np.maximum(np.clip(shares, 0, 1) * cv2.dilate(piece.mask, square(3)), core)
-    return Placed(shares, (shares > 0.5).astype(np.uint8))
+    covered = (shares > 0.5).astype(np.uint8)
+    # Several parts are more than one plain object.
+    is_one = cv2.countNonZero(covered & (1 - largest_part(covered))) == 0
+    return Placed(shares, covered) if is_one else None
 
 
 def _shares(piece: Piece, core: np.ndarray) -> Optional[np.ndarray]:

@@ -25,13 +25,14 @@ Each step is a module of its own:
 - `shadow`, `highlight`: what of a region is its object's shade, and what its gloss.
 - `shares`: the object's place, by how much of each pixel it covers.
 - `plain`: the short way for most objects.
+- `touching`: objects that touch, one each.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
 object of the background has left, for as long as it is away. Noise and that apart, a frame gives
 the same result whatever came before.
 """
 
-from typing import List, Optional
+from typing import List
 
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.detection import (
@@ -45,6 +46,7 @@ from camera_to_base.detection.reference import Reference
 from camera_to_base.detection.regions import filled, find_regions, grown, Region, slices
 from camera_to_base.detection.shadow import split_off_shade
 from camera_to_base.detection.shares import place, place_whole, Placed
+from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
 
@@ -54,6 +56,8 @@ _MOST_EXACT, _MOST_GHOSTS = 100, 4
 _SURROUNDINGS = 14
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
+# What reaches in from the edge and covers more than this part is not looked at closely.
+_MOST_CUT = 0.2
 
 
 class PreciseDifferenceDetector:
@@ -62,16 +66,19 @@ class PreciseDifferenceDetector:
 
     :param background: The surface, preferably without an object, shape (h, w, 3), uint8, BGR.
     :param faintest: How many grey levels an object must at least differ by, in one of the colours.
+    :param split_touching: Whether convex objects that touch come as one each.
     :param min_area: Objects that show less are taken for noise, in px².
     :raises InvalidValueError: If the background or a parameter cannot be used.
     """
 
     def __init__(
-        self, background: np.ndarray, *, faintest: float = 13.0, min_area: float = 30.0
+        self, background: np.ndarray, *, faintest: float = 13.0, min_area: float = 30.0,
+        split_touching: bool = False,
     ) -> None:
         self.check_parameters(faintest, min_area)
         check_frame(background, 'background')
         self._faintest, self._min_area = faintest, min_area
+        self._split_touching = split_touching
         self._background = background.copy()
         self._reference = Reference(self._background, faintest)
         self._ghosts: List[Ghost] = []
@@ -102,17 +109,16 @@ class PreciseDifferenceDetector:
         regions = self._regions(frame)
         if self._notice_ghosts(frame, regions):
             regions = self._regions(frame)
-        found = [self._detection(frame, region, index < _MOST_EXACT)
-                 for index, region in enumerate(regions)]
-        return sorted((detection for detection in found if detection is not None),
-                      key=lambda detection: -detection.area)
+        found = [detection for index, region in enumerate(regions)
+                 for detection in self._detections(frame, region, index < _MOST_EXACT)]
+        return sorted(found, key=lambda detection: -detection.area)
 
     @property
     def taken_away(self) -> List[Detection]:
         """Where objects of the background are missing, as of the last frame."""
-        found = (_unplaced(outline_of(ghost.mask) + np.int32([ghost.window.x, ghost.window.y]),
-                           self._background) for ghost in self._ghosts)
-        return [detection for detection in found if detection is not None]
+        return [detection for ghost in self._ghosts for detection in _unplaced(
+            outline_of(ghost.mask) + np.int32([ghost.window.x, ghost.window.y]),
+            self._background)]
 
     def _notice_ghosts(self, frame: np.ndarray, regions: List[Region]) -> bool:
         found = [find_ghost(frame, self._reference.lit, region)
@@ -154,28 +160,29 @@ class PreciseDifferenceDetector:
             reference.limits.use_field(None)
 
     def _may_be_light(self, frame: np.ndarray, region: Region) -> bool:
-        area = region.strong_area / (frame.shape[0] * frame.shape[1])
+        area = region.strong_area / frame[..., 0].size
         if not _LEAST_LIGHT < area < _MOST_LIGHT or not touches_edge(region.box, frame):
             return False
         part = slices(region.box)
         return looks_like_light(
             frame[part], self._reference.lit[part], filled(region.outline, region.box))
 
-    def _detection(self, frame: np.ndarray, region: Region, exact: bool) -> Optional[Detection]:
-        if not exact:
+    def _detections(self, frame: np.ndarray, region: Region, exact: bool) -> List[Detection]:
+        is_at_edge = touches_edge(region.box, frame)
+        if not exact or is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return _unplaced(region.outline, frame)
         window = grown(region.box, _SURROUNDINGS, frame)
         part = slices(window)
         levels = np.ascontiguousarray(frame[part])
         piece = make_piece(
             levels, self._reference.light(part), filled(region.outline, window))
-        if not touches_edge(region.box, frame):
-            placed = place_plain(levels, piece, float(self._reference.noise.mean()))
+        if not is_at_edge:
+            placed = place_plain(levels, piece, self._reference.mean_noise)
             if placed is not None:
-                return _detection(placed, window, region.outline)
+                return self._placed(placed, window)
         return self._long_way(frame, piece, window)
 
-    def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> Optional[Detection]:
+    def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
         height, width = frame.shape[:2]
         outward = (window.x + (window.width - width) / 2, window.y + (window.height - height) / 2)
         thing = split_off_shade(piece, outward)
@@ -183,32 +190,38 @@ class PreciseDifferenceDetector:
             mask=close_around_highlights(piece) if thing is None else thing.mask)
         outline = outline_of(piece.mask)
         if outline is None:
-            return None
+            return []
         outline = outline + np.int32([window.x, window.y])
         if touches_edge(Box(*cv2.boundingRect(outline)), frame):
             return _unplaced(outline, frame)
-        placed = place_whole(piece) if thing is not None and thing.is_light else place(piece)
-        return _detection(placed, window, outline)
+        is_whole = thing is not None and thing.is_light
+        return self._placed(place_whole(piece) if is_whole else place(piece), window)
+
+    def _placed(self, placed: Placed, window: Box) -> List[Detection]:
+        parts = split_touching(placed.mask) if self._split_touching else [placed.mask]
+        if len(parts) == 1:
+            return _detection(placed, window)
+        nearest = nearest_part(parts)
+        return [detection for index, part in enumerate(parts) for detection in _detection(
+            Placed(placed.shares * (nearest == index), part), window)]
 
 
-def _detection(placed: Placed, window: Box, outline: np.ndarray) -> Optional[Detection]:
-    moments = placed.moments(window.x, window.y)
-    if not moments['m00']:
-        return None
-    covered = outline_of(placed.mask)
-    if covered is not None:
-        outline = covered + np.int32([window.x, window.y])
+def _detection(placed: Placed, window: Box) -> List[Detection]:
+    moments, outline = placed.moments(window.x, window.y), outline_of(placed.mask)
+    if not moments['m00'] or outline is None:
+        return []
+    outline = outline + np.int32([window.x, window.y])
     centre = Pixel(moments['m10'] / moments['m00'], moments['m01'] / moments['m00'])
-    return Detection(
-        Box(*cv2.boundingRect(outline)), centre, moments['m00'], outline[:, 0], False, moments)
+    return [Detection(
+        Box(*cv2.boundingRect(outline)), centre, moments['m00'], outline[:, 0], False, moments)]
 
 
-def _unplaced(outline: np.ndarray, frame: np.ndarray) -> Optional[Detection]:
+def _unplaced(outline: np.ndarray, frame: np.ndarray) -> List[Detection]:
     # Where a part is missing, the rim does not matter.
     moments = cv2.moments(outline)
     if not moments['m00']:
-        return None
+        return []
     box = Box(*cv2.boundingRect(outline))
     centre = Pixel(moments['m10'] / moments['m00'], moments['m01'] / moments['m00'])
-    return Detection(
-        box, centre, moments['m00'], outline[:, 0], touches_edge(box, frame), moments)
+    return [Detection(
+        box, centre, moments['m00'], outline[:, 0], touches_edge(box, frame), moments)]

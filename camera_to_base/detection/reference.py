@@ -59,11 +59,12 @@ class Reference:
             self.lit = self.at_this_light(self.picture)
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
+            self.mean_noise = float(self.noise.mean())
         self.limits.set_light(gain, self.noise)
 
     def changed_rows(self, frame: np.ndarray) -> Optional[slice]:
         """Tell between which rows any level differs by as much as an object; None for none."""
-        return changed_rows(frame, self.lit, self._faintest)
+        return changed_rows(frame, self.lit, self._faintest, exact=False)
 
     def at_this_light(self, picture: np.ndarray) -> np.ndarray:
         """Give a picture of the background's shape as it looks at the frame's light."""

@@ -33,10 +33,10 @@ import numpy as np
 _TILE = 8
 # A tile whose mean is less has some bytes that are outside of the limits.
 _CALM_TILE = 251
-_CLOSE, _NEXT_TILES = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
+_CLOSE, _NEXT_TILES = np.ones((3, 3), np.uint8), np.ones((3, 3), np.uint8)
 # How far around the changed tiles a region is looked for at first, in px, and by what factor
 # farther where it goes on.
-_FIRST_MARGIN, _FARTHER = 12, 4
+_FIRST_MARGIN, _FARTHER = 4, 4
 # A shorter outline encloses less than the smallest object.
 _SHORTEST_OUTLINE = 12
 
@@ -107,12 +107,12 @@ def _changed_parts(frame: np.ndarray, rows: slice, limits: Limits) -> Iterator[B
     _, changed = cv2.threshold(tiles, _CALM_TILE, 255, cv2.THRESH_BINARY_INV)
     if not cv2.countNonZero(changed):
         return
+    # The last tile may be larger than the others.
+    scale_x, scale_y = frame.shape[1] / size[0], len(band) / size[1]
     outlines, _ = cv2.findContours(
         cv2.dilate(changed, _NEXT_TILES), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     for outline in outlines:
         x, y, width, height = cv2.boundingRect(outline)
-        # The last tile may be larger than the others.
-        scale_x, scale_y = frame.shape[1] / size[0], len(band) / size[1]
         left, top = int(x * scale_x), int(y * scale_y)
         yield Box(left, rows.start + top, int(np.ceil((x + width) * scale_x)) - left,
                   int(np.ceil((y + height) * scale_y)) - top)
@@ -151,10 +151,12 @@ def _region(
     outline: np.ndarray, strong: np.ndarray, window: Box, min_area: float
 ) -> Optional[Region]:
     box = Box(*cv2.boundingRect(outline))
-    marked = cv2.bitwise_and(strong[slices(box)], filled(outline, box) * 255)
-    if cv2.countNonZero(marked) < min_area:
-        return None
-    area = _largest_area(marked)
+    inside = filled(outline, box)
+    marked = cv2.bitwise_and(strong[slices(box)], inside, mask=inside)
+    area = cv2.countNonZero(marked)
+    # Where most of a region is strong, the strong part is one.
+    if min_area <= area < cv2.countNonZero(inside) / 2:
+        area = _largest_area(marked)
     if area < min_area:
         return None
     corner = np.int32([window.x, window.y])

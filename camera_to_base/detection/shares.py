@@ -24,7 +24,8 @@ is covered make the next, better mask: three turns are enough.
 from typing import Dict, NamedTuple
 
 from camera_to_base.detection.highlight import complete_shares, find_highlight
-from camera_to_base.detection.piece import disc, largest_part, Piece, square
+from camera_to_base.detection.piece import (
+    channel_sum, disc, largest_part, Piece, square)
 import cv2
 import numpy as np
 
@@ -139,4 +140,4 @@ def _mean(values: np.ndarray, window: int) -> np.ndarray:
 
 
 def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return (one * other).sum(axis=2)
+    return channel_sum(one * other)

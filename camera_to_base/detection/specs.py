@@ -25,7 +25,8 @@ BACKGROUND_SPECS = [
     ParameterSpec(
         'background_frames', 1,
         'The background is the median of this many frames; 1 takes the first one, as the '
-        'tutorial does (of a camera, the first one that the next one confirms).', (1, 1000)),
+        'tutorial does (of a camera, the first one that the next one confirms). No more are '
+        'gathered than fit into 200 MB: 32 of 1920 x 1080 px.', (1, 1000)),
 ]
 DETECTOR_SPECS = [
     ParameterSpec('detector.method', 'precise',
@@ -40,8 +41,8 @@ DETECTOR_SPECS = [
                   "tutorial: edge of the median filter's window, odd.", (1, 99), step=2,
                   unit='px'),
     ParameterSpec('detector.faintest', 13.0,
-                  'precise: how faint an object may be: by how much it must at least differ from '
-                  'the surface, in one of the colours. Ten times the noise is needed in any case.',
+                  'precise: least difference of an object from the surface, in one of the '
+                  'colours. It must also be at least ten times the noise.',
                   (0, 255), unit='grey levels', old_names=('detector.precise_threshold',)),
     ParameterSpec('detector.min_area_cm2', 0.0,
                   'Smaller objects are not published; their area on the surface.',
@@ -49,9 +50,23 @@ DETECTOR_SPECS = [
     ParameterSpec('detector.max_area_cm2', _LARGEST_AREA_CM2,
                   'Larger objects (a hand) are not published; their area on the surface.',
                   (0, _LARGEST_AREA_CM2), unit='cm²'),
+    ParameterSpec('detector.split_touching', False,
+                  'precise: whether convex objects that touch (coins, nuts) come as one each; '
+                  'where false, nothing is taken apart.'),
     ParameterSpec('detector.publish_cut_off', False,
                   "precise: whether an object that touches the picture's edge is published; the "
                   'tutorial publishes it.'),
+]
+AREA_SPECS = [
+    ParameterSpec(
+        'work_area', [],
+        'Only objects whose centre lies in this polygon are published: x and y of one corner '
+        'after the other; empty for everywhere.', unit='cm', constraints='x and y in turn'),
+    ParameterSpec(
+        'ignored_areas', '',
+        'Objects whose centre lies in one of these polygons are not published (a rail, a cable, '
+        "the robot's foot): in cm, corners with , between them, polygons with ; between them.",
+        constraints="such as '0 0, 5 0, 5 3; 30 0, 36 0, 36 27'"),
 ]
 # By their names without 'detector.'.
 DETECTOR_DEFAULTS: Mapping[str, Any] = grouped(default_values(DETECTOR_SPECS), 'detector.')

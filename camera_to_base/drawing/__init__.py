@@ -13,22 +13,23 @@
 # limitations under the License.
 
 """
-Drawing: pictures of what was found, and files that keep pictures.
+Drawing: pictures of the objects found, and picture files.
 
 In: frames, located objects and labels. Out: annotated pictures and videos, masks, and the file
-that keeps a background for the next start.
+with the background for the next start.
 
 Callers: `settings`, `nodes` and `commands`.
 """
 
 from camera_to_base.drawing.annotated_video import AnnotatedVideo, check_video_path
+from camera_to_base.drawing.areas import AreaOverlay
 from camera_to_base.drawing.background_file import BackgroundFile, check_background_path
 from camera_to_base.drawing.overlay import (
     base_label, camera_label, check_picture_path, draw_note, draw_objects, encoded_picture, Label,
     object_mask, write_picture)
 
 __all__ = [
-    'AnnotatedVideo', 'BackgroundFile', 'base_label', 'camera_label', 'check_background_path',
-    'check_picture_path', 'check_video_path', 'draw_note', 'draw_objects', 'encoded_picture',
-    'Label', 'object_mask', 'write_picture',
+    'AnnotatedVideo', 'AreaOverlay', 'BackgroundFile', 'base_label', 'camera_label',
+    'check_background_path', 'check_picture_path', 'check_video_path', 'draw_note',
+    'draw_objects', 'encoded_picture', 'Label', 'object_mask', 'write_picture',
 ]

@@ -13,12 +13,12 @@
 # limitations under the License.
 
 """
-The two nodes, and what only they need.
+The two nodes, and the modules that only they use.
 
-In: parameters and topics. Out: topics, services and diagnostics; the names are in docs. A node
-only wires; what it calls is in the rooms above.
+In: parameters and topics. Out: topics, services and diagnostics; docs lists their names. A node
+only wires; the code that it calls is in the rooms above.
 
-Callers: the installed executables alone, so that nothing stands in `__all__`.
+Callers: only the installed executables, so there is no `__all__`.
 """
 
 __all__ = []

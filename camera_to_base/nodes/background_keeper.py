@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Lets a camera node that is started again go on with the background that it had."""
+"""Keeps a camera node's background in a file, so that a restarted node can use it."""
 
 from camera_to_base.drawing import BackgroundFile
 from camera_to_base.errors import CameraToBaseError
@@ -26,12 +26,12 @@ class BackgroundKeeper:
     """
     Reads the background from the parameter's file, and writes each new one there.
 
-    A file that cannot be used stops no node: it is said, and the background is taken anew.
+    If the file cannot be used, the node logs why and takes a new background.
 
-    :param node: Its logger is used.
-    :param pipeline: What takes the background.
-    :param settings: The camera node's.
-    :param kind: What gives the frames; there is a file for live sources only.
+    :param node: The node whose logger is used.
+    :param pipeline: The pipeline that takes the background.
+    :param settings: The camera node's settings.
+    :param kind: The kind of source; only live sources have a file.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class BackgroundKeeper:
         self._is_live = kind.is_live
         self._path = settings.background_file if kind.is_live else ''
         self._file = BackgroundFile(self._path)
-        # Random pixels have no background, which the warning of them says.
+        # No second warning for random pixels: their own warning covers it.
         if settings.background_file and not kind.is_live and kind != RANDOM:
             self._logger.warning(
                 f"background_file has no effect with source '{settings.source}': only the "
@@ -51,7 +51,7 @@ class BackgroundKeeper:
 
     @property
     def origin(self) -> str:
-        """Say where the background comes from."""
+        """Where the background comes from, for the log."""
         if self._pipeline.background is None:
             good = 'good ' if self._is_live else ''
             return f'the first {good}one is the background'
@@ -59,7 +59,7 @@ class BackgroundKeeper:
                 f'{self._pipeline.background_age_s:.0f} s ago: ~/capture_background takes it anew')
 
     def keep(self) -> None:
-        """Write the background if it is a new one."""
+        """Write the background to the file if it is new."""
         try:
             self._file.keep(self._pipeline.background)
         except CameraToBaseError as error:

@@ -12,10 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The service that takes the background anew, and answers when it is there."""
+"""The service that takes a new background, and responds when it is complete."""
 
 from typing import Callable, Optional
 
+from camera_to_base.reason import Reason
 from camera_to_base.ros import real_time_timer
 from camera_to_base.trust import CameraPipeline
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
@@ -23,7 +24,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-# A background that is not complete after as long as this never will be.
+# If the background is not complete after this time, no good frames are coming.
 _TIMEOUT_S = 10.0
 
 
@@ -32,9 +33,9 @@ class BackgroundService:
     Offers `~/capture_background`.
 
     :param node: The node that offers it.
-    :param pipeline: What takes the background.
-    :param frame_count: Tells of how many frames.
-    :param has_frames: Whether frames come at all.
+    :param pipeline: The pipeline that takes the background.
+    :param frame_count: Returns the number of frames that make a background.
+    :param source_reason: Returns why the source gives no good frame, or None.
     """
 
     def __init__(
@@ -42,37 +43,40 @@ class BackgroundService:
         node: Node,
         pipeline: CameraPipeline,
         frame_count: Callable[[], int],
-        has_frames: bool,
+        source_reason: Callable[[], Optional[Reason]],
     ) -> None:
         self._node = node
         self._pipeline = pipeline
         self._frame_count = frame_count
-        self._has_frames = has_frames
+        self._source_reason = source_reason
         self._captured: Optional[Future] = None
-        # A group of its own: frames come in while it waits for them.
+        # A separate callback group, so that frames are processed while the service waits for them.
         node.create_service(Trigger, '~/capture_background', self._on_call,
                             callback_group=MutuallyExclusiveCallbackGroup())
 
     def notice_frame(self) -> None:
-        """Answer a waiting caller if the pipeline has its background."""
+        """Respond to a waiting client if the pipeline has its background."""
         if self._captured is not None and self._pipeline.background is not None:
             self._captured.set_result(True)
 
     async def _on_call(
         self, request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        if not self._has_frames:
-            response.message = 'random pixels have no background: name a camera with source'
+        reason = self._source_reason()
+        if reason is not None and reason.kind != 'camera_opening':
+            response.message = f'no background is taken: {reason.sentence}'
             return response
-        count = self._frame_count()
-        self._pipeline.capture_background(count)
+        wanted_count = self._frame_count()
+        self._pipeline.capture_background(wanted_count)
         response.success = await self._capture()
         if response.success:
             height, width = self._pipeline.background.shape[:2]
-            response.message = f'took {width} x {height} px, the median of {count} frame(s)'
+            response.message = (f'took {width} x {height} px, the median of '
+                                f'{self._pipeline.background_frame_count} frame(s)')
         else:
-            response.message = (f'not {count} good frame(s) in {_TIMEOUT_S:g} s; the next ones '
-                                'become the background')
+            after = ('the background before is used' if self._pipeline.keep_background()
+                     else 'the next ones become the background')
+            response.message = f'not {wanted_count} good frame(s) in {_TIMEOUT_S:g} s; {after}'
         return response
 
     async def _capture(self) -> bool:

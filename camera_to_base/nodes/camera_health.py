@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a user should know about a camera: a level, a sentence that says what to do, numbers."""
+"""The numbers that the diagnostics show about a camera."""
 
 import time
 from typing import Dict, Optional
@@ -22,13 +22,13 @@ from camera_to_base.trust import CameraPipeline, View
 
 
 class DetectionRate:
-    """How many frames go through detection, and show an object, between one look and the next."""
+    """Rates of processed frames and of frames with an object, between two calls."""
 
     def __init__(self) -> None:
         self._looked_at, self._frames, self._with_object = time.monotonic(), 0, 0
 
     def values(self, pipeline: CameraPipeline) -> Dict[str, str]:
-        """Give both rates since the last look, as texts for the diagnostics."""
+        """Return both rates since the last call, as text for the diagnostics."""
         now, counts = time.monotonic(), pipeline.counts
         seconds = max(now - self._looked_at, 1e-3)
         frames, with_object = counts['frames'], counts['frames with an object']
@@ -40,7 +40,7 @@ class DetectionRate:
 
 
 def has_no_structure(view: Optional[View]) -> bool:
-    """Tell whether a surface shows nothing by which a nudge of the camera could be seen."""
+    """Return whether a surface has no structure by which a moved camera could be detected."""
     return view is not None and view.shift_px is None and not view.has_structure
 
 
@@ -53,7 +53,7 @@ def _shift_text(view: Optional[View]) -> str:
 
 
 def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:
-    """Give all numbers about a camera, as texts for the diagnostics."""
+    """Return all numbers about a camera, as text for the diagnostics."""
     values = {'background': _background_text(pipeline),
               'view shift (px)': _shift_text(pipeline.view)}
     values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))

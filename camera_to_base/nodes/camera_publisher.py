@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Node: wires a source, the camera pipeline and publishers."""
+"""Node: connects a source, the camera pipeline and the publishers."""
 
 import os
 import sys
@@ -42,12 +42,12 @@ import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-# A recording that nobody listens to is played all the same.
+# A recording is played after this time even if no subscriber has been discovered.
 _LONGEST_WAIT_S = 10.0
 
 
 class CameraPublisher(Node):
-    """Publishes where objects lie on the work surface, in the camera frame."""
+    """Publishes the positions of objects on the work surface, in the camera frame."""
 
     _feed: Optional[Feed] = None
 
@@ -69,7 +69,7 @@ class CameraPublisher(Node):
                 self, self._pipeline, settings, self._source.kind)
             self._background_service = BackgroundService(
                 self, self._pipeline, lambda: self._settings.background_frames,
-                has_frames=self._source.kind != RANDOM)
+                lambda: self._feed.reason)
             self._warn_of_settings_without_effect()
             watch = CameraWatch(self, self._pipeline, self._is_calibrated)
             self._started_at = time.monotonic()
@@ -77,7 +77,7 @@ class CameraPublisher(Node):
             watch.start(self._feed)
 
     def destroy_node(self) -> None:
-        """Give the camera back with the node."""
+        """Release the camera, and destroy the node."""
         if self._feed is not None:
             self._feed.close()
         super().destroy_node()
@@ -87,14 +87,14 @@ class CameraPublisher(Node):
         return self._node_parameters.current
 
     def _is_configured(self, cli_args: Optional[List[str]]) -> bool:
-        # Whoever has set up a camera or a robot, or has tried to, wants no random positions.
+        # Random positions are dangerous where a camera or a robot is set up, or was meant to be.
         transform = f'{self.get_namespace().rstrip("/")}/robot_base_publisher'
         return (self._settings.is_configured or bool(self._node_parameters.left_out)
                 or gives_other_values(
                     [*sys.argv, *(cli_args or ())], transform, TRANSFORM_SETUP_SPECS))
 
     def _is_calibrated(self) -> bool:
-        # Random pixels have a warning of their own, and the simulated camera is the tutorial's.
+        # Random pixels have their own warning, and the simulated camera matches the defaults.
         return (self._settings.is_calibrated
                 or self._source.kind.form in (RANDOM.form, SIMULATED.form))
 
@@ -114,7 +114,8 @@ class CameraPublisher(Node):
         sighting = self._pipeline.process(frame, taken_at)
         self._positions.publish_sighting(header, sighting, settings)
         self._debug_images.publish(
-            header, frame, sighting, self._note(sighting), settings.debug_label)
+            header, frame, sighting, self._note(sighting), settings.debug_label,
+            settings.area_overlay)
         self._background_keeper.keep()
         self._background_service.notice_frame()
 
@@ -135,7 +136,7 @@ class CameraPublisher(Node):
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)
 
     def _may_start(self) -> bool:
-        # Discovery takes up to 4 s, and who is not discovered misses the recording's beginning.
+        # Discovery takes up to 4 s; until then a subscriber misses the start of the recording.
         return (self._positions.listener_count >= self._settings.wait_for_subscribers
                 or time.monotonic() - self._started_at >= _LONGEST_WAIT_S)
 
@@ -157,7 +158,7 @@ class CameraPublisher(Node):
 
 
 def main(args: Optional[List[str]] = None) -> int:
-    """Run the node until it is told to end, or its recording ends."""
+    """Run the node until a signal arrives or its recording ends."""
     code = run('camera_publisher', CameraPublisher, args)
     if is_reader_hanging():
         os._exit(code)

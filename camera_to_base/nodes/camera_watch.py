@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells in the log and the diagnostics how a camera node is."""
+"""Reports the state of a camera node in the log and the diagnostics."""
 
 from typing import Callable, Optional
 
@@ -33,11 +33,11 @@ _NOT_CALIBRATED = Reason(
 
 class CameraWatch:
     """
-    Says what has changed in the log, and how all is on /diagnostics.
+    Logs changes of state, and publishes the state on /diagnostics.
 
     :param node: The camera node.
     :param pipeline: Its pipeline.
-    :param is_calibrated: Whether positions hold for the camera that gives the frames.
+    :param is_calibrated: Returns whether the surface is calibrated for the camera in use.
     """
 
     def __init__(
@@ -55,9 +55,9 @@ class CameraWatch:
         NameCheck(node, self._heartbeat)
 
     def start(self, feed: Feed) -> None:
-        """Watch where frames come from."""
+        """Start to watch a feed."""
         self._feed = feed
-        # Of a source that is no camera the log has this already.
+        # A feed without a reader has logged its reason already.
         self._reason = feed.reason if feed.reader is None else None
         self._heartbeat.every(_PERIOD_S, self._watch)
         if not self._is_calibrated():
@@ -75,7 +75,7 @@ class CameraWatch:
                               'nobody would notice a nudge; put marks into its corners')
 
     def _tell(self, reason: Optional[Reason]) -> None:
-        # rclpy refuses another severity from the same line.
+        # Separate lines: rclpy refuses to log with another severity from the same line.
         if reason is None:
             self._logger.info('ready: objects on the surface are published')
         elif reason.level is Level.ERROR:

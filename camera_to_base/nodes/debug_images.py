@@ -12,11 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishes pictures of what a camera node sees, while somebody looks at them."""
+"""Publishes pictures of what a camera node sees, if there are subscribers."""
 
-from typing import Callable
+from typing import Callable, Optional
 
-from camera_to_base.drawing import draw_note, draw_objects, Label, object_mask
+from camera_to_base.drawing import AreaOverlay, draw_note, draw_objects, Label, object_mask
 from camera_to_base.nodes.image_messages import image_message, jpeg_message
 from camera_to_base.trust import Sighting
 import numpy as np
@@ -30,10 +30,10 @@ from std_msgs.msg import Header
 
 class DebugImages:
     """
-    Publishes the frame with all that was found on it, and the mask of the objects.
+    Publishes the annotated frame, and the mask of the objects.
 
-    Nothing is drawn or encoded for a topic that nobody listens to. Reliable, so that listeners of
-    either kind are served; of depth 1, for nobody wants to see old pictures.
+    Nothing is drawn or encoded for a topic without subscribers. The topics are reliable, so that
+    reliable and best-effort subscribers match. Depth 1 drops old pictures.
 
     :param node: The node that publishes.
     """
@@ -49,18 +49,22 @@ class DebugImages:
         self._mask = publisher(Image, 'mask')
 
     def publish(
-        self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label
+        self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label,
+        areas: Optional[AreaOverlay] = None,
     ) -> None:
         """
-        Publish what somebody listens to.
+        Publish the pictures that have subscribers.
 
         :param frame: Shape (h, w, 3), uint8, BGR.
-        :param sighting: What was found on it.
-        :param note: A line for the picture's corner: the state of the background, of the node.
-        :param label: Makes the text of a position.
+        :param sighting: The objects that were found on it.
+        :param note: Text for the corner: the background's age, or why nothing is published.
+        :param label: Formats a position as text.
+        :param areas: The areas in which objects count; None to draw none.
         """
         if _has_listener(self._image) or _has_listener(self._jpeg):
             picture = draw_objects(frame, sighting.objects, label)
+            if areas is not None:
+                areas.draw(picture)
             draw_note(picture, note)
             _publish(self._image, lambda: image_message(header, picture))
             _publish(self._jpeg, lambda: jpeg_message(header, picture))

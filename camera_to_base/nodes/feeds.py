@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The feed for each kind of source: what gives frames, or pixels, to a camera node."""
+"""The feed for each kind of source; a feed passes frames or pixels to a camera node."""
 
 from typing import Callable, NamedTuple, Optional, Protocol
 
@@ -30,10 +30,10 @@ from rclpy.node import Node
 
 class Feed(Protocol):
     """
-    Gives a node its input, from its executor.
+    Passes input to a node, in callbacks of the node's executor.
 
-    `name` is the source's, `reader` tells how a camera does (None for what is no camera), and
-    `reason` why nothing comes that could be published.
+    `name` is the source's name. `reader` is the status of a camera; None for other sources.
+    `reason` is why the feed gives nothing that can be published; None if it does.
     """
 
     name: str
@@ -41,17 +41,19 @@ class Feed(Protocol):
     reason: Optional[Reason]
 
     def configure(self, settings: CameraSettings) -> None:
-        """Use other settings from now on."""
+        """Use new settings from now on."""
 
     def close(self) -> None:
-        """Give the source back."""
+        """Release the source."""
 
 
 class FeedCallbacks(NamedTuple):
     """
-    What a feed calls.
+    The functions that a feed calls.
 
-    :param may_start: A recording's first frame is not read before it tells True.
+    :param on_frame: Called for each frame.
+    :param on_pixel: Called for each random pixel.
+    :param may_start: The first frame of a recording is read once this returns True.
     :param on_end: Called once, when a recording has ended.
     """
 
@@ -68,8 +70,8 @@ def start_feed(
     """
     Start the feed that fits a source.
 
-    :param topic: Where positions are published, for messages.
-    :raises FrameSourceError: If a camera is not there, and not waited for.
+    :param topic: The topic of the positions, for messages.
+    :raises FrameSourceError: If a camera is missing and `wait_for_camera` is false.
     """
     kind = source.kind
     if kind == RANDOM:
@@ -84,7 +86,7 @@ def start_feed(
 def _subscribe(
     node: Node, on_frame: OnFrame, settings: CameraSettings, compressed: bool
 ) -> ImageTopic:
-    # In a simulation without noise good frames repeat themselves to the byte.
+    # In a simulation without noise, undamaged frames may be identical to the byte.
     is_simulation = node.get_parameter('use_sim_time').value
     damage = DamageCheck().reason if not is_simulation else lambda frame: None
     return ImageTopic(node, on_frame, damage, compressed, settings.limits.max_frame_age_s)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How frames come to a node: at their recording's rate, or whenever a camera has one."""
+"""Feeds of frames: a recording's at its own rate, a camera's as they arrive."""
 
 import time
 from typing import Callable, Optional
@@ -27,8 +27,8 @@ import numpy as np
 from rclpy.node import Node
 from rclpy.time import Time as RosTime
 
-# Takes a frame, when it was taken by time.monotonic() (None for one that waits for its reader),
-# and the same as a ROS time.
+# Called with a frame, its capture time by time.monotonic() (None for a recording), and its capture
+# time as ROS time.
 OnFrame = Callable[[np.ndarray, Optional[float], Time], None]
 
 _START_PERIOD_S = 0.1
@@ -39,9 +39,9 @@ class TimedFeed:
     Reads a recording, or the simulated board, at its own rate.
 
     :param node: The node whose executor reads.
-    :param source: What is read.
+    :param source: The source to read.
     :param on_frame: Called for each frame.
-    :param may_start: The first frame of a recording is not read before it tells True.
+    :param may_start: The first frame of a recording is read once this returns True.
     :param on_end: Called once, when the recording has ended.
     """
 
@@ -61,10 +61,10 @@ class TimedFeed:
         self._timer = real_time_timer(node, _START_PERIOD_S, self._on_start_timer)
 
     def configure(self, settings: CameraSettings) -> None:
-        """Go on as before: a recording has no settings."""
+        """Do nothing: a recording has no settings."""
 
     def close(self) -> None:
-        """Give the source back."""
+        """Release the source."""
         self._source.release()
 
     def _on_start_timer(self) -> None:
@@ -84,13 +84,13 @@ class TimedFeed:
 
 class CameraFeed:
     """
-    Takes the newest frame of a camera whenever there is one.
+    Takes the newest frame of a camera as soon as it arrives.
 
-    :param node: The node whose executor takes them.
-    :param camera: What is read, see :class:`FrameReader`.
+    :param node: The node whose executor takes the frames.
+    :param camera: The camera to read, see :class:`FrameReader`.
     :param on_frame: Called for each frame.
-    :param wait: Whether a camera that is not there is waited for.
-    :raises FrameSourceError: If it is not there, and not waited for.
+    :param wait: Whether to wait for a camera that is missing.
+    :raises FrameSourceError: If it is missing and `wait` is false.
     """
 
     def __init__(
@@ -110,15 +110,15 @@ class CameraFeed:
 
     @property
     def reason(self) -> Optional[Reason]:
-        """Why no good frame comes."""
+        """Why no good frame arrives; None if one does."""
         return source_reason(self.reader, self.name)
 
     def configure(self, settings: CameraSettings) -> None:
-        """Ask for another picture size when the camera is opened next."""
+        """Request the new picture size when the camera is next opened."""
         self._camera.image_size = settings.image_size
 
     def close(self) -> None:
-        """End the reader, which gives the camera back."""
+        """Stop the reader, which releases the camera."""
         self.reader.close()
 
     def _on_new_frame(self) -> None:
@@ -129,5 +129,5 @@ class CameraFeed:
     def _ros_time(self, taken_at: float) -> Time:
         age_ns = int((time.monotonic() - taken_at) * 1e9)
         now = self._node.get_clock().now()
-        # The time of a simulation that has just begun is less than the frame's age.
+        # Simulation time starts at 0 and may be less than the frame's age.
         return RosTime(nanoseconds=max(0, now.nanoseconds - age_ns)).to_msg()

@@ -12,37 +12,37 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the nodes' executables say after --help."""
+"""The `--help` texts of the nodes' executables."""
 
 from typing import List
 
 NODE_HELP = {
     'camera_publisher': """
-Finds objects on a camera's frames, and publishes where they lie on the work surface.
+Finds objects on a camera's frames, and publishes their positions on the work surface.
 
 publishes:
   pos_in_cam_frame           std_msgs/Float64MultiArray: [x, y] of the largest object, in cm
   pos_in_cam_frame/point     geometry_msgs/PointStamped: the same object, in m
   objects_in_cam_frame       geometry_msgs/PoseArray: every object, largest first, in m
-  debug_image, mask          sensor_msgs/Image: what was found, drawn while somebody listens
+  debug_image, mask          sensor_msgs/Image: the objects found, drawn if there is a subscriber
   debug_image/compressed     sensor_msgs/CompressedImage: the same as JPEG
-  true_pos_in_cam_frame      with source:=simulated only: where the coin really is, in cm
-  true_objects_in_cam_frame  likewise: where every object really is, in m
-  /diagnostics               how the node is, once a second
+  true_pos_in_cam_frame      with source:=simulated only: true position of the coin, in cm
+  true_objects_in_cam_frame  likewise: true positions of all objects, in m
+  /diagnostics               state of the node, once a second
 
 subscribes to:
   image                      with source:=topic: sensor_msgs/Image of any camera driver
   image/compressed           with source:=compressed_topic: sensor_msgs/CompressedImage
 
 service:
-  ~/capture_background       std_srvs/Trigger: takes the background anew; clear the surface first
+  ~/capture_background       std_srvs/Trigger: takes a new background; clear the surface first
 
 parameters that are used most:
   source                     auto (default), a device (0, /dev/video0), a video file, a stream's
                              URL, topic, compressed_topic, simulated, random
   detector.method            precise or tutorial
   surface.model              parallel, polynomial or homography; calibrate writes the right one
-  surface.parallel.width_cm  what the picture's width sees
+  surface.parallel.width_cm  width of the surface that the picture shows
 
 examples:
   ros2 run camera_to_base {name} --ros-args -p source:=simulated
@@ -50,18 +50,18 @@ examples:
   ros2 run camera_to_base {name} --ros-args -p source:=topic -r image:=/camera/image_raw
 """,
     'robot_base_publisher': """
-Turns positions in the camera frame into the robot's base frame, by a homogeneous matrix.
+Converts positions from the camera frame to the robot's base frame with a homogeneous matrix.
 
 subscribes to:
   pos_in_cam_frame                std_msgs/Float64MultiArray: [x, y], in cm
   pos_in_cam_frame/point          geometry_msgs/PointStamped, in m
   objects_in_cam_frame            geometry_msgs/PoseArray, in m
 
-publishes, one for each message that it gets:
+publishes, one message for each that it receives:
   pos_in_robot_base_frame         std_msgs/Float64MultiArray: [x, y], in cm
   pos_in_robot_base_frame/point   geometry_msgs/PointStamped, in m
   objects_in_robot_base_frame     geometry_msgs/PoseArray, in m
-  /diagnostics                    how the node is, once a second
+  /diagnostics                    state of the node, once a second
 
 parameters that are used most:
   rotation_deg                    roll, pitch, yaw of the camera frame in the base frame
@@ -75,7 +75,7 @@ examples:
 }
 _USAGE = 'usage: ros2 run camera_to_base {name} [--ros-args ROS_ARGUMENTS]\n'
 _MORE = """
-While it runs, every parameter explains itself:
+Descriptions of all parameters, while the node runs:
   ros2 param list /{node}
   ros2 param describe /{node} NAME
 """
@@ -83,22 +83,22 @@ While it runs, every parameter explains itself:
 
 def help_text(node: str, name: str) -> str:
     """
-    Tell what a node does, its topics, its most used parameters, and examples.
+    Return a node's help: its purpose, topics, most used parameters, and examples.
 
     :param node: One of `NODE_HELP`.
-    :param name: What the executable is called.
+    :param name: The executable's name.
     """
     text = _USAGE + NODE_HELP[node] + _MORE
     return text.replace('{name}', name).replace('{node}', node)
 
 
 def asks_for_help(arguments: List[str]) -> bool:
-    """Tell whether -h or --help is among a process's arguments."""
+    """Return whether -h or --help is among a process's arguments."""
     return bool({'-h', '--help'}.intersection(arguments))
 
 
 def plain_arguments(arguments: List[str]) -> List[str]:
-    """Leave out what stands between `--ros-args` and `--`, which is meant for ROS."""
+    """Return the arguments that are not between `--ros-args` and `--`, which are for ROS."""
     plain, is_for_ros = [], False
     for argument in arguments:
         if argument == '--ros-args':

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The only place where pictures become ROS messages; `image_decoding` reads them."""
+"""Conversion of pictures to ROS messages; `sources/decoding.py` has the opposite direction."""
 
 from array import array
 
@@ -30,7 +30,7 @@ def image_message(header: Header, picture: np.ndarray) -> Image:
     """
     height, width = picture.shape[:2]
     colour = picture.ndim == 3
-    # Anything but an array of bytes is copied byte by byte.
+    # rclpy copies any other type than array.array byte by byte, which is slow.
     return Image(header=header, height=height, width=width,
                  encoding='bgr8' if colour else 'mono8',
                  step=width * (3 if colour else 1), data=array('B', picture.tobytes()))
@@ -38,7 +38,7 @@ def image_message(header: Header, picture: np.ndarray) -> Image:
 
 def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
     """
-    Make a message with a JPEG.
+    Make a message with a JPEG picture.
 
     :param picture: Shape (h, w, 3), uint8, BGR.
     """

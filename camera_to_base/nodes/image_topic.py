@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Receives the pictures of any camera driver from a topic: the newest waiting one is used."""
+"""Receives a camera driver's pictures from a topic, and uses the newest one."""
 
 import math
 import time
@@ -35,16 +35,16 @@ from sensor_msgs.msg import CompressedImage, Image
 
 class ImageTopic(ReaderStatus):
     """
-    Makes frames of the pictures on the topic `image`, or `image/compressed`.
+    Converts the pictures on the topic `image` or `image/compressed` to frames.
 
-    A picture that cannot be used is logged and counted; the next one may be better.
+    A picture that cannot be used is logged, counted and skipped.
 
-    :param node: Subscribes and logs.
-    :param on_frame: Called with each good frame, of shape (h, w, 3), uint8, BGR; when it was
-        taken by its stamp, in s of time.monotonic(); and the stamp.
-    :param damage: Tells for each frame why it cannot be believed, or None.
+    :param node: The node that subscribes and logs.
+    :param on_frame: Called with each good frame, shape (h, w, 3), uint8, BGR; its capture time
+        according to the stamp, in s of time.monotonic(); and the stamp.
+    :param damage: Returns why a frame is damaged, or None if it is not.
     :param compressed: Subscribe to `image/compressed`.
-    :param max_age_s: How old a picture may be, by its stamp, when it arrives.
+    :param max_age_s: Greatest age of a picture on arrival, according to its stamp.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class ImageTopic(ReaderStatus):
         self._refused_at = -LOST_AFTER_S
         self._mismatch: Optional[FrameSourceError] = None
         self._last_number: Optional[int] = None
-        # As sensor data, except that no picture ever waits behind another.
+        # Like the sensor data profile, but with depth 1: only the newest picture is of use.
         self._subscription = node.create_subscription(
             CompressedImage if compressed else Image,
             'image/compressed' if compressed else 'image', self._on_message,
@@ -77,17 +77,17 @@ class ImageTopic(ReaderStatus):
 
     @property
     def reader(self) -> ReaderStatus:
-        """Give what knows how the camera does: as a feed, it is its own reader."""
+        """The camera's status, which is this object itself."""
         return self
 
     @property
     def reason(self) -> Optional[Reason]:
-        """Why no good frame comes."""
+        """Why no good frame arrives; None if one does."""
         return source_reason(self, self.name)
 
     @property
     def error(self) -> Optional[FrameSourceError]:
-        """Tell why no frame has come for a while; None while frames come."""
+        """Why no frame has arrived for a while; None while frames arrive."""
         if self.seconds_without_frame <= self.longest_silence_s:
             return None
         refused_lately = time.monotonic() - self._refused_at <= LOST_AFTER_S
@@ -99,11 +99,11 @@ class ImageTopic(ReaderStatus):
         return self._silence_limit.seconds
 
     def configure(self, settings: CameraSettings) -> None:
-        """Use another limit of the age; the driver's settings are its own."""
+        """Use the new limit of the age; the driver has its own settings."""
         self._max_age_s = settings.limits.max_frame_age_s
 
     def close(self) -> None:
-        """Receive no more pictures."""
+        """Unsubscribe from the topic."""
         self._node.destroy_subscription(self._subscription)
 
     def _on_message(self, message: Union[Image, CompressedImage], info: Dict[str, Any]) -> None:
@@ -125,7 +125,7 @@ class ImageTopic(ReaderStatus):
             self._on_frame(frame, arrived_at - max(0, age_ns) / 1e9, stamp)
 
     def _age_ns(self, stamp: Time, arrived_at: float) -> int:
-        # By the node's clock, which may be a simulation's, and when the picture arrived.
+        # The stamp has the node's clock, which may be a simulation's; the wait is real time.
         waited_ns = int((time.monotonic() - arrived_at) * 1e9)
         return self._node.get_clock().now().nanoseconds - waited_ns - _nanoseconds(stamp)
 
@@ -134,7 +134,7 @@ class ImageTopic(ReaderStatus):
         return stamp_reason(stamp_ns, stamp_ns + age_ns, self._max_age_s)
 
     def _count_replaced(self, info: Dict[str, Any]) -> None:
-        # Not every middleware numbers what a publisher sends; another publisher begins anew.
+        # Some middleware does not number messages; each publisher starts its own numbers.
         number, last = info.get('publication_sequence_number'), self._last_number
         if number is not None and last is not None and number > last:
             self._count(overwritten=number - last - 1)
@@ -176,7 +176,8 @@ def _nanoseconds(stamp: Time) -> int:
 
 
 def _arrived_at(info: Dict[str, Any]) -> float:
-    # A picture waits for as long as the node is busy. Not every middleware tells since when.
+    # A picture waits in the queue while the node is busy. Some middleware does not give its
+    # arrival time.
     now = time.time_ns()
     waited_ns = max(0, now - (info.get('received_timestamp') or now))
     return time.monotonic() - waited_ns / 1e9

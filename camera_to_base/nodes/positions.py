@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishes what the camera node has located, and the truth where it is known."""
+"""Publishes the positions that the camera node has found, and the true ones where known."""
 
 from typing import List, Optional, Sequence
 
@@ -28,7 +28,7 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 POSITION = 'pos_in_cam_frame'
-# What is sent while two nodes still discover each other arrives this late.
+# A message that is sent while two nodes still discover each other may take this long.
 _LONGEST_DISCOVERY_S = 5.0
 
 
@@ -37,7 +37,7 @@ class CameraPositions:
     Publishes positions in the camera frame.
 
     :param node: The node that publishes.
-    :param source: Where its frames come from.
+    :param source: The source of its frames.
     """
 
     def __init__(self, node: Node, source: NamedSource) -> None:
@@ -50,18 +50,18 @@ class CameraPositions:
 
     @property
     def topic(self) -> str:
-        """Name of the tutorial's topic, as it is after remapping."""
+        """Name of the tutorial's topic after remapping."""
         return self._topics.name
 
     @property
     def listener_count(self) -> int:
-        """How many listen, see :class:`PositionTopics`."""
+        """Number of subscribers, see :class:`PositionTopics`."""
         return self._topics.listener_count
 
     def publish_sighting(
         self, header: Header, sighting: Sighting, settings: CameraSettings
     ) -> None:
-        """Publish the objects of a frame, unless there is a reason not to."""
+        """Publish the objects of a frame, unless the sighting has a reason not to."""
         if self._truth is not None:
             self._truth.publish(header)
         if sighting.reason is None:
@@ -70,7 +70,7 @@ class CameraPositions:
                                   for found in sighting.objects])
 
     def publish(self, header: Header, poses: List[Pose]) -> None:
-        """Publish poses, in cm, the largest object's first; none is an empty surface."""
+        """Publish poses, in cm, the largest object first; an empty list for an empty surface."""
         if poses:
             largest = poses[0]
             self._topics.publish_position(largest.x, largest.y)
@@ -78,13 +78,13 @@ class CameraPositions:
         self._topics.publish_objects(header, poses)
 
     def wait_until_received(self) -> None:
-        """Wait until all listeners have what was published, for 5 s at most."""
+        """Wait until all subscribers have received what was published, for at most 5 s."""
         self._topics.wait_until_received(_LONGEST_DISCOVERY_S)
 
     def _warn_outside_hull(
         self, objects: Sequence[LocatedObject], hull: Optional[Hull]
     ) -> None:
-        # Outside the area that the calibration was measured in, its figures do not hold.
+        # The accuracy of the calibration is only known inside the area that it was measured in.
         if objects and hull is not None and not hull.contains(objects[0].detection.centre):
             pixel, point = objects[0].detection.centre, objects[0].point
             self._logger.warning(

@@ -14,9 +14,9 @@
 """
 The life of a node's process, written once: signals, arguments, start and exit codes.
 
-The exit code is 0 after a signal or at the end of a recording; 1 where the node cannot start for a
-reason that the user can mend, which is one sentence; 70 after a defect, which keeps its traceback.
-The launch file restarts a node after 70, and gives up after 1.
+The exit code is 0 after a signal or at the end of a recording. It is 1 if the node cannot start
+for a reason that the user can fix; one sentence says which. It is 70 after a defect, whose
+traceback is printed. The launch file restarts a node after 70, but not after 1.
 """
 
 from contextlib import contextmanager
@@ -39,9 +39,9 @@ def start(node: str) -> int:
     """
     Answer `--help`, refuse wrong arguments, or load a node's module and run its `main`.
 
-    Loading ROS, OpenCV and numpy takes part of a second. What does not need them comes first.
+    Loading ROS, OpenCV and numpy takes part of a second, so it is done last.
 
-    :param node: The node's name, which is its module's.
+    :param node: The node's name, which is also its module's name.
     :returns: The process's exit code.
     """
     _end_quietly_while_loading()
@@ -49,7 +49,7 @@ def start(node: str) -> int:
     if asks_for_help(arguments):
         print(help_text(node, name), end='')
         return 0
-    # rclpy ignores them, and a `-p source:=0` without --ros-args would publish random pixels.
+    # rclpy ignores other arguments: `-p source:=0` without --ros-args would publish random pixels.
     plain = plain_arguments(arguments)
     if plain:
         return _refuse(name, 'expected ROS arguments only, after --ros-args, got '
@@ -66,21 +66,22 @@ def start(node: str) -> int:
 
 def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = None) -> int:
     """
-    Spin a node until it is told to end or shuts its context down.
+    Spin a node until a signal arrives or the node shuts its context down.
 
-    :param name: What an error is logged as before there is a node.
-    :param make_node: The node's class; its node has a heartbeat.
-    :param args: Command-line arguments; those of the process where none are given.
+    :param name: The logger's name for errors before the node exists.
+    :param make_node: The node's class; the node must have a heartbeat.
+    :param args: Command-line arguments; by default those of the process.
     :returns: The process's exit code.
     """
     import rclpy
     from rclpy.executors import ExternalShutdownException
     node = None
     try:
-        # rclpy's own handler shuts the context down under a running callback, whose next publish
-        # then fails; and a SIGTERM just before the executor waits leaves it waiting (rclpy 7.1:
-        # about 1 in 20). A KeyboardInterrupt for both signals and the node's heartbeat do neither.
-        # SIGINT is set, too: a shell starts what runs in its background with SIGINT ignored.
+        # rclpy's own signal handler has two faults. It shuts the context down during a callback,
+        # whose next publish then fails. And if SIGTERM arrives just before the executor waits, the
+        # executor keeps waiting (rclpy 7.1: about 1 in 20). A KeyboardInterrupt for both signals,
+        # together with the node's heartbeat, avoids both. SIGINT must be set, too: a shell starts
+        # background processes with SIGINT ignored.
         for number in _SIGNALS:
             signal.signal(number, signal.default_int_handler)
         node = _make(name, make_node, args)
@@ -93,7 +94,7 @@ def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = Non
         traceback.print_exc()
         return DEFECT
     finally:
-        # A terminal, ros2 run and ros2 launch may each send a signal for one Ctrl-C.
+        # For one Ctrl-C, the terminal, ros2 run and ros2 launch may each send a signal.
         for number in _SIGNALS:
             signal.signal(number, signal.SIG_IGN)
         if node is not None:
@@ -113,7 +114,7 @@ def whole_or_gone(node: Any) -> Iterator[None]:
 
 
 def _end_quietly_while_loading() -> None:
-    # Nothing needs cleaning up yet.
+    # Nothing needs to be cleaned up yet.
     for number in _SIGNALS:
         signal.signal(number, lambda *_: os._exit(0))
     serve_signals()
@@ -125,14 +126,14 @@ def _make(name: str, make_node: Callable[[], Any], args: Optional[List[str]]) ->
     from rclpy.impl.implementation_singleton import rclpy_implementation
     from rclpy.logging import get_logger
     from rclpy.signals import SignalHandlerOptions
-    # What a user's arguments, remappings and parameter files make rclpy raise.
+    # Errors that rclpy raises for wrong arguments, remappings and parameter files.
     wrong_arguments = (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError,
                        NameValidationException, ParameterException)
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         return make_node()
     except (CameraToBaseError, *wrong_arguments) as error:
-        # The places in rcl's source code at the end of its text say nothing to a user.
+        # Cut off the locations in rcl's source code that follow the text.
         get_logger(name).fatal(f"cannot start: {str(error).split(', at /')[0]}")
         return None
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The tutorial's stand-in for a camera: random pixels, from time to time."""
+"""The tutorial's replacement for a camera: a random pixel every period."""
 
 from typing import Callable
 
@@ -26,12 +26,12 @@ from rclpy.node import Node
 
 class RandomFeed:
     """
-    Draws a pixel every period.
+    Draws a random pixel every period.
 
-    :param node: The node whose executor draws.
-    :param settings: The camera node's.
+    :param node: The node whose executor runs the timer.
+    :param settings: The camera node's settings.
     :param on_pixel: Called with each pixel and the time.
-    :param topic: Where positions are published, for the warning.
+    :param topic: The topic of the positions, for the warning.
     """
 
     name, reader = 'random', None
@@ -46,12 +46,12 @@ class RandomFeed:
         self._timer = real_time_timer(node, settings.period, self._on_timer)
 
     def configure(self, settings: CameraSettings) -> None:
-        """Use another period from now on."""
+        """Use the new period from now on."""
         self._timer.timer_period_ns = round(settings.period * 1e9)
         self._timer.reset()
 
     def close(self) -> None:
-        """Draw no more pixels."""
+        """Stop the timer."""
         self._node.destroy_timer(self._timer)
 
     def _on_timer(self) -> None:

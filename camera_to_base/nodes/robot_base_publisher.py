@@ -38,15 +38,15 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from std_msgs.msg import Float64MultiArray, Header
 
-# Every event of a subscription costs every message: see qos_mismatch.
+# Each event of a subscription slows every message; `qos_mismatch` replaces the event.
 _NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 _POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
-# What the diagnostics count a dropped message as; anything else is no position.
+# Keys of the diagnostics for dropped positions; all other errors count as 'no position'.
 _DROPPED_AS = {OutOfReachError: 'out of reach', OtherFrameError: 'in another frame'}
 
 
 class RobotBasePublisher(Node):
-    """Subscribes to positions in the camera frame, publishes them in the base frame."""
+    """Converts positions from the camera frame to the base frame."""
 
     def __init__(self, **node_options) -> None:
         super().__init__('robot_base_publisher', **node_options)
@@ -63,7 +63,7 @@ class RobotBasePublisher(Node):
             heartbeat = Heartbeat(self)
             Diagnostics(self, heartbeat, self._health)
             NameCheck(self, heartbeat)
-            # Last: what comes before the node spins is published late.
+            # Last: messages that arrive before the node spins are published late.
             self._inputs = [
                 self._subscribe(PoseArray, _OBJECTS, self._on_objects),
                 self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point),
@@ -73,7 +73,7 @@ class RobotBasePublisher(Node):
 
     @property
     def dropped_count(self) -> int:
-        """How many positions were none, out of reach or in another frame, and were dropped."""
+        """Number of positions dropped: invalid, out of reach, or in another frame."""
         return sum(self._dropped.values())
 
     @property
@@ -81,7 +81,7 @@ class RobotBasePublisher(Node):
         return self._node_parameters.current
 
     def _specs(self, arguments: List[str]) -> List[ParameterSpec]:
-        # A file may name the camera frame for the camera node alone.
+        # A parameter file may set the camera frame for the camera node only.
         camera = f'{self.get_namespace().rstrip("/")}/camera_publisher'
         named = value_in_files(arguments, camera, CAMERA_FRAME_SPEC.name)
         own = replace(CAMERA_FRAME_SPEC, default=named) if named else CAMERA_FRAME_SPEC
@@ -110,7 +110,7 @@ class RobotBasePublisher(Node):
             self._settings.check_frame(message.header.frame_id)
             camera_poses = poses_from_message(message)
             base_poses = self._within_reach(camera_poses)
-            # An empty array says that the surface is empty.
+            # An empty array means that the surface is empty.
             if base_poses or not camera_poses:
                 self._topics.publish_objects(self._header(message.header), base_poses)
                 self._published_count += 1
@@ -125,7 +125,7 @@ class RobotBasePublisher(Node):
         return base_poses
 
     def _header(self, camera_header: Header) -> Header:
-        # The stamp is the time at which the frame was taken: whoever follows can tell the delay.
+        # The stamp is the frame's capture time, from which subscribers can compute the delay.
         return Header(stamp=camera_header.stamp, frame_id=self._settings.base_frame_id)
 
     @contextmanager
@@ -161,7 +161,7 @@ class RobotBasePublisher(Node):
         if mismatch is not None:
             self.get_logger().warning(mismatch, once=True)
             return Reason('qos_mismatch', Level.WARN, mismatch)
-        # rclpy asks for a name as it is, not as it was remapped.
+        # count_publishers does not apply remappings.
         if not self.count_publishers(self.resolve_topic_name(_POSITION)):
             return Reason('no_publisher', Level.WARN,
                           'nobody publishes positions: start camera_publisher')
@@ -169,5 +169,5 @@ class RobotBasePublisher(Node):
 
 
 def main(args: Optional[List[str]] = None) -> int:
-    """Run the node until it is told to end."""
+    """Run the node until a signal arrives."""
     return run('robot_base_publisher', RobotBasePublisher, args)

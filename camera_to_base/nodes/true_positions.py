@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishes where the simulated board's objects really are."""
+"""Publishes the true positions of the simulated board's objects."""
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.ros import poses_message, position_message
@@ -24,10 +24,10 @@ from std_msgs.msg import Float64MultiArray, Header
 
 class TruePositions:
     """
-    The topics of the truth: whoever listens can tell how good the published positions are.
+    Topics with true positions, which show how accurate the published positions are.
 
     :param node: The node that publishes.
-    :param board: Whose truth.
+    :param board: The simulated board.
     """
 
     def __init__(self, node: Node, board: SimulatedBoard) -> None:
@@ -36,7 +36,7 @@ class TruePositions:
         self._objects = node.create_publisher(PoseArray, 'true_objects_in_cam_frame', 10)
 
     def publish(self, header: Header) -> None:
-        """Publish what is on the last frame."""
+        """Publish the true positions on the last frame."""
         if self._board.true_point is not None:
             self._position.publish(position_message(*self._board.true_point))
         self._objects.publish(poses_message(header, [

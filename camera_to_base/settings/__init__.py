@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Settings: what the nodes take from their parameters, as frozen values.
+Settings of the nodes: their parameters as frozen values.
 
 In: parameter values by name. Out: the parameter list of `camera_publisher`, the settings of both
-nodes, and the source that a name stands for. The parts' own lists are in the parts' rooms.
+nodes, and the source that a name stands for. The parameters of each part are in its own room.
 
 Callers: `nodes`, `commands`, `launching` and the tools that write documentation.
 """

@@ -12,14 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The parameters of `camera_publisher`, and the settings that they make."""
+"""The parameters of `camera_publisher`, and the settings made from them."""
 
 from dataclasses import dataclass
 from typing import List, Optional
 
 from camera_to_base.checks import frame_id
-from camera_to_base.detection import BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings
-from camera_to_base.drawing import base_label, camera_label, check_background_path, Label
+from camera_to_base.detection import (
+    AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, read_areas)
+from camera_to_base.drawing import (
+    AreaOverlay, base_label, camera_label, check_background_path, Label)
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.parameter_spec import grouped, ParameterSpec, Values
@@ -33,11 +35,11 @@ from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits
 @dataclass(frozen=True)
 class CameraSettings:
     """
-    All that `camera_publisher` takes from its parameters.
+    The settings of `camera_publisher`.
 
-    :param is_configured: Whether any number is another than the tutorial's, so that an arm may
-        follow what is published.
-    :param is_calibrated: Whether the surface is another than the tutorial's.
+    :param is_configured: Whether a parameter of the set-up differs from its default, so that an
+        arm may follow the positions.
+    :param is_calibrated: Whether the surface differs from its default, the tutorial's.
     """
 
     source: str
@@ -55,12 +57,13 @@ class CameraSettings:
     hull: Optional[Hull]
     simulated: SimulationSettings
     debug_label: Label
+    area_overlay: AreaOverlay
     is_configured: bool
     is_calibrated: bool
 
     @property
     def warnings(self) -> List[str]:
-        """Sentences on parameters that were set, but have no effect."""
+        """Sentences about parameters that were set but have no effect."""
         warnings = [f'detector.{name} has no effect with detector.method {self.detector.method}'
                     for name in self.detector.without_effect]
         warnings += [f'{name} has no effect any more: each frame is checked'
@@ -71,30 +74,30 @@ class CameraSettings:
         return warnings
 
 
-# What is the node's own; the parts' parameters stand in their rooms.
+# The node's own parameters; those of the parts are in their rooms.
 _SOURCE_SPECS = [
     ParameterSpec(
         'source', 'auto',
-        'Where frames come from: auto (the first attached camera; where none is attached, random '
-        'pixels with the default parameters, and a camera is waited for with others), random, '
+        'Source of the frames: auto (the first attached camera; if none is attached, random '
+        'pixels with the default parameters, and waiting for a camera with others), random, '
         "a device index or path, a video file, a stream's URL, topic (a "
         "camera driver's image), compressed_topic (its image/compressed), or simulated.",
         fixed=True),
     ParameterSpec('period', 3.0, 'Time between two random pixels.', (0.001, 3600), unit='s'),
     ParameterSpec(
         'wait_for_subscribers', 1,
-        'A video file is not started before this many listen to pos_in_cam_frame, its point, or '
-        'objects_in_cam_frame, but 10 s later at the latest.', (0, 100), fixed=True),
+        'A video file starts when pos_in_cam_frame, its point, or objects_in_cam_frame has this '
+        'many subscribers, or after 10 s.', (0, 100), fixed=True),
     ParameterSpec(
         'wait_for_camera', True,
-        'Whether a device or a stream that is not there at the start is waited for; otherwise '
+        'Whether to wait for a device or a stream that is missing at the start; otherwise '
         'the node ends with an error.', fixed=True),
 ]
 _FILE_SPECS = [
     ParameterSpec(
         'background_file', '',
         'A file (.png) that keeps the background: it is written whenever one is taken, and read '
-        'at the start, if it is there. Cameras and topics only; empty for none.', fixed=True),
+        'at the start if it exists. Cameras and topics only; empty for none.', fixed=True),
     ParameterSpec(
         'annotated_picture', '',
         'Deprecated, without effect: look at the topic debug_image.', fixed=True),
@@ -102,15 +105,15 @@ _FILE_SPECS = [
 _OUTPUT_SPECS = [
     CAMERA_FRAME_SPEC,
     ParameterSpec('debug_image.coordinates', 'camera',
-                  'In which frame the debug image tells where objects are: camera, or base, by '
+                  'Coordinate frame of the positions on the debug image: camera, or base, by '
                   'rotation_deg and displacement_cm.', choices=('camera', 'base')),
 ]
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
-    *PLACEMENT_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS]
+    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS]
 
 
-# Whoever sets only these has set up neither a camera nor a robot.
+# Parameters that can be set without setting up a camera or a robot.
 _NOT_OF_A_SETUP = (
     'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'background_file',
     'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
@@ -119,14 +122,15 @@ _NOT_OF_A_CALIBRATION = ('surface.image_size', 'surface.reject_outside_hull')
 
 def camera_settings(values: Values) -> CameraSettings:
     """
-    Make the camera node's settings of its parameters.
+    Make the camera node's settings from its parameters.
 
-    :param values: By their full names, each as its spec allows it.
+    :param values: By full name, each as its spec allows it.
     :raises CameraToBaseError: If they cannot be used together.
     """
     if not values['source']:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
-    hull = make_hull(values)
+    hull, surface = make_hull(values), make_surface(values)
+    areas = read_areas(values['work_area'], values['ignored_areas'])
     return CameraSettings(
         source=values['source'],
         period=values['period'],
@@ -140,11 +144,12 @@ def camera_settings(values: Values) -> CameraSettings:
         image_size=tuple(values['surface.image_size']),
         detector=DetectorSettings(
             **grouped(values, 'detector.'),
-            area=hull if values['surface.reject_outside_hull'] else None),
-        surface=make_surface(values),
+            area=hull if values['surface.reject_outside_hull'] else None, areas=areas),
+        surface=surface,
         hull=hull,
         simulated=simulation_settings(**grouped(values, 'simulated.')),
         debug_label=_debug_label(values),
+        area_overlay=AreaOverlay(surface, areas),
         is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
         is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
                           for name in _other_than_default(values)))

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Opens what the parameter source names."""
+"""Opens the source that the parameter `source` names."""
 
 from typing import NamedTuple, Optional
 
@@ -24,10 +24,10 @@ from camera_to_base.sources import (
 
 class NamedSource(NamedTuple):
     """
-    What a name stands for.
+    The source that a name stands for.
 
-    :param name: What to call it; of auto, the device that was found.
-    :param frames: None where the node itself makes the input: topics, and random pixels.
+    :param name: Its name in messages; for auto, the device that was found.
+    :param frames: None if the node itself makes the input: topics and random pixels.
     """
 
     name: str
@@ -37,12 +37,12 @@ class NamedSource(NamedTuple):
 
 def open_named_source(settings: CameraSettings, may_be_random: bool) -> NamedSource:
     """
-    Open what a camera node's parameter source names.
+    Open the source that a camera node's parameter `source` names.
 
-    A camera that is named is opened by its first read.
+    A named camera is opened by its first read.
 
-    :param may_be_random: Whether auto stands for random pixels where no camera is attached;
-        otherwise a camera is waited for.
+    :param may_be_random: Whether auto means random pixels if no camera is attached; otherwise the
+        source waits for a camera.
     :raises FrameSourceError: If it names a file that holds no video.
     """
     name, kind = settings.source, kind_of(settings.source)

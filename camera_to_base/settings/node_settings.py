@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The settings that both nodes would have of a parameter file, without the nodes."""
+"""Reads both nodes' settings from a parameter file, without ROS."""
 
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
@@ -31,9 +31,9 @@ _SPECS = {_CAMERA_NODE: CAMERA_SPECS, _TRANSFORM_NODE: TRANSFORM_SPECS}
 
 class NodeSettings(NamedTuple):
     """
-    What both nodes take from their parameters.
+    The settings of both nodes.
 
-    :param warnings: Sentences on names that no parameter has.
+    :param warnings: Sentences about names that no parameter has.
     """
 
     camera: CameraSettings
@@ -43,10 +43,10 @@ class NodeSettings(NamedTuple):
 
 def read_node_settings(path: Optional[str], namespace: Optional[str] = None) -> NodeSettings:
     """
-    Read what both nodes would take from a parameter file.
+    Read the settings that both nodes would have with a parameter file.
 
     :param path: The file; None for the defaults.
-    :param namespace: The nodes'; None for the one that the file names, or none.
+    :param namespace: The nodes' namespace; None for the one that the file names, if any.
     :raises CameraToBaseError: If there is no such file, or a value cannot be used.
     """
     values, warnings = {}, []

@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Sources: where frames come from.
+Sources of frames: cameras, streams, video files and bags.
 
 In: the name of a device, a stream, a file or a bag. Out: frames of shape (h, w, 3), uint8, BGR,
-each with the time at which it was taken, and what is known about a source that gives none.
+each with its capture time, and the status of a source that gives no frames.
 
 Callers: `drawing`, `calibration` and the rooms below them. Nothing here detects or judges objects.
 """

@@ -30,12 +30,12 @@ _DECODERS = {'sensor_msgs/msg/Image': frame_from_image_message,
 
 class BagFile:
     """
-    The pictures of one topic of a bag, in the order in which they were recorded.
+    The pictures of one topic of a bag, in recorded order.
 
     :param name: The bag's folder, or one of its files: .mcap or .db3.
-    :param topic: The pictures' topic; None for the only one that there is.
+    :param topic: The pictures' topic; None if the bag has only one.
     :raises FrameSourceError: If it cannot be opened.
-    :raises InvalidValueError: If there is no such topic, or several without one being named.
+    :raises InvalidValueError: If the bag has no such topic, or has several and none is named.
     """
 
     def __init__(self, name: str, topic: Optional[str] = None) -> None:
@@ -59,7 +59,7 @@ class BagFile:
             for number, (connection, received_ns, content) in enumerate(messages):
                 message = self._reader.deserialize(content, connection.msgtype)
                 stamp = message.header.stamp
-                # A driver that stamps nothing leaves 0.
+                # The stamp is 0 if the driver does not set it.
                 stamp_ns = stamp.sec * 10**9 + stamp.nanosec or received_ns
                 yield TimedFrame(number, stamp_ns, partial(_DECODERS[connection.msgtype], message))
 
@@ -89,7 +89,7 @@ class BagFile:
             yield
         except (FrameSourceError, InvalidValueError):
             raise
-        # A damaged file makes the library, and what it is built on, raise errors of any kind.
+        # With a damaged file the library and its dependencies may raise any exception.
         except Exception as error:
             reason = ' '.join(str(error).split()) or type(error).__name__
             raise FrameSourceError(
@@ -105,5 +105,5 @@ def _reader(path: Path) -> Any:
         raise FrameSourceError(
             f"to read the bag '{path}' the library rosbags is needed: pip install --user "
             '--break-system-packages rosbags (in a venv without the two options)') from error
-    # Older sqlite3 bags do not say what their messages are.
+    # Older sqlite3 bags do not contain their message definitions.
     return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))

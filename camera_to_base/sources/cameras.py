@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Cameras: devices of this machine, and streams from the network."""
+"""Cameras: local devices and network streams."""
 
 import glob
 import math
@@ -27,18 +27,18 @@ from camera_to_base.sources.source_kind import AUTO, DEVICE, kind_of, STREAM
 import cv2
 import numpy as np
 
-# OpenCV raises an error of its own for a larger one.
+# OpenCV raises an exception for a larger index.
 _LARGEST_INDEX = 2**31 - 1
 
 
 class Camera:
     """
-    A camera: a device of this machine, or a stream from the network.
+    A camera: a local device or a network stream.
 
     :param name: An index ('0'), a device path ('/dev/video0') or a stream's URL.
-    :param image_size: The picture size to ask a device for whenever it is opened; it may give
+    :param image_size: The picture size to request when a device is opened; the device may use
         another.
-    :param open_now: Otherwise the first read opens it, in the thread that reads.
+    :param open_now: Whether to open it now; otherwise the first read opens it, in its thread.
     :raises FrameSourceError: If it cannot be opened.
     """
 
@@ -54,22 +54,30 @@ class Camera:
         """
         Wait for the next frame, see `FrameSource.read`; a camera has no end.
 
-        After a frame that did not come, the next call opens the camera anew.
+        After a failed read, the next call opens the camera again.
         """
         if self._capture is None:
             self._capture = self._open_capture()
         try:
             good, frame = self._capture.read()
         except cv2.error:
-            good = False  # a USB camera may give an empty JPEG, which V4L2 decodes unchecked
+            good = False  # a USB camera may send an empty JPEG, unchecked by OpenCV
         if not good:
             self.release()
             raise FrameSourceError(
                 f"camera '{self.name}' gives no frame: was it unplugged or switched off?")
         return frame
 
+    @property
+    def stamp_s(self) -> Optional[float]:
+        """The last frame's stamp, in s from any beginning, where an RTSP stream gives stamps."""
+        # Of other streams FFmpeg counts frames, by a rate that it guesses.
+        if self._capture is None or not self.name.startswith(('rtsp://', 'rtsps://')):
+            return None
+        return self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
+
     def release(self) -> None:
-        """Give the device back."""
+        """Release the camera."""
         if self._capture is not None:
             self._capture.release()
             self._capture = None
@@ -92,10 +100,10 @@ def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]
     """
     Open the first attached camera that gives a frame.
 
-    One camera may show up as several devices, of which only one gives frames.
+    One camera may appear as several devices, of which only one gives frames.
 
-    :param image_size: The picture size to ask for, in px.
-    :returns: None where no camera is attached.
+    :param image_size: The picture size to request, in px.
+    :returns: None if no camera is attached.
     """
     for path in sorted(glob.glob('/dev/video*'), key=_device_number):
         try:
@@ -112,9 +120,9 @@ def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]
 
 class FirstCamera:
     """
-    The first attached camera, sought by each read while there is none.
+    The first attached camera; each read searches for one until it is found.
 
-    :param image_size: The picture size to ask for, in px; can be changed at any time.
+    :param image_size: The picture size to request, in px; can be changed at any time.
     """
 
     kind = DEVICE
@@ -139,7 +147,7 @@ class FirstCamera:
             raise
 
     def release(self) -> None:
-        """Give the device back."""
+        """Release the camera."""
         if self._camera is not None:
             self._camera.release()
             self._camera = None

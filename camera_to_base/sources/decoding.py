@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What camera drivers send, raw or compressed, becomes frames: uint8, BGR."""
+"""Converts the pictures of camera drivers, raw or compressed, to frames: uint8, BGR."""
 
 from typing import Any, NamedTuple, Optional
 
@@ -25,7 +25,7 @@ _PNG_START, _PNG_END = b'\x89PNG\r\n\x1a\n', b'IEND\xaeB`\x82'
 
 
 class _Layout(NamedTuple):
-    """The bytes of a pixel, and OpenCV's conversion of them to BGR."""
+    """The bytes of a pixel, and OpenCV's code for their conversion to BGR."""
 
     bytes_per_pixel: int
     conversion: Optional[int] = None
@@ -37,7 +37,7 @@ _GREY = _Layout(1, cv2.COLOR_GRAY2BGR)
 _GREY_16 = _Layout(2, cv2.COLOR_GRAY2BGR)
 _UYVY = _Layout(2, cv2.COLOR_YUV2BGR_UYVY)
 _YUYV = _Layout(2, cv2.COLOR_YUV2BGR_YUYV)
-# The names of sensor_msgs/image_encodings.hpp.
+# The names that sensor_msgs/image_encodings.hpp defines.
 _LAYOUTS = {
     'bgr8': _BGR, '8UC3': _BGR,
     'rgb8': _Layout(3, cv2.COLOR_RGB2BGR),
@@ -53,9 +53,9 @@ ENCODINGS = tuple(_LAYOUTS)
 
 def frame_from_image_message(message: Any) -> np.ndarray:
     """
-    Make a frame of a picture, see :func:`decode_image`; it may share the message's memory.
+    Convert a picture to a frame, see :func:`decode_image`; it may share the message's memory.
 
-    :param message: A sensor_msgs/Image, of ROS or of a bag's reader.
+    :param message: A sensor_msgs/Image, from ROS or from a bag reader.
     :returns: Shape (h, w, 3), uint8, BGR.
     :raises InvalidValueError: If it cannot be used.
     """
@@ -65,9 +65,9 @@ def frame_from_image_message(message: Any) -> np.ndarray:
 
 def frame_from_compressed_message(message: Any) -> np.ndarray:
     """
-    Make a frame of a compressed picture, see :func:`decode_compressed`.
+    Convert a compressed picture to a frame, see :func:`decode_compressed`.
 
-    :param message: A sensor_msgs/CompressedImage, of ROS or of a bag's reader.
+    :param message: A sensor_msgs/CompressedImage, from ROS or from a bag reader.
     :returns: Shape (h, w, 3), uint8, BGR.
     :raises InvalidValueError: If it cannot be used.
     """
@@ -78,20 +78,20 @@ def decode_image(
     encoding: str, width: int, height: int, step: int, is_bigendian: bool, data: Any
 ) -> np.ndarray:
     """
-    Make a frame of an uncompressed picture.
+    Convert an uncompressed picture to a frame.
 
-    bgr8 without padding is not copied: such a frame shares its memory with `data`, and can be
-    written to only where that can be.
+    bgr8 without padding is not copied: such a frame shares its memory with `data`, and is
+    read-only if `data` is.
 
     :param encoding: One of ENCODINGS, as sensor_msgs/Image names them.
     :param width: In px.
     :param height: In px.
     :param step: Bytes from one row to the next.
-    :param is_bigendian: Whether the high byte comes first where a pixel has 16 bits, of which
-        the high 8 are used.
+    :param is_bigendian: Whether the high byte of a 16-bit pixel comes first; only the high byte
+        is used.
     :param data: Bytes, or anything else that has a buffer of them.
     :returns: Shape (height, width, 3), uint8, BGR.
-    :raises InvalidValueError: If the encoding is another, or sizes do not fit one another.
+    :raises InvalidValueError: If the encoding is not supported, or the sizes do not match.
     """
     layout = _LAYOUTS.get(encoding)
     if layout is None:
@@ -112,10 +112,10 @@ def decode_image(
 
 def decode_compressed(data: Any, format_name: str = '') -> np.ndarray:
     """
-    Make a frame of a JPEG or PNG picture; grey, 16-bit and transparent ones become BGR, too.
+    Convert a JPEG or PNG picture to a frame; grey, 16-bit and transparent ones become BGR, too.
 
     :param data: Bytes, or anything else that has a buffer of them.
-    :param format_name: What the sender calls the format, for the error only.
+    :param format_name: The sender's name of the format, for the error only.
     :returns: Shape (h, w, 3), uint8, BGR.
     :raises InvalidValueError: If it is no such picture, or not a whole one.
     """
@@ -129,9 +129,11 @@ def decode_compressed(data: Any, format_name: str = '') -> np.ndarray:
             f'the compressed picture of {len(content)} bytes was cut off: check the camera and '
             'its network')
     try:
-        frame = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+        # As it is stored: a calibration is made of pictures without their EXIF orientation.
+        frame = cv2.imdecode(np.frombuffer(content, np.uint8),
+                             cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
     except cv2.error:
-        frame = None  # such as a size beyond all limits
+        frame = None  # for example a size above OpenCV's limit
     if frame is None:
         raise InvalidValueError(
             f'the compressed picture of {len(content)} bytes is damaged: check the camera and '
@@ -160,8 +162,8 @@ def _pixels(width: int, height: int, step: int, bytes_per_pixel: int, data: Any)
 
 
 def _has_end(content: bytes) -> bool:
-    # OpenCV 4.6 fills what a cut JPEG lacks with whatever its memory holds, and returns it. In a
-    # scan's data neither marker can occur; a thumbnail has both, but before the scan.
+    # OpenCV 4.6 fills the missing part of a cut JPEG with uninitialised memory, and returns it.
+    # Neither marker can occur in the data of a scan; a thumbnail has both, but before the scan.
     if content.startswith(_PNG_START):
         return _PNG_END in content
     return content.rfind(_JPEG_END) > content.rfind(_JPEG_SCAN)

@@ -12,20 +12,22 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells a frame that a stream has just taken from one that lay in a buffer on the way."""
+"""Distinguishes a stream's new frames from frames that waited in a buffer."""
 
 from collections import deque
 from statistics import median
 from typing import Deque, Optional
 
+from camera_to_base.sources.stream_clock import StreamClock
+
 # A frame that could be read faster than this was there already, unless the camera is faster yet.
 _WAITED_S = 0.006
-# Where other programs want the processor, reading what was there takes long, too: a frame that was
-# waited for comes no sooner than this share of the usual interval after the one before.
+# On a busy processor, reading a buffered frame takes long, too. So a new frame must also arrive
+# at least this share of the usual interval after the frame before.
 _WAITED_INTERVALS = 0.5
-# How long a reader may go without waiting before what it reads counts as old.
+# If a reader has not had to wait for this time, its frames count as old.
 _LONGEST_RUSH_S = 0.2
-# A rush that lasts longer is a camera that has become faster: no buffer holds as much.
+# A longer rush means that the camera has become faster: no buffer holds that many frames.
 _NEW_RATE_S = 2.0
 _RUSH_WAITS = 32
 _STALL_S = 0.25
@@ -36,11 +38,11 @@ class Freshness:
     """
     Judges frames by how long a reader had to wait for them.
 
-    Old frames come at once, one after another: those that FFmpeg gathers while it opens an RTSP
-    stream (1 s of them), those that the sockets hold after the network or this process has
-    stalled, and all of them where reading is slower than the camera. A frame that had to be
-    waited for is new. After a stall two in a row must have been waited for: the first frame's
-    wait is the stall itself, and a single slow read happens in a rush, too.
+    Buffered frames are read without waiting, in a rush. They are those that FFmpeg collects while
+    it opens an RTSP stream (1 s), those that the sockets hold after the network or this process
+    has stalled, and all frames if reading is slower than the camera. A frame is new if the reader
+    had to wait for it. After a stall the reader must have waited for two frames in a row: the
+    first wait is the stall itself, and a rush may contain a single slow read.
     """
 
     def __init__(self) -> None:
@@ -49,6 +51,7 @@ class Freshness:
 
     def restart(self) -> None:
         """Trust nothing yet: the stream was opened anew."""
+        self._stream_clock = StreamClock()
         self._waits_needed = 2
         self._waited_s = _WAITED_S
         self._rush_waits: Deque[float] = deque(maxlen=_RUSH_WAITS)
@@ -56,13 +59,28 @@ class Freshness:
         self._rushing_since: Optional[float] = None
         self._ended_at: Optional[float] = None
 
-    def is_fresh(self, begun_at: float, ended_at: float) -> bool:
+    @property
+    def lags(self) -> bool:
+        """Tell whether all frames will be old until the stream is opened anew."""
+        return self._stream_clock.lags
+
+    def is_fresh(
+        self, begun_at: float, ended_at: float, stamp_s: Optional[float] = None
+    ) -> bool:
         """
         Judge one frame.
 
         :param begun_at: When reading it began, in s, of a clock that never jumps.
         :param ended_at: When it was there.
+        :param stamp_s: The stream's own time stamp, in s from any beginning; None for none.
         """
+        is_late = stamp_s is not None and self._stream_clock.is_late(stamp_s, ended_at)
+        is_fresh = self._was_waited_for(begun_at, ended_at) and not is_late
+        if is_fresh and stamp_s is not None:
+            self._stream_clock.accept()
+        return is_fresh
+
+    def _was_waited_for(self, begun_at: float, ended_at: float) -> bool:
         interval = ended_at - (self._ended_at if self._ended_at is not None else begun_at)
         self._ended_at = ended_at
         usual = median(self._intervals) if self._intervals else 0.0
@@ -78,7 +96,7 @@ class Freshness:
         return self._waits_needed == 0
 
     def _rush(self, now: float, waited_s: float) -> None:
-        # The intervals of a rush are not the camera's.
+        # In a rush, the intervals are shorter than the camera's.
         self._waits_needed = 2
         self._rushing_since = self._rushing_since or now
         self._rush_waits.append(waited_s)

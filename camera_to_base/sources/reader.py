@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Reads a camera in a thread of its own: the newest frame wins, and a lost camera is sought."""
+"""Reads a camera in a separate thread, keeps the newest frame, and reopens a lost camera."""
 
 from contextlib import suppress
 import threading
@@ -27,13 +27,13 @@ from camera_to_base.sources.video_file import FrameSource
 import numpy as np
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S, _PAUSE_GROWTH = 0.5, 5.0, 1.2
-# Longer than the timeouts of a stream, and short enough for a node that must end.
+# Longer than the time-outs of a stream, and short enough for a node that must end.
 _JOIN_S = 1.9
 _THREAD_NAME = 'frame reader'
 
 
 class TakenFrame(NamedTuple):
-    """A frame, and when it came, in s of time.monotonic()."""
+    """A frame, and its arrival time in s of time.monotonic()."""
 
     image: np.ndarray
     taken_at: float
@@ -41,17 +41,17 @@ class TakenFrame(NamedTuple):
 
 class FrameReader(ReaderStatus):
     """
-    Drains a camera, so that a slow consumer gets a new frame and never an old one.
+    Reads all frames of a camera, so that a slow consumer gets the newest frame.
 
-    Only the reader's thread opens, reads and releases the camera: a release while another thread
-    reads is a segmentation fault in OpenCV. Whatever else it raises, or `damage` does, is a lost
-    camera, too.
+    Only the reader's thread opens, reads and releases the camera: to release it while another
+    thread reads is a segmentation fault in OpenCV. Any other exception of the camera or of
+    `damage` also counts as a lost camera.
 
-    :param camera: A source whose `read` waits for a frame, opens what is not open, and raises
-        FrameSourceError, closed, where that fails.
+    :param camera: A source whose `read` waits for a frame and opens the camera if it is closed.
+        On failure `read` closes the camera and raises FrameSourceError.
     :param on_frame: Called in the reader's thread for each frame.
-    :param damage: Tells for each frame why it cannot be believed, or None.
-    :param may_lag: Frames may lie in a buffer on the way, as those of a network stream do.
+    :param damage: Returns why a frame is damaged, or None if it is not.
+    :param may_lag: Whether frames may wait in a buffer, as with a network stream.
     """
 
     def __init__(
@@ -70,13 +70,13 @@ class FrameReader(ReaderStatus):
         self._stop = threading.Event()
         self._first_attempt_over = threading.Event()
         self._newest: Optional[TakenFrame] = None
-        # A daemon: should read() hang for good, only `os._exit` ends the process without an
-        # abort (see `is_reader_hanging`), and no thread may be waited for on the way there.
+        # A daemon thread: if read() never returns, the process must reach `os._exit` without
+        # joining the thread (see `is_reader_hanging`).
         self._thread = threading.Thread(target=self._run, name=_THREAD_NAME, daemon=True)
         self._thread.start()
 
     def take(self) -> Optional[TakenFrame]:
-        """Give the newest frame, once; None where no new one has come."""
+        """Return the newest frame, once; None if no new one has arrived."""
         with self._lock:
             newest, self._newest = self._newest, None
             return newest
@@ -87,18 +87,18 @@ class FrameReader(ReaderStatus):
 
         :raises FrameSourceError: If it could not be opened or gave none.
         """
-        # A wait without an end could not be interrupted by a signal in older Pythons.
+        # With a time-out, so that a signal interrupts the wait in older Python versions, too.
         while not self._first_attempt_over.wait(0.1):
             pass
-        error = self.error  # the thread may make it None meanwhile
+        error = self.error  # a copy: the thread may set it to None meanwhile
         if error is not None:
             raise error
 
     def close(self, timeout: float = _JOIN_S) -> bool:
         """
-        End the thread, which releases the camera.
+        Stop the thread, which releases the camera.
 
-        :returns: Whether it has ended; a device's driver may hold it for longer.
+        :returns: Whether it has ended; a device driver may block it for longer.
         """
         self._stop.set()
         self._thread.join(timeout)
@@ -115,7 +115,7 @@ class FrameReader(ReaderStatus):
         self._camera.release()
 
     def _read_until_lost(self) -> bool:
-        # Tells whether any frame came.
+        # Returns whether any frame arrived.
         count = 0
         if self._freshness is not None:
             self._freshness.restart()
@@ -127,10 +127,14 @@ class FrameReader(ReaderStatus):
                     self._count(reconnects=1)
                 self._keep(image, begun_at, time.monotonic())
                 count += 1
+                if self._freshness is not None and self._freshness.lags:
+                    self._camera.release()
+                    raise FrameSourceError(
+                        'the stream is behind, by its own time stamps: it is opened anew')
         except FrameSourceError as error:
             self._lose(error)
         except Exception as error:
-            # Nobody would learn of a thread that dies, and nobody would seek the camera again.
+            # Otherwise the thread would end unnoticed, and the camera would not be reopened.
             self._lose(_as_source_error(error))
             with suppress(Exception):
                 self._camera.release()
@@ -141,12 +145,13 @@ class FrameReader(ReaderStatus):
         self._first_attempt_over.set()
 
     def _keep(self, image: np.ndarray, begun_at: float, ended_at: float) -> None:
-        # First, for a frame that it fails on has not come.
+        # First: a frame for which it raises does not count as arrived.
         damage = self._damage(image)
         self._note_frame(ended_at)
         self._first_attempt_over.set()
         self._note_damage(damage)
-        fresh = self._freshness is None or self._freshness.is_fresh(begun_at, ended_at)
+        fresh = self._freshness is None or self._freshness.is_fresh(
+            begun_at, ended_at, getattr(self._camera, 'stamp_s', None))
         self._note_age(is_old=not fresh)
         if fresh and damage is None and not self._stop.is_set():
             with self._lock:
@@ -156,7 +161,7 @@ class FrameReader(ReaderStatus):
 
 
 def _as_source_error(error: Exception) -> FrameSourceError:
-    # OpenCV's texts have several lines.
+    # OpenCV's messages have several lines.
     text = ' '.join(str(error).split())
     return FrameSourceError(
         f'reading the camera failed, {type(error).__name__}: {text}; if that goes on, restart the '
@@ -165,8 +170,8 @@ def _as_source_error(error: Exception) -> FrameSourceError:
 
 def is_reader_hanging() -> bool:
     """
-    Tell whether a reader's thread has not ended though it was closed.
+    Return whether a reader's thread has not ended though it was closed.
 
-    An interpreter that exits then aborts in C++ (12 of 12 runs): leave by `os._exit`.
+    If it has not, a normal exit of the interpreter aborts in C++ (12 of 12 runs): use `os._exit`.
     """
     return any(thread.name == _THREAD_NAME for thread in threading.enumerate())

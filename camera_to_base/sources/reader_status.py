@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is known about where a camera's frames come from: state, error, damage, counts."""
+"""Status of a camera that is read: state, error, damage, counts."""
 
 from enum import Enum
 import time
@@ -22,7 +22,7 @@ from camera_to_base.errors import FrameSourceError
 from camera_to_base.reason import Reason
 from camera_to_base.sources.stamp_check import STAMP_KINDS
 
-# No frame for as long as this means that the camera is lost, unless it is known to be slower.
+# Without a frame for this time a camera counts as lost, unless it is known to be slower.
 LOST_AFTER_S = 1.0
 
 
@@ -35,7 +35,7 @@ class ReaderState(Enum):
 
 
 class ReaderCounts(NamedTuple):
-    """What a reader has done so far."""
+    """Counts of frames and attempts since the reader was started."""
 
     read: int = 0
     old: int = 0
@@ -47,10 +47,10 @@ class ReaderCounts(NamedTuple):
 
 class ReaderStatus:
     """
-    Books what came of a camera; a reader is one, and writes it from one thread alone.
+    The status of a camera. A reader is a subclass, and writes it from one thread only.
 
-    `last_damage` tells why a frame could not be believed, `damaged_in_a_row` how many could not
-    since the last good one.
+    `last_damage` is the last reason for which a frame counted as damaged. `damaged_in_a_row` is
+    the number of damaged frames since the last good one.
     """
 
     def __init__(self) -> None:
@@ -64,12 +64,12 @@ class ReaderStatus:
 
     @property
     def error(self) -> Optional[FrameSourceError]:
-        """Tell why no frame comes; None while one does, or where no cause is known."""
+        """Why no frame arrives; None if frames arrive or no cause is known."""
         return self._error
 
     @property
     def state(self) -> ReaderState:
-        """Tell what the reader is doing."""
+        """What the reader is doing."""
         if self._last_frame_at is None:
             return ReaderState.WAITING
         lost = self.error is not None or self.seconds_without_frame > self.longest_silence_s
@@ -77,18 +77,18 @@ class ReaderStatus:
 
     @property
     def longest_silence_s(self) -> float:
-        """How long no frame may come before the camera counts as lost."""
+        """Time without a frame after which the camera counts as lost."""
         return LOST_AFTER_S
 
     @property
     def seconds_without_frame(self) -> float:
-        """How long ago the last frame came, or the reader was started."""
+        """Time since the last frame, or since the reader was started."""
         return time.monotonic() - (self._last_frame_at or self._begun_at)
 
     @property
     def seconds_of_old_frames(self) -> float:
-        """For how long no frame has come that was new on arrival, though frames come."""
-        since = self._old_since  # the reader's thread may make it None meanwhile
+        """Time for which all frames have been old on arrival; 0 if they are not."""
+        since = self._old_since  # a copy: the reader's thread may set it to None meanwhile
         return 0.0 if since is None else time.monotonic() - since
 
     def _note_frame(self, taken_at: float) -> None:
@@ -99,13 +99,13 @@ class ReaderStatus:
         self._count(old=is_old)
 
     def _note_damage(self, damage: Optional[Reason]) -> None:
-        # None for a frame that can be believed.
+        # `damage` is None for an undamaged frame.
         self.last_damage = damage or self.last_damage
         self.damaged_in_a_row = self.damaged_in_a_row + 1 if damage else 0
         is_old = damage is not None and damage.kind in STAMP_KINDS
         self._count(read=1, old=is_old, damaged=damage is not None and not is_old)
 
     def _count(self, **more: int) -> None:
-        # The reader's thread alone writes; whoever reads gets one tuple or the next.
+        # Only the reader's thread writes; other threads read either the old tuple or the new one.
         self.counts = self.counts._replace(
             **{name: getattr(self.counts, name) + number for name, number in more.items()})

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recordings and cameras as one kind of thing: frames, each with its number and its time."""
+"""One interface for recordings and cameras: frames with their number and time."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,7 +24,7 @@ from camera_to_base.sources.source_kind import SourceKind
 from camera_to_base.sources.video_file import FrameSource
 import numpy as np
 
-# What nearly every camera gives; few tell.
+# The rate of nearly all cameras; few of them report it.
 _USUAL_FRAME_RATE = 30.0
 
 
@@ -33,10 +33,10 @@ class TimedFrame:
     """
     A frame of a recording.
 
-    :param number: Of the recording's frames, from 0.
-    :param stamp_ns: Its time in ns: since the beginning of a video, since 1970 elsewhere.
-    :param decode: Makes the frame, or raises CameraToBaseError.
-    :param taken_at: When a camera took it, by time.monotonic(); None for a recording.
+    :param number: Number of the frame in the recording, from 0.
+    :param stamp_ns: Its time in ns: since the start of a video, otherwise since 1970.
+    :param decode: Returns the frame, or raises CameraToBaseError.
+    :param taken_at: Capture time by time.monotonic(); None for a recording.
     """
 
     number: int
@@ -47,7 +47,7 @@ class TimedFrame:
     @cached_property
     def frame(self) -> np.ndarray:
         """
-        Give the frame, which is decoded once, and not before somebody asks for it.
+        The frame; it is decoded on the first access.
 
         :returns: Shape (h, w, 3), uint8, BGR.
         :raises CameraToBaseError: If it cannot be decoded.
@@ -57,10 +57,10 @@ class TimedFrame:
 
 class Recording(Protocol):
     """
-    What frames can be read from, once.
+    A source whose frames can be read once.
 
-    `kind` tells what it is, with the frame rate that a video of it should have; `frame_count` is
-    None where nobody knows.
+    `kind` is the kind of source, with the frame rate for a video of it. `frame_count` is None if
+    it is unknown.
     """
 
     kind: SourceKind
@@ -70,20 +70,20 @@ class Recording(Protocol):
         """
         Read one frame after another.
 
-        :raises FrameSourceError: If there should be another frame, but none came.
+        :raises FrameSourceError: If the next frame cannot be read.
         """
 
     def release(self) -> None:
-        """Give the device or file back."""
+        """Release the device or file."""
 
 
 class PlayedRecording:
     """
-    A source with a rate, a video file or the simulated board: its frames' numbers tell the time.
+    A video file or the simulated board; a frame's time follows from its number and the rate.
 
-    :param source: What to read.
-    :param frame_count: How many frames it has; None where nobody knows.
-    :param last: Read no more than this many; None for all.
+    :param source: The source to read.
+    :param frame_count: Number of its frames; None if unknown.
+    :param last: Number of frames to read; None for all.
     """
 
     def __init__(
@@ -102,15 +102,15 @@ class PlayedRecording:
             yield TimedFrame(number, stamp_ns, lambda it=frame: it)
 
     def release(self) -> None:
-        """Give the source back."""
+        """Release the source."""
         self._source.release()
 
 
 class LiveRecording:
     """
-    A camera, whose frames have the time at which they came.
+    A camera; a frame's time is its arrival time.
 
-    :param camera: What to read.
+    :param camera: The camera to read.
     """
 
     frame_count = None
@@ -126,5 +126,5 @@ class LiveRecording:
             yield TimedFrame(number, time.time_ns(), lambda it=frame: it, time.monotonic())
 
     def release(self) -> None:
-        """Give the camera back."""
+        """Release the camera."""
         self._camera.release()

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells by the usual rate of pictures how long a silence must be before the camera is lost."""
+"""Derives from the usual rate of pictures after which time without one the camera is lost."""
 
 from collections import deque
 from statistics import median_low
@@ -26,22 +26,22 @@ _LONGEST_S = 10.0
 
 class SilenceLimit:
     """
-    Follows the rate of pictures that nothing is known about before.
+    Measures the rate of pictures, which is not known in advance.
 
-    The limit is 1 s, or 2.5 of the usual intervals where these are longer, and 10 s at most. The
-    usual one is the lower median of the last five: a silence does not make a fast camera slow.
+    The limit is 2.5 usual intervals, but at least 1 s and at most 10 s. The usual interval is the
+    lower median of the last five, so that a single silence does not change it.
     """
 
     def __init__(self) -> None:
         self._arrivals: Deque[float] = deque(maxlen=6)
 
     def note(self, arrived_at: float) -> None:
-        """Book a picture, by time.monotonic()."""
+        """Record the arrival of a picture, by time.monotonic()."""
         self._arrivals.append(arrived_at)
 
     @property
     def seconds(self) -> float:
-        """How long no picture may come before the camera counts as lost."""
+        """Time without a picture after which the camera counts as lost."""
         arrivals = [*self._arrivals]
         intervals = [later - earlier for earlier, later in zip(arrivals, arrivals[1:])]
         usual = median_low(intervals) if intervals else 0.0

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a source is: decided here from its name, once; the source that is opened tells the same."""
+"""Kinds of sources; only this module derives the kind from a source's name."""
 
 import os
 from typing import NamedTuple
@@ -20,15 +20,15 @@ from typing import NamedTuple
 
 class SourceKind(NamedTuple):
     """
-    What a source is.
+    The kind of a source.
 
-    :param form: A word for it.
-    :param is_live: Whether a camera takes the frames meanwhile. They have an age, may be damaged,
-        and an arm may follow their positions; a kept background is of use.
-    :param may_lag: Whether frames may lie in a buffer on the way.
+    :param form: A word for the kind.
+    :param is_live: Whether a camera takes the frames now. Then frames have an age and may be
+        damaged, an arm may follow the positions, and a saved background is useful.
+    :param may_lag: Whether frames may wait in a buffer.
     :param ends: Whether it is a recording with a last frame.
-    :param frame_rate: How often a reader should come for a frame, in Hz; 0 where the source
-        itself sets the pace, or where that is not known before it is opened.
+    :param frame_rate: How often to read a frame, in Hz; 0 if the source sets the pace, or if the
+        rate is not known before it is opened.
     """
 
     form: str
@@ -42,7 +42,7 @@ DEVICE = SourceKind('device', is_live=True)
 STREAM = SourceKind('stream', is_live=True, may_lag=True)
 TOPIC = SourceKind('topic', is_live=True)
 COMPRESSED_TOPIC = SourceKind('compressed_topic', is_live=True)
-# The first attached device. Where none is attached, random pixels are opened in its place.
+# The first attached device; without one, random pixels are used.
 AUTO = SourceKind('auto', is_live=True)
 RANDOM = SourceKind('random')
 SIMULATED = SourceKind('simulated')
@@ -54,7 +54,7 @@ _WORDS = {kind.form: kind for kind in (TOPIC, COMPRESSED_TOPIC, AUTO, RANDOM, SI
 
 def kind_of(name: str) -> SourceKind:
     """
-    Tell what a source's name stands for.
+    Return the kind of source that a name stands for.
 
     :param name: A word (auto, random, simulated, topic, compressed_topic), a device's index or
         path, a stream's URL, a bag or a video file.

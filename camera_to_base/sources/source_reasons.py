@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells from a camera's status why no good frame comes from it."""
+"""Derives from a camera's status why no good frame arrives."""
 
 from typing import Optional
 
@@ -21,20 +21,20 @@ from camera_to_base.reason import Level, Reason
 from camera_to_base.sources.reader_status import ReaderState, ReaderStatus
 from camera_to_base.sources.stamp_check import STAMP_KINDS
 
-# A camera whose frames are all damaged is reported after this many.
+# A camera is reported after this many damaged frames in a row.
 _DAMAGED_IN_A_ROW = 10
-# One late picture is none of the clocks' fault.
+# A single late picture does not mean that the clocks differ.
 _STAMPS_IN_A_ROW = 3
-# A stream that was just opened, or had stalled, gives old frames for a second or two.
+# After opening or a stall, a stream gives old frames for a second or two.
 _OLD_FOR_S = 4.0
 
 
 def source_reason(status: ReaderStatus, name: str) -> Optional[Reason]:
     """
-    Tell why a source gives nothing to detect objects on.
+    Return why a source gives no good frame.
 
-    :param name: The source's, or its topic's.
-    :returns: None while good frames come.
+    :param name: The name of the source, or of its topic.
+    :returns: None while good frames arrive.
     """
     if status.state is not ReaderState.RUNNING:
         return _silence(status, name)

@@ -18,7 +18,7 @@ from typing import Optional
 
 from camera_to_base.reason import Level, Reason
 
-# Two computers' clocks, and a simulation's clock that comes in steps, differ by less.
+# The clocks of two computers, and a simulation's stepped clock, normally differ by less.
 _LARGEST_LEAD_S = 0.1
 _DAY_S = 86400.0
 _CLOCKS = ("synchronise the clocks of the driver's computer and of this one (chrony); set "
@@ -29,11 +29,11 @@ STAMP_KINDS = ('no_stamp', 'stamp_ahead', 'stamp_old')
 
 def stamp_reason(stamp_ns: int, arrived_ns: int, max_age_s: float) -> Optional[Reason]:
     """
-    Tell why a picture's stamp cannot be the time at which it was taken, or is too old.
+    Return why a picture's stamp cannot be its capture time, or is too old.
 
     :param stamp_ns: In ns; 0 for none.
-    :param arrived_ns: When it arrived, by the same clock.
-    :param max_age_s: How old it may be by then.
+    :param arrived_ns: Its arrival time, by the same clock.
+    :param max_age_s: Its greatest allowed age on arrival.
     :returns: None for a stamp that can be used.
     """
     age_s = (arrived_ns - stamp_ns) / 1e9

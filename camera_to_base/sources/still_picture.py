@@ -16,6 +16,7 @@
 """One picture to calibrate with: from a file, or the median of several frames."""
 
 import os
+from typing import NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError, InvalidValueError
 from camera_to_base.sources.video_file import FrameSource
@@ -24,32 +25,54 @@ import numpy as np
 
 # A camera's exposure settles within its first frames.
 WARM_UP_FRAMES = 10
-# An odd number: the median of each pixel is one of its values. Noise falls to about 0.4 of it.
+# An odd number, so that the median of each pixel is one of its values. The noise falls to about
+# 0.4 of a single frame's.
 FRAMES = 9
 
 
-def read_picture(path: str) -> np.ndarray:
+class StillPicture(NamedTuple):
     """
-    Read a picture file.
+    A picture as the camera has stored it.
 
-    :returns: Shape (h, w, 3), uint8, BGR.
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param is_shown_turned: Whether its EXIF orientation tells viewers to turn or mirror it.
+    """
+
+    frame: np.ndarray
+    is_shown_turned: bool
+
+
+def read_picture(path: str) -> StillPicture:
+    """
+    Read a picture file, without the turn that its EXIF orientation asks viewers for.
+
+    A camera's frames come without EXIF: as they are stored is how the node gets them.
+
     :raises InvalidValueError: If there is none, or it is no picture.
     """
-    # Read here and not by OpenCV, which would write a warning of its own for what we raise.
+    # Not by cv2.imread, which would print its own warning in addition to this error.
     try:
         content = np.fromfile(os.path.expanduser(path), np.uint8)
     except OSError as error:
         raise InvalidValueError(f"cannot read picture '{path}': {error.strerror}") from error
-    picture = cv2.imdecode(content, cv2.IMREAD_COLOR) if content.size else None
-    if picture is None:
+    frame = _decoded(content, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+    if frame is None:
         raise InvalidValueError(
-            f"cannot read picture '{path}': it is no picture that OpenCV knows")
-    return picture
+            f"cannot read picture '{path}': it is no picture that OpenCV knows, damaged, or "
+            'larger than OpenCV reads')
+    return StillPicture(frame, not np.array_equal(frame, _decoded(content, cv2.IMREAD_COLOR)))
+
+
+def _decoded(content: np.ndarray, flags: int) -> Optional[np.ndarray]:
+    try:
+        return cv2.imdecode(content, flags) if content.size else None
+    except cv2.error:  # such as a size beyond all limits
+        return None
 
 
 def median_frame(source: FrameSource) -> np.ndarray:
     """
-    Take the median of several frames: less noise, and no hand that passes by.
+    Return the median of several frames: it has less noise, and no hand that passes by.
 
     :returns: Shape (h, w, 3), uint8, BGR.
     :raises FrameSourceError: If the source gives no frame.

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Where frames come from: a camera, a video file, the simulated board."""
+"""Video files, the interface of frame sources, and the opening of a source by its name."""
 
 import os
 from typing import Optional, Protocol
@@ -20,39 +20,39 @@ from typing import Optional, Protocol
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
 from camera_to_base.sources.cameras import Camera
-from camera_to_base.sources.capture import open_file
+from camera_to_base.sources.capture import is_readable, open_file
 from camera_to_base.sources.source_kind import kind_of, SourceKind, VIDEO_FILE
 import cv2
 import numpy as np
 
-# A video file that does not tell its rate plays at this many frames per second.
+# Frames per second of a video file without a frame rate.
 _DEFAULT_FRAME_RATE = 30.0
 
 
 class FrameSource(Protocol):
     """
-    Gives one frame after another.
+    A source of frames.
 
-    `kind` tells what it is. Where its frame rate is 0, `read` itself waits until there is one.
+    `kind` is the kind of source. If its frame rate is 0, `read` waits for the next frame.
     """
 
     kind: SourceKind
 
     def read(self) -> Optional[np.ndarray]:
         """
-        Give the next frame.
+        Return the next frame.
 
         :returns: Shape (h, w, 3), uint8, BGR; None at the end of a recording.
-        :raises FrameSourceError: If there should be a frame, but none came.
+        :raises FrameSourceError: If a frame should follow but cannot be read.
         """
 
     def release(self) -> None:
-        """Give the device or file back; no frame can be read afterwards."""
+        """Release the device or file; no frame can be read afterwards."""
 
 
 class VideoFile:
     """
-    A recording, played once, at its own rate.
+    A video file, played once at its own rate.
 
     :param path: The file.
     :raises FrameSourceError: If it does not exist or holds no video.
@@ -66,18 +66,32 @@ class VideoFile:
         if self._capture is None:
             raise FrameSourceError(
                 f"cannot open video '{path}': it is no video that OpenCV can read")
+        if not is_readable(path, self._capture):
+            self.release()
+            raise FrameSourceError(
+                f"cannot read video '{path}': OpenCV {cv2.__version__} crashes on its "
+                f"uncompressed pictures: convert it, ffmpeg -i '{path}' -c:v ffv1 converted.avi")
+        self._first = self._next()
+        if self._first is None:
+            self.release()
+            raise FrameSourceError(
+                f"cannot read video '{path}': OpenCV decodes no frame of it; was it cut off?")
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.kind = VIDEO_FILE._replace(
             frame_rate=rate if 0.1 <= rate <= 1000 else _DEFAULT_FRAME_RATE)
 
     @property
     def frame_count(self) -> Optional[int]:
-        """How many frames the file says that it has; None where it does not."""
+        """Number of frames according to the file; None if it does not say."""
         count = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
         return int(count) if count > 0 else None
 
     def read(self) -> Optional[np.ndarray]:
-        """Give the next frame, see :meth:`FrameSource.read`."""
+        """Return the next frame, see :meth:`FrameSource.read`."""
+        frame, self._first = self._first, None
+        return self._next() if frame is None else frame
+
+    def _next(self) -> Optional[np.ndarray]:
         good, frame = self._capture.read()
         return frame if good else None
 
@@ -90,8 +104,8 @@ def open_frame_source(name: str, image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> 
     """
     Open a camera or a video file by its name.
 
-    :param name: A device index or path, a stream's URL, or a video file.
-    :param image_size: The picture size to ask a device for, in px.
+    :param name: A device's index or path, a stream's URL, or a video file.
+    :param image_size: The picture size to request from a device, in px.
     :raises FrameSourceError: If it cannot be opened.
     """
     if kind_of(name).is_live:

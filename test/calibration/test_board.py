@@ -17,6 +17,7 @@
 from camera_to_base.calibration.board import find_board
 from camera_to_base.calibration.board_frame import board_points
 from camera_to_base.errors import CalibrationError, InvalidValueError
+import cv2
 import numpy as np
 import pytest
 from rendered_board import pixel_from_surface, project, render
@@ -79,6 +80,28 @@ def test_a_picture_without_a_board_is_refused_with_advice():
     for image in (np.full((240, 320, 3), 128, np.uint8), noise):
         with pytest.raises(CalibrationError, match='no chessboard with 9 x 6 .* evenly lit'):
             find_board(image, 9, 6)
+
+
+@pytest.mark.parametrize('middle, edge', [
+    ((-6, 6.25), 'right'), ((26, 6.25), 'left'), ((10, -8), 'bottom'), ((10, 21), 'top')])
+def test_board_that_the_picture_cuts_off_is_refused_with_the_edge(middle, edge):
+    with pytest.raises(CalibrationError, match=f'the board is cut off by the {edge} edge'):
+        find_board(render(pixel_from_surface(10, 0, middle=middle)), 9, 6)
+
+
+@pytest.mark.parametrize('width, height, message', [
+    (1, 1, '1 x 1 px is too small to show 10 x 7 squares'), (640, 20, '640 x 20 px is too small'),
+    (12000, 9, 'picture of 12000 x 9 px is larger than a frame can be, .* 1..10000')])
+def test_picture_of_a_size_that_shows_no_board_is_refused(width, height, message):
+    with pytest.raises(InvalidValueError, match=message):
+        find_board(np.zeros((height, width, 3), np.uint8), 9, 6)
+
+
+def test_board_is_found_in_a_large_picture():
+    image = cv2.resize(render(pixel_from_surface()), (4480, 3360))
+    found = find_board(image, 9, 6).pixels
+    np.testing.assert_allclose((found + 0.5) / 7 - 0.5,
+                               project(pixel_from_surface(), CORNERS), atol=0.3)
 
 
 def test_what_is_no_picture_or_no_board_is_refused():

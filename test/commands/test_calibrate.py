@@ -18,6 +18,7 @@
 import json
 from pathlib import Path
 import re
+import zlib
 
 from camera_to_base.commands.calibrate import main
 from camera_to_base.parameter_file import parameter_text, read_parameter_file
@@ -172,6 +173,25 @@ def test_second_board_in_view_is_a_warning(report):
     assert found['x_towards_px'][0] < 340
 
 
+def photograph(name, frame, orientation):
+    """Write a JPEG whose EXIF orientation asks viewers to turn it."""
+    exif = (b'Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0'
+            + bytes([orientation]) + b'\0\0\0\0\0\0')
+    content = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, 100])[1].tobytes()
+    mark = b'\xff\xe1' + (len(exif) + 2).to_bytes(2, 'big')
+    Path(name).write_bytes(content[:2] + mark + exif + content[2:])
+    return name
+
+
+@pytest.mark.parametrize('orientation, is_turned', [(1, False), (3, True), (6, True)])
+def test_photograph_is_used_as_it_is_stored_with_a_warning(report, orientation, is_turned):
+    name = photograph('board.jpg', render(pixel_from_surface()), orientation)
+    found = report('board', name, *BOARD, '-o', 'surface.yaml')
+    assert found['image_size'] == [640, 480]
+    assert found['origin_px'] == pytest.approx(project(pixel_from_surface(), [[0, 0]])[0], abs=0.5)
+    assert ['EXIF orientation' in text for text in found['warnings']] == [True] * is_turned
+
+
 def test_video_is_used_by_the_median_of_its_frames(report):
     writer = cv2.VideoWriter('board.avi', cv2.VideoWriter_fourcc(*'MJPG'), 10.0, IMAGE_SIZE)
     for seed in range(9):
@@ -280,6 +300,15 @@ def flat_picture(name='flat.png', width=640):
     return name
 
 
+def huge_picture(name='huge.png'):
+    """Write a PNG whose header claims 100,000 x 100,000 px."""
+    content = bytearray(cv2.imencode('.png', np.zeros((9, 9, 3), np.uint8))[1].tobytes())
+    content[16:24] = (100000).to_bytes(4, 'big') * 2
+    content[29:33] = zlib.crc32(content[12:29]).to_bytes(4, 'big')
+    Path(name).write_bytes(content)
+    return name
+
+
 def written(name, text):
     Path(name).write_text(text)
     return name
@@ -318,6 +347,10 @@ BAD_INPUTS = {
     'missing picture': (lambda: ('board', 'none.png', *BOARD), "picture 'none.png': No such file"),
     'no picture': (lambda: ('board', written('a.png', 'text'), *BOARD), 'no picture that OpenCV'),
     'empty picture': (lambda: ('board', written('a.png', ''), *BOARD), 'no picture that OpenCV'),
+    'picture of one pixel': (lambda: ('board', flat_picture(width=1), *BOARD),
+                             '1 x 480 px is too small to show 10 x 7 squares'),
+    'picture that claims to be huge': (lambda: ('board', huge_picture(), *BOARD),
+                                       'damaged, or larger than OpenCV reads'),
     'missing camera': (lambda: ('board', '--camera', '/dev/video99', *BOARD),
                        'cannot open camera'),
     'missing video': (lambda: ('board', '--camera', 'none.avi', *BOARD), 'there is no such file'),
@@ -368,6 +401,9 @@ BAD_INPUTS = {
                  "cannot write '/dev/null': a device or a pipe is there, not a file"),
     'picture of no format': (lambda: ('points', table(), '--picture', 'report.doc'),
                              'must end in .png or .jpg'),
+    'sheet of no format': (lambda: ('sheet', '-o', 'a.doc'), 'must end in .pdf, .svg or .png'),
+    'sheet that is too small': (lambda: ('sheet', '--square-mm', 40, '-o', 'a.pdf'),
+                                'does not fit on A4: squares of 25 mm do'),
     'no such subcommand': (lambda: ('bored',), "invalid choice: 'bored'"),
 }
 
@@ -412,6 +448,13 @@ def test_pairs_that_cannot_be_of_this_table_are_refused_and_nothing_is_written(r
     assert (code, output) == (1, '') and error.count('\n') == 1
     assert re.search(said, error), error
     assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+def test_pairs_of_the_tutorials_parallel_camera_fit_its_surface(report):
+    Path('pairs.csv').write_text(PAIRS + '18,13,0.2,11.4\n')
+    parallel = written('parallel.yaml', '/**: {ros__parameters: {surface: {model: parallel}}}')
+    found = report('base', 'pairs.csv', '--surface', parallel, '-o', 'cell.yaml')
+    assert found['warnings'] == [] and found['rotation_deg'] == pytest.approx([180, 0, 0])
 
 
 def test_hanging_robot_counts_z_downwards(run):
@@ -501,7 +544,35 @@ def test_pixel_near_the_horizon_cannot_be_checked(run):
     assert code == 1 and 'near the horizon' in error
 
 
-@pytest.mark.parametrize('command', [(), ('board',), ('points',), ('base',), ('check',)])
+def test_sheet_is_drawn_for_the_command_that_it_names(report, run):
+    found = report('sheet', '-o', 'board.png')
+    assert found['warnings'] == [] and found['corners'] == [9, 6]
+    code, output, _ = run('board', 'board.png', *BOARD, '-o', 'surface.yaml')
+    assert code == 0
+    code, output, _ = run('sheet', '--corners', '8x6', '-o', 'board.pdf')
+    assert code == 0 and Path('board.pdf').read_bytes().startswith(b'%PDF')
+    assert 'measure the ruler: it must be 100 mm long' in output
+    assert 'warning: a board of 8 x 6 inner corners looks the same when it is turned' in output
+
+
+def test_status_tells_the_way_from_a_surface_to_a_cell(run):
+    surface_file('cell.yaml')
+    code, output, error = run('status', 'cell.yaml')
+    assert (code, error) == (0, '')
+    assert 'surface: homography for pictures of 640 x 480 px, from points.csv, 20' in output
+    assert 'next: calibrate base PAIRS.csv --surface cell.yaml -o cell.yaml --force\n' in output
+    for _ in range(2):
+        code, *_ = run('base', touched(), '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
+        assert code == 0
+    code, output, _ = run('status', 'cell.yaml')
+    assert 'base frame, from pairs.csv, 20' in output and 'next: calibrate check' in output
+    comments = read_parameter_file('cell.yaml').comments
+    assert sum(line.startswith('rigid from') for line in comments) == 1
+    assert sum(line.startswith('homography from') for line in comments) == 1
+
+
+@pytest.mark.parametrize('command', [
+    (), ('sheet',), ('status',), ('board',), ('points',), ('base',), ('check',)])
 def test_help_explains_itself_with_an_example(run, command):
     code, output, _ = run(*command, '--help')
     assert code == 0

@@ -301,3 +301,22 @@ def test_demo_ends_with_an_error_where_its_camera_is_not_there(tmp_path):
         [sys.executable, DEMO, '99'], cwd=tmp_path, text=True, capture_output=True, timeout=30.0)
     assert demo.returncode == 1
     assert "cannot open camera '99'" in demo.stdout + demo.stderr
+
+
+@pytest.mark.slow
+def test_demo_ends_with_an_error_where_a_node_dies(tmp_path):
+    share = tmp_path / 'share/ament_index/resource_index/packages'
+    share.mkdir(parents=True)
+    (share / 'camera_to_base').touch()
+    (tmp_path / 'lib/camera_to_base').mkdir(parents=True)
+    for name, script in (('camera_publisher', 'kill -ABRT $$'),
+                         ('robot_base_publisher', 'exec sleep 60')):
+        executable = tmp_path / 'lib/camera_to_base' / name
+        executable.write_text(f'#!/bin/sh\n{script}\n')
+        executable.chmod(0o755)
+    demo = subprocess.run(
+        [sys.executable, DEMO], cwd=tmp_path, text=True, capture_output=True, timeout=60.0,
+        env={**os.environ,
+             'AMENT_PREFIX_PATH': f'{tmp_path}:{os.environ["AMENT_PREFIX_PATH"]}'})
+    assert demo.returncode == 128 + signal.SIGABRT
+    assert 'error: camera_publisher has died: Aborted (signal 6)' in demo.stderr

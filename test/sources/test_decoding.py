@@ -200,3 +200,13 @@ def test_size_beyond_all_limits_is_refused():
     content[29:33] = zlib.crc32(content[12:29]).to_bytes(4, 'big')
     with pytest.raises(InvalidValueError, match='damaged'):
         decode_compressed(content)
+
+
+def test_photograph_is_decoded_as_it_is_stored_whatever_its_exif_orientation():
+    content = cv2.imencode('.jpg', np.full((40, 60, 3), 90, np.uint8))[1].tobytes()
+    # Orientation 6 asks viewers to turn the picture by a quarter.
+    exif = (b'\xff\xe1\0\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0'
+            b'\0\0\0\0')
+    turned = content[:2] + exif + content[2:]
+    assert cv2.imdecode(np.frombuffer(turned, np.uint8), cv2.IMREAD_COLOR).shape == (60, 40, 3)
+    assert decode_compressed(turned).shape == (40, 60, 3)

@@ -13,6 +13,7 @@
 # limitations under the License.
 
 from camera_to_base.sources.freshness import Freshness
+import numpy as np
 import pytest
 
 
@@ -90,3 +91,55 @@ def test_camera_that_changes_its_rate_is_fresh_again_within_3_s(before, after):
     judge(freshness, [1 / before] * 20)
     later = judge(freshness, [1 / after] * 400, now=100 + 20 / before)
     assert all(later[max(10, round(3 * after)):])
+
+
+def judge_stamps(freshness, frames):
+    """Judge frames of (how long it was waited for, stamp), in s, read one right after another."""
+    fresh, now = [], 100.0
+    for wait, stamp in frames:
+        fresh.append(freshness.is_fresh(now, now + wait, stamp))
+        now += wait
+    return fresh
+
+
+def test_old_frames_that_a_busy_machine_reads_slowly_are_told_by_their_stamps():
+    live = [(0.05, 0.05 * k) for k in range(60)]
+    # 1.5 s of frames lay in the socket; each takes 40 ms to read, as if it had been waited for.
+    queued = [(1.5, 3.0)] + [(0.04, 3.0 + 0.05 * k) for k in range(1, 100)]
+    fresh = judge_stamps(Freshness(), live + queued)
+    assert all(fresh[10:60]) and not any(fresh[60:180])
+    assert not any(judge_stamps(Freshness(), [(wait, None) for wait, _ in live + queued])[60:61])
+    assert any(judge_stamps(Freshness(), [(wait, None) for wait, _ in live + queued])[62:])
+
+
+def test_frames_gathered_at_the_opening_are_told_by_their_stamps():
+    # 2 s of frames at 20 Hz, each read in 20 ms, and then live ones.
+    gathered = [(0.02, 0.05 * k) for k in range(66)]
+    live = [(0.05, 0.05 * (66 + k)) for k in range(60)]
+    fresh = judge_stamps(Freshness(), gathered + live)
+    assert not any(fresh[10:66]) and all(fresh[90:])
+
+
+@pytest.mark.parametrize('speed', [0.5, 0.8, 0.9, 0.96, 0.99, 1.01, 1.1, 2.5])
+def test_stamps_that_do_not_run_like_the_clock_are_left_alone(speed):
+    freshness = Freshness()
+    fresh = judge_stamps(freshness, [(0.05, 0.05 * speed * k) for k in range(1000)])
+    assert all(fresh[-600:]) and not freshness.lags
+
+
+def test_stream_whose_server_stays_behind_is_opened_anew():
+    freshness = Freshness()
+    assert judge_stamps(freshness, [(0.05, 0.05 * k) for k in range(60)])[-1]
+    later = [freshness.is_fresh(104.6 + 0.05 * k, 104.65 + 0.05 * k, 3.0 + 0.05 * k)
+             for k in range(60)]
+    assert not any(later) and freshness.lags
+    freshness.restart()
+    assert not freshness.lags
+
+
+def test_jitter_of_a_network_does_not_make_frames_late():
+    random = np.random.default_rng(1)
+    came = [0.05 * k + jitter for k, jitter in enumerate(random.uniform(0.0, 0.04, 1000))]
+    frames = [(later - earlier, 0.05 * k)
+              for k, (earlier, later) in enumerate(zip([0.0, *came], came))]
+    assert np.mean(judge_stamps(Freshness(), frames)[20:]) > 0.99

@@ -12,12 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import subprocess
+import sys
+
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources.video_file import open_frame_source, VideoFile
 from captures import Device, LEVELS, read_levels, write_levels
 import cv2
 import numpy as np
 import pytest
+from uncompressed_avi import write_uncompressed
 
 
 @pytest.fixture
@@ -97,3 +101,18 @@ def test_name_of_nothing_is_refused(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(FrameSourceError, match=f"cannot open video '{name}'"):
         open_frame_source(name)
+
+
+def test_uncompressed_file_is_read_or_refused_with_what_to_do(tmp_path):
+    path = write_uncompressed(
+        str(tmp_path / 'plain.avi'), [np.full((48, 64, 3), (10, 20, 30), np.uint8)] * 3)
+    code = ('import sys\nfrom camera_to_base.errors import FrameSourceError\n'
+            'from camera_to_base.sources import VideoFile\n'
+            'try:\n    print(VideoFile(sys.argv[1]).read()[0, 0].tolist())\n'
+            'except FrameSourceError as error:\n    print(error)\n')
+    # In a process of its own: OpenCV 5.0.0 ends it.
+    child = subprocess.run([sys.executable, '-c', code, path], capture_output=True, text=True,
+                           timeout=60)
+    assert child.returncode == 0
+    said = child.stdout.strip()
+    assert said == '[10, 20, 30]' or 'crashes on its uncompressed pictures: convert it' in said

@@ -1,0 +1,91 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Objects that touch."""
+
+import math
+
+from camera_to_base.detection import PreciseDifferenceDetector
+import cv2
+import numpy as np
+import pytest
+
+
+def table():
+    noise = np.random.default_rng(3).normal(200, 2, (240, 320, 3))
+    return np.clip(np.rint(noise), 0, 255).astype(np.uint8)
+
+
+def drawn(*shapes):
+    """Draw filled polygons, smooth at their rims; lines of corners in px."""
+    large = cv2.resize(table(), None, fx=8, fy=8, interpolation=cv2.INTER_NEAREST)
+    for corners in shapes:
+        cv2.fillPoly(large, [np.int32(np.rint((np.asarray(corners) + 0.5) * 8 - 0.5))], (60,) * 3)
+    return cv2.resize(large, (320, 240), interpolation=cv2.INTER_AREA)
+
+
+def polygon(centre, radius, count=90, turn=0.0):
+    angles = np.linspace(0, 2 * np.pi, count, endpoint=False) + turn
+    return np.array(centre) + radius * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def bar(centre, length, width, angle=0.0):
+    a, b = length / 2, width / 2
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return np.array([[-a, -b], [a, -b], [a, b], [-a, b]]) @ turn.T + centre
+
+
+def detect(frame, split=True):
+    return PreciseDifferenceDetector(table(), split_touching=split).detect(frame)
+
+
+@pytest.mark.parametrize('gap', [-1.0, 0.0, 1.0])
+@pytest.mark.parametrize('count', [6, 90])
+def test_two_that_touch_come_as_one_each(count, gap):
+    centres = (100.3, 120.6), (100.3 + 2 * 22 + gap, 120.6)
+    found = detect(drawn(*(polygon(centre, 22, count) for centre in centres)))
+    assert len(found) == 2
+    for centre in centres:
+        assert min(math.dist(one.centre, centre) for one in found) < 0.5
+
+
+def test_three_coins_in_a_row_and_of_different_sizes_come_as_one_each():
+    centres = {(80, 120): 20, (114, 120): 14, (146, 120): 18}
+    found = detect(drawn(*(polygon(centre, radius) for centre, radius in centres.items())))
+    assert len(found) == 3
+    for centre in centres:
+        assert min(math.dist(one.centre, centre) for one in found) < 0.5
+
+
+SCREW = [bar((150, 120), 60, 10), bar((116, 120), 10, 22)]
+L_SHAPE = [bar((150, 120), 70, 16), bar((123, 140), 16, 50)]
+BLOB = [polygon((150, 120), 20), polygon((165, 128), 17), polygon((150, 135), 15)]
+
+
+@pytest.mark.parametrize('shapes', [SCREW, L_SHAPE, BLOB])
+def test_one_object_is_not_split(shapes):
+    assert len(detect(drawn(*shapes))) == 1
+
+
+def test_ring_is_not_split():
+    frame = drawn(polygon((150, 120), 25))
+    inside = np.zeros(frame.shape[:2], np.uint8)
+    cv2.circle(inside, (150, 120), 14, 1, -1)
+    frame[inside > 0] = table()[inside > 0]
+    assert len(detect(frame)) == 1
+
+
+def test_nothing_is_split_by_default():
+    frame = drawn(polygon((100, 120), 22), polygon((144, 120), 22))
+    assert len(PreciseDifferenceDetector(table()).detect(frame)) == 1
