@@ -177,7 +177,7 @@ class CameraPipeline:
             found = locator.find(frame)
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
-        if reason is None and self._leaves_out_cut_off():
+        if self._view.is_in_place and self._leaves_out_cut_off():
             found = self._arms.check(frame, found, self._time_of(taken_at), self._view.shift_px)
         seen = Sighting(found.objects, reason, found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
