@@ -14,6 +14,8 @@
 
 """Finds the parameters on a node's command line, and those that have no effect."""
 
+from functools import lru_cache
+import os
 from typing import Any, Collection, Iterable, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.errors import InvalidValueError
@@ -130,6 +132,14 @@ def file_warnings(path: str, node: str) -> List[str]:
 
 
 def _readable_sections(path: str) -> Optional[List[Section]]:
+    try:
+        return _read_once(path, os.stat(path).st_mtime_ns)
+    except OSError:
+        return None
+
+
+@lru_cache(maxsize=4)
+def _read_once(path: str, changed_at: int) -> Optional[List[Section]]:
     # ROS has already refused a file that cannot be read.
     try:
         return read_sections(path)

@@ -23,6 +23,10 @@ from camera_to_base.errors import InvalidValueError
 import yaml
 
 
+# PyYAML takes seconds for more.
+_MOST_CHARACTERS = 200_000
+
+
 class _Loader(yaml.SafeLoader):
     """Refuses aliases, as rcl does: a file with aliases could contain itself or grow endlessly."""
 
@@ -161,6 +165,9 @@ def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     except (OSError, ValueError) as error:
         reason = getattr(error, 'strerror', None) or error
         raise InvalidValueError(f"cannot read the {kind} '{path}': {reason}") from error
+    if len(text) > _MOST_CHARACTERS:
+        raise InvalidValueError(
+            f"the {kind} '{path}' has {len(text)} characters, at most {_MOST_CHARACTERS} are read")
     try:
         return text, yaml.load(text, _Loader)
     # For a value that does not fit its tag, PyYAML raises Python's own exceptions.

@@ -41,11 +41,17 @@ _UNSETTLED = _waiting(
     'background_unsettled', 'the pictures differ: let nothing move on the surface')
 
 
+# Limit of the memory for the frames: 200 at 640 x 480 px, 32 at 1920 x 1080 px.
+_MOST_BYTES = 200_000_000
+# A median of fewer frames may show a moving hand.
+_FEWEST = 9
+
+
 class BackgroundTaker:
     """
-    Collects frames until there are enough for a background.
+    Collects frames until there are enough for a background, or no more fit into 200 MB.
 
-    `reason` is why there is no background yet.
+    `reason` is why there is no background yet, `taken_count` the number of its frames.
 
     :param count: Number of frames; 1 takes the next frame as it is, as the tutorial does.
     """
@@ -54,6 +60,7 @@ class BackgroundTaker:
         self._count = count
         self._frames: List[np.ndarray] = []
         self._doubted: Optional[np.ndarray] = None
+        self.taken_count = 0
         self.reason: Reason = _MISSING
 
     def add(self, frame: np.ndarray, confirm: bool = False) -> Optional[np.ndarray]:
@@ -72,8 +79,9 @@ class BackgroundTaker:
         if self._frames and self._frames[0].shape != frame.shape:
             self._frames.clear()
         self._frames.append(frame)
-        if len(self._frames) < self._count:
+        if len(self._frames) < min(self._count, max(_FEWEST, _MOST_BYTES // frame.nbytes)):
             return None
+        self.taken_count = len(self._frames)
         return _median(self._frames)
 
     def _confirmed(self, frame: np.ndarray) -> Optional[np.ndarray]:

@@ -25,7 +25,8 @@ BACKGROUND_SPECS = [
     ParameterSpec(
         'background_frames', 1,
         'The background is the median of this many frames; 1 takes the first one, as the '
-        'tutorial does (of a camera, the first one that the next one confirms).', (1, 1000)),
+        'tutorial does (of a camera, the first one that the next one confirms). No more are '
+        'gathered than fit into 200 MB: 32 of 1920 x 1080 px.', (1, 1000)),
 ]
 DETECTOR_SPECS = [
     ParameterSpec('detector.method', 'precise',

@@ -40,7 +40,7 @@ class BackgroundFile:
     """
 
     def __init__(self, path: str) -> None:
-        self._path = path
+        self._path = os.path.expanduser(path)
         self._kept: Optional[np.ndarray] = None
 
     def read(self) -> Optional[KeptBackground]:
@@ -52,6 +52,7 @@ class BackgroundFile:
         """
         if not os.path.exists(self._path):
             return None
+        _refuse_no_file(self._path)
         try:
             with open(self._path, 'rb') as file:
                 self._kept = decode_compressed(file.read())
@@ -80,10 +81,19 @@ def check_background_path(path: str) -> str:
     """
     Check that a file keeps a background without loss.
 
-    :raises InvalidValueError: If it is not a .png file, or its folder does not exist.
+    :returns: The path, with the home folder for a `~` at its beginning.
+    :raises InvalidValueError: If it is not an ordinary .png file, or its folder does not exist.
     """
+    path = os.path.expanduser(path)
     if path:
         if not path.lower().endswith('.png'):
             raise InvalidValueError(f"background_file must end in .png, got '{path}'")
         check_folder(path, 'background_file')
+        _refuse_no_file(path)
     return path
+
+
+def _refuse_no_file(path: str) -> None:
+    # Reading a pipe, or a device, would never end.
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
+        raise InvalidValueError(f"background_file '{path}' is no ordinary file: name another")

@@ -69,7 +69,7 @@ class CameraPublisher(Node):
                 self, self._pipeline, settings, self._source.kind)
             self._background_service = BackgroundService(
                 self, self._pipeline, lambda: self._settings.background_frames,
-                has_frames=self._source.kind != RANDOM)
+                lambda: self._feed.reason)
             self._warn_of_settings_without_effect()
             watch = CameraWatch(self, self._pipeline, self._is_calibrated)
             self._started_at = time.monotonic()

@@ -16,7 +16,7 @@
 
 from collections import Counter
 import time
-from typing import Optional
+from typing import NamedTuple, Optional
 
 from camera_to_base.detection import (
     BackgroundTaker, check_frame, check_same_size, DetectorSettings, ObjectLocator)
@@ -32,6 +32,14 @@ from camera_to_base.trust.sighting import Sighting
 from camera_to_base.trust.view_check import View
 from camera_to_base.trust.view_watch import ViewWatch
 import numpy as np
+
+
+class KeptBackground(NamedTuple):
+    """A background that is being replaced, and when it was taken, by time.monotonic()."""
+
+    picture: np.ndarray
+    taken_at: float
+    is_restored: bool
 
 
 class CameraPipeline:
@@ -61,6 +69,9 @@ class CameraPipeline:
         self._surface, self._detector = surface, detector
         self._limits = self._limits_here(limits)
         self._locator: Optional[ObjectLocator] = None
+        self.background: Optional[np.ndarray] = None
+        self.background_frame_count = 0
+        self._replaced: Optional[KeptBackground] = None
         self.capture_background(background_frames)
 
     def configure(
@@ -82,9 +93,29 @@ class CameraPipeline:
                 self._view.configure(limits)
 
     def capture_background(self, frame_count: int) -> None:
-        """Take a new background from the next frames; until then no objects are found."""
+        """
+        Take a new background from the next frames; until then no objects are found.
+
+        Fewer frames are taken if they would need too much memory, see :class:`BackgroundTaker`;
+        `background_frame_count` is their number.
+        """
+        if self.background is not None:
+            self._replaced = KeptBackground(
+                self.background, self._background_taken_at, self.background_is_restored)
         self._taker: Optional[BackgroundTaker] = BackgroundTaker(frame_count)
-        self.background: Optional[np.ndarray] = None
+        self.background = None
+
+    def keep_background(self) -> bool:
+        """
+        Stop taking a new background, and use the previous one again.
+
+        :returns: Whether there is one; otherwise the next good frames become the background.
+        """
+        if self.background is None and self._replaced is not None:
+            picture, taken_at, is_restored = self._replaced
+            self._use_background(
+                picture, age_s=time.monotonic() - taken_at, is_restored=is_restored)
+        return self.background is not None
 
     def restore_background(self, background: np.ndarray, age_s: float) -> None:
         """
@@ -165,6 +196,7 @@ class CameraPipeline:
         background = self._taker.add(frame, confirm=self._kind.is_live)
         if background is None:
             return self._taker.reason
+        self.background_frame_count = self._taker.taken_count
         self._use_background(background, witness=frame if self._kind.is_live else None)
         return None
 

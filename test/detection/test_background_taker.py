@@ -101,3 +101,13 @@ def test_hands_that_pass_do_not_keep_a_background_from_being_taken_within_10_s(c
     board = SimulatedBoard(hands=6, noise=2.0)
     for _ in range(20):
         assert taken_by(BackgroundTaker(count), (board.read() for _ in range(100)))[0]
+
+
+def test_gathered_frames_take_no_more_than_200_mb():
+    frame, taker, count = np.full((2160, 3840, 3), 150, np.uint8), BackgroundTaker(1000), 0
+    background = None
+    while background is None:
+        count += 1
+        background = taker.add(frame)
+        assert count < 20
+    assert taker.taken_count == count == 9

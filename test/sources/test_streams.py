@@ -81,7 +81,8 @@ def wait_for_background(ros):
 
 
 def stream_arguments(url, *more):
-    return ['-p', f'source:={url}', *more]
+    # The tutorial's surface to a hundredth of a mm, and yet a calibration.
+    return ['-p', f'source:={url}', '-p', 'surface.parallel.width_cm:=36.001', *more]
 
 
 @both_scripts
