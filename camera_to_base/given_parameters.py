@@ -140,7 +140,7 @@ def _readable_sections(path: str) -> Optional[List[Section]]:
 
 @lru_cache(maxsize=4)
 def _read_once(path: str, changed_at: int) -> Optional[List[Section]]:
-    # ROS has refused before what cannot be read at all.
+    # ROS has already refused a file that cannot be read.
     try:
         return read_sections(path)
     except InvalidValueError:
