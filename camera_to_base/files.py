@@ -21,6 +21,9 @@ from typing import Dict, Iterable, List, Mapping, Optional
 
 from camera_to_base.errors import InvalidValueError
 
+# A process's own streams: replacing a file that one leads to would cut the stream off.
+_STREAMS = ('/dev/std', '/dev/fd/', '/proc/')
+
 
 def write_files(contents: Mapping[str, bytes], *, keep_old: bool = False) -> List[str]:
     """
@@ -62,9 +65,11 @@ def regular_target(path: str) -> str:
     :raises InvalidValueError: If the path exists and is not a file: a device, a pipe, a folder.
     """
     target = os.path.realpath(path)
-    if os.path.lexists(target) and not os.path.isfile(target):
+    is_stream = os.path.abspath(path).startswith(_STREAMS)
+    if is_stream or os.path.lexists(target) and not os.path.isfile(target):
+        kind = 'a stream' if is_stream else _kind(target)
         raise InvalidValueError(
-            f"cannot write '{path}': {_kind(target)} is there, not a file: name another")
+            f"cannot write '{path}': {kind} is there, not a file: name another")
     return target
 
 

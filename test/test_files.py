@@ -82,6 +82,7 @@ def test_what_is_no_file_stays_as_it_is():
     Path('circle').symlink_to('circle')
     Path('device').symlink_to('/dev/null')
     for path, kind in (('/dev/null', 'a device or a pipe'), ('device', 'a device or a pipe'),
+                       ('/dev/stdout', 'a stream'), ('/proc/self/fd/1', 'a stream'),
                        ('pipe', 'a device or a pipe'), ('folder', 'a folder'),
                        ('circle', 'a link that leads back to itself')):
         for refuse in (regular_target, lambda path: write_files({path: b'1'}, keep_old=True)):

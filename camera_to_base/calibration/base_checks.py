@@ -17,7 +17,7 @@
 from typing import Any, List, Mapping
 
 from camera_to_base.calibration.rigid_fit import PAIRS_TO_TELL_A_BAD_ONE, RigidFit, spread
-from camera_to_base.errors import CalibrationError
+from camera_to_base.errors import CalibrationError, HorizonError
 from camera_to_base.surface import (
     Hull, make_hull, make_surface, PointPairs, Surface, SURFACE_DEFAULTS)
 import numpy as np
@@ -155,7 +155,10 @@ def _precision(
     deviation = max(TOUCH_ERROR_CM, np.sqrt(np.sum(fit.residuals ** 2) / freedom))
     centre = pairs.camera_points[:, :2].mean(axis=0)
     arms = np.sum((pairs.camera_points[:, :2] - centre) ** 2)
-    farthest = np.linalg.norm(surface.locate(hull.corners) - centre, axis=1).max()
+    try:
+        farthest = np.linalg.norm(surface.locate(hull.corners) - centre, axis=1).max()
+    except HorizonError:
+        return []  # A surface without a hull, whose picture has no far end.
     error = float(deviation * np.sqrt(2 / len(pairs) + farthest ** 2 / arms))
     text = (f'the pairs lie within {spread(pairs.camera_points):.1f} cm: errors of '
             f'{10 * deviation:.1f} mm in them become {10 * error:.0f} mm at the far end of the '

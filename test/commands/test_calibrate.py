@@ -457,6 +457,16 @@ def test_pairs_of_the_tutorials_parallel_camera_fit_its_surface(report):
     assert found['warnings'] == [] and found['rotation_deg'] == pytest.approx([180, 0, 0])
 
 
+def test_pairs_fit_a_surface_whose_picture_shows_the_horizon(report):
+    # A camera that looks along a road: its horizon is the row 112.
+    road = written('road.yaml', '/**: {ros__parameters: {surface: {model: homography, homography: '
+                   '{surface_from_pixel: [100.0, 0, -32000, 0, 0, 12800, 0, 1, -112]}}}}')
+    camera = np.array([[-40.0, 40.0], [40.0, 40.0], [-60.0, 80.0], [60.0, 80.0], [0.0, 60.0]])
+    touched(camera, camera + [5.0, 7.0])
+    found = report('base', 'pairs.csv', '--surface', road, '-o', 'cell.yaml')
+    assert found['displacement_cm'] == pytest.approx([5, 7, 0]) and found['warnings'] == []
+
+
 def test_hanging_robot_counts_z_downwards(run):
     surface, pairs = surface_file(), touched(TOUCHED, TOUCHED + [-17.8, 24.4])
     code, _, error = run('base', pairs, '--surface', surface, '-o', 'a.yaml', '--base-z', 'down')
