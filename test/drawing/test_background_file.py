@@ -72,7 +72,7 @@ def test_folder_in_the_files_place_is_named(tmp_path):
     path.mkdir()
     with pytest.raises(InvalidValueError, match=f"'{path}': Is a directory"):
         BackgroundFile(str(path)).read()
-    with pytest.raises(InvalidValueError, match=f"'{path}': Is a directory"):
+    with pytest.raises(InvalidValueError, match=f"'{path}': a folder is there"):
         BackgroundFile(str(path)).keep(picture())
 
 
