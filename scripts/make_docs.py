@@ -80,7 +80,7 @@ def _group(spec: ParameterSpec) -> str:
 
 
 def _limits(spec: ParameterSpec) -> str:
-    # The unit has a column of its own.
+    # The unit has a separate column.
     text = spec.constraint_text
     if spec.unit:
         text = re.sub(rf' ?(in )?{re.escape(spec.unit)}(?= in steps|;|$)(; )?', '', text)

@@ -53,4 +53,5 @@ def test_new_name_holds_where_both_are_given():
 
 
 def test_old_name_is_none_of_another_parameter():
-    assert len(NAMES) == len(set(NAMES)) + 2  # both nodes take the placement
+    # Both nodes take the placement and the name of the camera frame.
+    assert len(NAMES) == len(set(NAMES)) + 3

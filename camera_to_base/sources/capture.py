@@ -50,7 +50,7 @@ def open_file(path: str) -> Optional[cv2.VideoCapture]:
 
 def is_readable(path: str, capture: cv2.VideoCapture) -> bool:
     """
-    Tell whether reading an opened file leaves the process alive.
+    Return whether reading an opened file leaves the process alive.
 
     OpenCV 5.0.0 crashes on uncompressed BGR whose lowest row comes first, as AVI files have it. A
     process of its own reads the first frame of a file that might be one.

@@ -450,6 +450,13 @@ def test_pairs_that_cannot_be_of_this_table_are_refused_and_nothing_is_written(r
     assert {path: path.read_bytes() for path in Path().iterdir()} == before
 
 
+def test_pairs_of_the_tutorials_parallel_camera_fit_its_surface(report):
+    Path('pairs.csv').write_text(PAIRS + '18,13,0.2,11.4\n')
+    parallel = written('parallel.yaml', '/**: {ros__parameters: {surface: {model: parallel}}}')
+    found = report('base', 'pairs.csv', '--surface', parallel, '-o', 'cell.yaml')
+    assert found['warnings'] == [] and found['rotation_deg'] == pytest.approx([180, 0, 0])
+
+
 def test_hanging_robot_counts_z_downwards(run):
     surface, pairs = surface_file(), touched(TOUCHED, TOUCHED + [-17.8, 24.4])
     code, _, error = run('base', pairs, '--surface', surface, '-o', 'a.yaml', '--base-z', 'down')

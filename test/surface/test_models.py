@@ -46,6 +46,10 @@ def test_parallel_surface_is_36_cm_across_640_px_by_default():
         ParallelSurface().locate([[640, 480], [0, 0]]), [[36.0, 27.0], [0.0, 0.0]], rtol=1e-12)
 
 
+def test_parallel_surface_shows_a_point_where_it_locates_it():
+    np.testing.assert_allclose(ParallelSurface(32.0).pixels([[19.5, 13.75]]), [[390, 275]])
+
+
 def test_parallel_surface_has_pixels_outside_the_picture_too():
     np.testing.assert_allclose(ParallelSurface(64.0).locate([[-10, 1000]]), [[-1.0, 100.0]])
 
