@@ -21,6 +21,7 @@ Both angles are counter-clockwise: the shoulder's from the base frame's x, the e
 upper arm. Of the two solutions it takes the one with a positive elbow angle.
 """
 
+import argparse
 import math
 import sys
 from typing import Optional, Tuple
@@ -30,6 +31,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import JointState
 
 
@@ -95,7 +97,10 @@ def _start() -> TwoLinkArm:
 
 
 def main() -> None:
-    """Run the node until a signal arrives."""
+    """Answer --help, or run the node until a signal arrives."""
+    argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args(
+            remove_ros_args(sys.argv)[1:])
     try:
         rclpy.spin(_start())
     except (KeyboardInterrupt, ExternalShutdownException):
