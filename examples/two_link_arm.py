@@ -22,6 +22,7 @@ upper arm. Of the two solutions it takes the one with a positive elbow angle.
 """
 
 import argparse
+from itertools import takewhile
 import math
 import sys
 from typing import Optional, Tuple
@@ -31,7 +32,6 @@ from rcl_interfaces.msg import ParameterDescriptor
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import JointState
 
 
@@ -100,7 +100,7 @@ def main() -> None:
     """Answer --help, or run the node until a signal arrives."""
     argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args(
-            remove_ros_args(sys.argv)[1:])
+            list(takewhile(lambda argument: argument != '--ros-args', sys.argv[1:])))
     try:
         rclpy.spin(_start())
     except (KeyboardInterrupt, ExternalShutdownException):
