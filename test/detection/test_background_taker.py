@@ -13,7 +13,7 @@
 # limitations under the License.
 
 from camera_to_base.detection.background_taker import BackgroundTaker
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.simulation.board import SimulatedBoard
 import cv2
 import numpy as np
