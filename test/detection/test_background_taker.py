@@ -86,6 +86,14 @@ def test_black_frames_are_the_problem_however_well_they_agree():
     assert 'the picture is black' in taker.reason.sentence
 
 
+def test_bright_pixels_on_a_black_picture_do_not_make_it_light():
+    dark = frame(3, shape=(48, 64, 3))
+    dark[:, 0] = 255
+    taker = BackgroundTaker(1)
+    assert taken_by(taker, [dark, dark + np.uint8(0)]) == (None, None)
+    assert 'the picture is black' in taker.reason.sentence
+
+
 @pytest.mark.parametrize('frame_count', [10, 40, 160])
 def test_background_of_a_camera_that_warms_up_finds_the_coin_at_full_light(frame_count):
     take_frame = scenes.still_coin(empty_s=60.0)
