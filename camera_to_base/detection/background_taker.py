@@ -41,17 +41,17 @@ _UNSETTLED = _waiting(
     'background_unsettled', 'the pictures differ: let nothing move on the surface')
 
 
-# Frames that are gathered take no more memory than this: 200 at 640 x 480 px, 32 at 1920 x 1080.
+# Limit of the memory for the frames: 200 at 640 x 480 px, 32 at 1920 x 1080 px.
 _MOST_BYTES = 200_000_000
-# A median of fewer lets a hand through that moves.
+# A median of fewer frames may show a moving hand.
 _FEWEST = 9
 
 
 class BackgroundTaker:
     """
-    Gathers frames until there are enough for a background, or no more fit into 200 MB.
+    Collects frames until there are enough for a background, or no more fit into 200 MB.
 
-    `reason` tells why there is none yet, `taken_count` of how many frames it was made.
+    `reason` is why there is no background yet, `taken_count` the number of its frames.
 
     :param count: Number of frames; 1 takes the next frame as it is, as the tutorial does.
     """

@@ -82,7 +82,7 @@ def check_background_path(path: str) -> str:
     Check that a file keeps a background without loss.
 
     :returns: The path, with the home folder for a `~` at its beginning.
-    :raises InvalidValueError: If it is no .png, no ordinary file, or its folder does not exist.
+    :raises InvalidValueError: If it is not an ordinary .png file, or its folder does not exist.
     """
     path = os.path.expanduser(path)
     if path:

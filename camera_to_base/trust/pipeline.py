@@ -94,10 +94,10 @@ class CameraPipeline:
 
     def capture_background(self, frame_count: int) -> None:
         """
-        Take the background anew, of the next frames; until then no objects are found.
+        Take a new background from the next frames; until then no objects are found.
 
-        Fewer frames are taken where they would need too much memory, see
-        :class:`BackgroundTaker`; `background_frame_count` tells how many it were.
+        Fewer frames are taken if they would need too much memory, see :class:`BackgroundTaker`;
+        `background_frame_count` is their number.
         """
         if self.background is not None:
             self._replaced = KeptBackground(
@@ -107,7 +107,7 @@ class CameraPipeline:
 
     def keep_background(self) -> bool:
         """
-        Give up taking the background anew: use the one before from now on.
+        Stop taking a new background, and use the previous one again.
 
         :returns: Whether there is one; otherwise the next good frames become the background.
         """
