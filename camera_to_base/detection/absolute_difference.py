@@ -140,6 +140,10 @@ class AbsoluteDifferenceDetector:
         """Nothing: what has left is an object, as in the tutorial."""
         return []
 
+    @property
+    def noise(self) -> None:
+        """Not known: the tutorial does not ask."""
+
     def _smoothed_background(self) -> np.ndarray:
         # The steps leave their results in arrays of the picture's size, so that a place has the
         # same indices everywhere, and no memory is asked for and given back for each frame.
