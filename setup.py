@@ -18,7 +18,7 @@ import sys
 from setuptools import find_packages, setup
 
 package_name = 'camera_to_base'
-# A signal while Python itself starts is kept until `interrupt.serve_signals` serves it.
+# Signals are blocked while Python starts; `interrupt.serve_signals` then handles them.
 interpreter = f'/usr/bin/env -S --block-signal=INT,TERM {sys.executable}'
 
 setup(

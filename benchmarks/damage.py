@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-What OpenCV makes of damaged pictures, what each of our checks catches of it, and what it costs.
+Measures how OpenCV decodes damaged pictures, which of them the checks find, and the time it takes.
 
 Three in ten pictures of a stream are damaged. A row tells what became of the reads of one damage:
 how many failed; of the others, how many the damage check refused, for which reason; how many
@@ -59,7 +59,7 @@ class Checks:
         self.restart()
 
     def restart(self):
-        """Forget what was counted."""
+        """Reset the counts."""
         self.counts, self.seconds, self.largest_error_px = Counter(), Counter(), 0.0
 
     def apply(self, frame):
@@ -95,7 +95,7 @@ class Checks:
 
 
 def measure(server_class, quality, damage, count):
-    """Read some pictures, some of them damaged; give what became of them, as a row."""
+    """Read some pictures, some of them damaged; return the counts as a row."""
     scene, failed = StillCoin(), 0
     with server_class(scene, 200.0, quality=quality) as server:
         camera = Camera(server.url)
@@ -117,7 +117,7 @@ def measure(server_class, quality, damage, count):
 
 
 def as_row(checks):
-    """Make a row of what the checks did."""
+    """Make a row of the checks' results."""
     counts, pictures = checks.counts, max(1, checks.counts['pictures'])
     names = [*KINDS, 'wrong', 'wrong behind damage check', 'wrong published']
     return {**{name: counts[name] for name in names},
@@ -128,7 +128,7 @@ def as_row(checks):
 
 
 def main():
-    """Measure, print and, where asked to, write the rows."""
+    """Measure, print and, with --json, write the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--quick', action='store_true', help='few pictures, for its exit code')
     parser.add_argument('--frames', type=int, default=150, help='reads for each row')

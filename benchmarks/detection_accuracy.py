@@ -13,16 +13,16 @@
 # limitations under the License.
 
 """
-How often each method finds what is there, and how far off it is.
+Measures precision, recall and position error of each method.
 
     scripts/benchmark detection_accuracy [--quick] [--json FILE]
 
 First on photometric pictures, see `photometric`, which share nothing with the detector; then on
-the bad days of the simulated board. Precision and recall count every frame after the first, which
-is the background. A detection is right within 5 px of a true object. An object that a hand
-touches, or that sticks out of the picture by less than a pixel, is neither asked for nor counted
-against a method. All methods but the tutorial's publish through the same gates on the board: 0.5
-to 20 cm², not touching the picture's edge.
+difficult scenes of the simulated board. Precision and recall count every frame after the first,
+which is the background. A detection is right within 5 px of a true object. An object that a hand
+touches, or that exceeds the picture by less than a pixel, does not count in either way. On the
+board, all methods but the tutorial's have the same limits: 0.5 to 20 cm², and not at the picture's
+edge.
 """
 
 import argparse
@@ -95,7 +95,7 @@ class Score:
     """Counts what a method got right on one scene."""
 
     def __init__(self) -> None:
-        """Start from nothing."""
+        """Start with all counts at zero."""
         self.right = self.wrong = self.wanted = 0
         self.errors_px: List[float] = []
         self.disc_errors_px: List[float] = []
@@ -135,7 +135,7 @@ class Score:
         self.corrected_errors_cm.append(np.hypot(*(corrected - truth.point)))
 
     def row(self) -> Dict[str, float]:
-        """Sum up; no error where nothing was right."""
+        """Return the sums; the error is empty if no detection was right."""
         said = self.right + self.wrong
         return {
             'precision': self.right / said if said else None,
@@ -155,7 +155,7 @@ def project(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def publishable(detection: Detection, board: SimulatedBoard) -> bool:
-    """Return whether an object is whole and of a size that is asked for, on the surface."""
+    """Return whether an object is complete, and its area on the surface within the limits."""
     outline = project(board.surface_from_pixel, detection.outline)
     area = cv2.contourArea(outline.astype(np.float32))
     return not detection.cut_off and _AREA_CM2[0] <= area <= _AREA_CM2[1]
@@ -240,7 +240,7 @@ def main() -> None:
 
 
 def versions() -> str:
-    """Tell what was measured on what."""
+    """Return the versions and the machine of the measurement."""
     return (f'OpenCV {cv2.__version__}, numpy {np.__version__}, Python '
             f'{platform.python_version()}, {_processor()};')
 

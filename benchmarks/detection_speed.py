@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-How fast each method is, as a ratio to the tutorial's OpenCV calls on the same frames.
+Measures the time of each method relative to the tutorial's OpenCV calls on the same frames.
 
     scripts/benchmark detection_speed [--quick] [--json FILE]
 
@@ -35,9 +35,9 @@ import numpy as np
 
 SIZES = (640, 480), (1280, 720), (3840, 2160)
 _TABLE, _COIN, _NOISE = 200, 60, 1.5
-# Frames that are read in turn, in bytes in all: more than the cache of one core holds.
+# Total size of the frames in bytes: larger than the cache of one core.
 _FRAMES_BYTES = 64e6
-# As parts of the picture's width and height.
+# In parts of the picture's width and height.
 _FAR_APART = (0.12, 0.15), (0.88, 0.14), (0.5, 0.5), (0.13, 0.86), (0.87, 0.85)
 
 

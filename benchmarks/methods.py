@@ -72,13 +72,13 @@ class BackgroundModel:
 
 
 class OneRead:
-    """Not a detector: a single pass over the frame's bytes, as a measure of what is possible."""
+    """Not a detector: a single pass over the frame's bytes, as a lower limit of the time."""
 
     def __init__(self, background: np.ndarray) -> None:
-        """Need nothing of the background."""
+        """Ignore the background."""
 
     def detect(self, frame: np.ndarray) -> List[Detection]:
-        """Read every byte, find nothing."""
+        """Read every byte; return no object."""
         frame.max()
         return []
 

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-What the nodes cost: CPU time of a message, against a bare relay; start-up time; memory.
+Measures the nodes: CPU time per message compared with a bare relay, start-up time, memory.
 
 Run it where the package is sourced, or by `scripts/benchmark nodes`.
 """
@@ -36,7 +36,7 @@ RELAY = [sys.executable, os.path.join(os.path.dirname(os.path.abspath(__file__))
 
 
 def main():
-    """Measure, print and, where asked to, write the rows."""
+    """Measure, print and, with --json, write the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--quick', action='store_true', help='few messages, for a first look')
     parser.add_argument('--json', metavar='FILE', help='write the rows there as well')
@@ -71,7 +71,7 @@ def message_costs(rounds, messages):
 
 
 def cost_of_a_message(command, messages):
-    """Send messages one after another; return the CPU time in s that the process took for one."""
+    """Send messages one after another; return the process's CPU time per message, in s."""
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     node = rclpy.create_node('benchmark')
     received = []
@@ -91,7 +91,7 @@ def cost_of_a_message(command, messages):
 
 
 def exchange(node, publisher, message, received, count):
-    """Send a message, wait for its answer, and so on; what is lost at first is sent again."""
+    """Send messages and wait for each reply; messages lost during discovery are sent again."""
     answered = 0
     while answered < count:
         received.clear()
@@ -103,7 +103,7 @@ def exchange(node, publisher, message, received, count):
 
 
 def start_up(name, arguments, rounds):
-    """Measure the time until a node is seen by another one's eyes, and its memory then."""
+    """Measure the time until another node discovers a node, and its memory then."""
     seconds, megabytes = [], []
     for _ in range(rounds):
         node = rclpy.create_node('benchmark')
@@ -123,7 +123,7 @@ def start_up(name, arguments, rounds):
 
 
 def executable(name):
-    """Give the path of an installed executable."""
+    """Return the path of an installed executable."""
     return os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', name)
 
 
@@ -137,7 +137,7 @@ def cpu_seconds(pid):
 
 
 def resident_megabytes(pid):
-    """Read how much memory a process holds."""
+    """Return the resident memory of a process."""
     with open(f'/proc/{pid}/statm') as file:
         return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE') / 1e6
 

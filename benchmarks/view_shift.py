@@ -13,12 +13,11 @@
 # limitations under the License.
 
 """
-What the view check catches: a table of moves, disturbances and surfaces.
+Measures the view check: a table of camera moves, disturbances and surfaces.
 
-For each pair it prints the median shift that was told, in px, and how many of the frames were
-beyond the limit (caught where the camera moved, false alarms where it did not) or could not be
-told (?). The true shift is that of the farthest corner. One check makes all comparisons of a
-cell, as the node's does.
+For each pair it prints the median of the measured shift, in px, and the number of frames beyond
+the limit (found if the camera moved, false alarms if it did not) or without a result (?). The true
+shift is that of the farthest corner. One check makes all comparisons of a cell, as in the node.
 """
 
 import argparse
@@ -58,12 +57,12 @@ def tiles():
 
 
 def plain():
-    """Draw a surface with nothing on it."""
+    """Draw a surface without structure."""
     return np.full((HEIGHT + 2 * MARGIN, WIDTH + 2 * MARGIN, 3), 200, np.uint8)
 
 
 def seen(surface, move, random, noise=2.0, disturb=None):
-    """Take a picture of the surface by a camera that was moved."""
+    """Take a picture of the surface with a camera that was moved."""
     du, dv, angle = move
     height, width = surface.shape[:2]
     warp = cv2.getRotationMatrix2D((width / 2, height / 2), angle, 1)
@@ -77,7 +76,7 @@ def seen(surface, move, random, noise=2.0, disturb=None):
 
 
 def coin(picture, random):
-    """Put a coin somewhere."""
+    """Draw a coin at a random place."""
     at = int(random.integers(60, WIDTH - 60)), int(random.integers(60, HEIGHT - 60))
     return cv2.circle(picture.copy(), at, 21, (52, 60, 70), -1, cv2.LINE_AA)
 
@@ -98,7 +97,7 @@ def brighter(picture, random):
 
 
 def sunlight(picture, random):
-    """Light one side and throw a shadow on the other."""
+    """Brighten one side and darken the other."""
     ramp = np.linspace(0.8, 1.25, WIDTH, dtype=np.float32)[None, :, None]
     picture = picture * ramp
     picture[:, 450:] *= 0.85
@@ -111,7 +110,7 @@ SURFACES = {'board': board, 'wood': wood, 'tiles': tiles, 'plain': plain}
 
 
 def true_shift(move):
-    """Tell how far the farthest corner moves, in px."""
+    """Return the shift of the farthest corner, in px."""
     warp = cv2.getRotationMatrix2D((WIDTH / 2, HEIGHT / 2), move[2], 1)
     warp[:, 2] += move[:2]
     corners = np.array([[0, 0, 1], [WIDTH, 0, 1], [0, HEIGHT, 1], [WIDTH, HEIGHT, 1]])
@@ -119,7 +118,7 @@ def true_shift(move):
 
 
 def measure(surface, move, disturb, rounds, noise=2.0):
-    """Compare some pictures; give the shifts told, None where it cannot be told."""
+    """Compare some pictures; return the measured shifts, None without a result."""
     random = np.random.default_rng(7)
     check = ViewCheck(seen(surface, (0, 0, 0), random, noise))
     return [check.compare(seen(surface, move, random, noise, disturb)).shift_px
@@ -127,7 +126,7 @@ def measure(surface, move, disturb, rounds, noise=2.0):
 
 
 def cost_ms(surface, size, rounds=20):
-    """Measure how long a comparison takes, in ms, the median."""
+    """Return the median time of a comparison, in ms."""
     random = np.random.default_rng(7)
     frames = [cv2.resize(seen(surface, move, random), size)
               for move in (MOVES['none'], MOVES['2 px'])]

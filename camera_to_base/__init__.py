@@ -12,4 +12,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Objects that a camera sees on a work surface, as points in the robot's base frame."""
+"""Locates objects on a work surface with a camera, as points in the robot's base frame."""

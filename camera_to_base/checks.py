@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Checks of values where they enter the package."""
+"""Checks values where they enter the package."""
 
 from typing import Any
 
@@ -24,10 +24,10 @@ def finite_numbers(name: str, values: Any, *shape: int) -> np.ndarray:
     """
     Check an array of numbers.
 
-    :param name: What the error calls it.
-    :param shape: What its shape must be; -1 stands for any length.
+    :param name: Its name in the error.
+    :param shape: The required shape; -1 allows any length.
     :returns: A copy, of float.
-    :raises InvalidValueError: If the shape is another, or it holds anything but finite numbers.
+    :raises InvalidValueError: If the shape differs, or an element is not a finite number.
     """
     wanted = f'({", ".join("n" if length == -1 else str(length) for length in shape)})'
     try:

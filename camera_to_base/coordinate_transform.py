@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""From the camera frame, which lies on the work surface, to the robot's base frame."""
+"""Converts points from the camera frame, on the work surface, to the robot's base frame."""
 
 import math
 import random
@@ -23,7 +23,7 @@ from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 import numpy as np
 
-# The tutorial's set-up: what the picture's width sees, and where the camera frame lies.
+# The tutorial's set-up: the width that the picture shows, and the pose of the camera frame.
 TUTORIAL_WIDTH_CM = 36.0
 TUTORIAL_ROTATION_DEG = (180.0, 0.0, 0.0)
 TUTORIAL_DISPLACEMENT_CM = (-17.8, 24.4, 0.0)
@@ -54,7 +54,7 @@ def homogeneous_matrix(
     rotation_deg: Sequence[float], displacement_cm: Sequence[float]
 ) -> np.ndarray:
     """
-    Build the homogeneous matrix that rotates first and displaces then.
+    Build the homogeneous matrix that first rotates and then displaces.
 
     :param rotation_deg: Roll, pitch and yaw about the fixed axes x, y and z, in degrees.
     :param displacement_cm: x, y and z, in cm.
@@ -70,7 +70,7 @@ def homogeneous_matrix(
 
 def axis_angle(x: float, y: float) -> float:
     """
-    Tell the direction of an axis, which has no front: (-x, -y) is the same as (x, y).
+    Return the direction of an axis: (-x, -y) has the same direction as (x, y).
 
     :returns: From the x axis towards the y axis, in rad, in (-pi/2, pi/2].
     """
@@ -81,11 +81,11 @@ def axis_angle(x: float, y: float) -> float:
 
 class Pose(NamedTuple):
     """
-    Where an object lies, and how it is turned.
+    The position and the direction of an object.
 
     :param x: In cm; y and z, too.
     :param yaw: Direction of its long axis about the frame's z, from x towards y, in rad, in
-        (-pi/2, pi/2]: an axis has no front. 0 for a round object.
+        (-pi/2, pi/2], as an axis has no front. 0 for a round object.
     """
 
     x: float
@@ -167,7 +167,7 @@ class CameraToRobotBaseConversion(CoordinateConversion):
 
     def convert_point(self, x: float, y: float, z: float = 0.0) -> Tuple[float, float, float]:
         """
-        Convert one point; on one point plain floats are faster than arrays.
+        Convert one point, with floats: they are faster than arrays for a single point.
 
         :param x: In cm, in the camera frame; y and z, too. z is 0 on the work surface.
         :returns: x, y and z, in cm, in the base frame.

@@ -12,19 +12,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The errors that this package raises on purpose: one family, so that a caller catches one."""
+"""The exceptions of this package; they have a common base class."""
 
 
 class CameraToBaseError(Exception):
-    """Base of all errors of this package; its text says what failed, with which value."""
+    """Base class of this package's errors; the message says what failed, and with which value."""
 
 
 class InvalidValueError(CameraToBaseError, ValueError):
-    """A value that a caller, a parameter or a message gave cannot be used."""
+    """A value from a caller, a parameter or a message cannot be used."""
 
 
 class FrameSizeError(CameraToBaseError):
-    """A frame does not have the size that the background or the calibration was made for."""
+    """A frame does not have the picture size of the background or the calibration."""
 
 
 class FrameSourceError(CameraToBaseError):
@@ -32,20 +32,20 @@ class FrameSourceError(CameraToBaseError):
 
 
 class TopicTypeError(FrameSourceError):
-    """A topic carries another type of messages than the one that was subscribed to."""
+    """A topic has another message type than the subscription."""
 
 
 class OutOfReachError(CameraToBaseError):
-    """A position lies farther from the robot's base than its arm can reach."""
+    """A position is farther from the robot's base than its arm can reach."""
 
 
 class OtherFrameError(CameraToBaseError):
-    """A position is given in another coordinate frame than the one that is converted."""
+    """A position is given in another coordinate frame than the camera frame."""
 
 
 class HorizonError(CameraToBaseError):
-    """A pixel does not look at the work surface: it lies near the horizon or beyond it."""
+    """A pixel does not show the work surface: it lies near the horizon or beyond it."""
 
 
 class CalibrationError(CameraToBaseError):
-    """A calibration cannot be computed from the points or the picture that were given."""
+    """A calibration cannot be computed from the given points or picture."""

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Writes files as a whole: a reader sees the old ones or the new ones, never a part."""
+"""Writes files as a whole: a reader sees either the old file or the new one, never a part."""
 
 import os
 import stat
@@ -26,13 +26,13 @@ def write_files(contents: Mapping[str, bytes], *, keep_old: bool = False) -> Lis
     """
     Write all files, or none if one cannot be written.
 
-    A link stays: its target is written. A file that is there keeps its permissions and, where
-    that is allowed, its owner.
+    For a link, the target is written. An existing file keeps its permissions and, if the process
+    may set it, its owner.
 
-    :param contents: By path.
-    :param keep_old: Keep what is overwritten beside the new file, as PATH.bak.
+    :param contents: The contents by path.
+    :param keep_old: Keep an overwritten file as PATH.bak.
     :returns: The .bak files that were written.
-    :raises InvalidValueError: If one cannot be written, or is there and no regular file.
+    :raises InvalidValueError: If one cannot be written, or exists and is not a regular file.
     """
     unfinished: Dict[str, str] = {}
     path = ''
@@ -56,10 +56,10 @@ def write_files(contents: Mapping[str, bytes], *, keep_old: bool = False) -> Lis
 
 def regular_target(path: str) -> str:
     """
-    Follow a path's links to the file that is to be written.
+    Follow a path's links to the file to write.
 
-    :returns: The file's path, which is no link; there may be no such file yet.
-    :raises InvalidValueError: If there is something else than a file: a device, a pipe, a folder.
+    :returns: The file's path, which is no link; the file need not exist.
+    :raises InvalidValueError: If the path exists and is not a file: a device, a pipe, a folder.
     """
     target = os.path.realpath(path)
     if os.path.lexists(target) and not os.path.isfile(target):
@@ -70,9 +70,9 @@ def regular_target(path: str) -> str:
 
 def refuse_same_file(paths: Iterable[Optional[str]]) -> None:
     """
-    Refuse to read and to write, or to write twice, the same file.
+    Refuse to read and write the same file, or to write it twice.
 
-    :param paths: None where there is no such file.
+    :param paths: The paths; None for a file that is not used.
     :raises InvalidValueError: If two are the same.
     """
     files = [path for path in paths if path]
@@ -83,10 +83,10 @@ def refuse_same_file(paths: Iterable[Optional[str]]) -> None:
 
 def check_folder(path: str, kind: str) -> None:
     """
-    Check that the folder is there in which a file is to be written.
+    Check that the folder of a file to write exists.
 
-    :param kind: What the error calls the file.
-    :raises InvalidValueError: If there is no such folder.
+    :param kind: The error's word for the file.
+    :raises InvalidValueError: If it does not exist.
     """
     folder = os.path.dirname(path) or '.'
     if not os.path.isdir(folder):
@@ -97,7 +97,7 @@ def refuse_existing(paths: Iterable[str]) -> None:
     """
     Refuse to overwrite files.
 
-    :raises InvalidValueError: If one is there already.
+    :raises InvalidValueError: If one exists already.
     """
     for path in paths:
         if os.path.lexists(path):
@@ -111,13 +111,13 @@ def _content(path: str) -> bytes:
 
 
 def _write_part(target: str, content: bytes, model: str, unfinished: Dict[str, str]) -> None:
-    """Write beside the target, with the model's permissions, and note the part in `unfinished`."""
-    # A name of its own: two that write the same file do not write into each other's part.
+    """Write a temporary file beside the target; add it to `unfinished`."""
+    # A unique name, so that two processes that write the same file do not share a temporary file.
     part = unfinished[target] = f'{target}.{os.getpid()}.part'
     with open(part, 'wb') as file:
         file.write(content)
         file.flush()
-        # Otherwise a power cut after the renaming can leave an empty file.
+        # Without fsync, a power cut after the renaming can leave an empty file.
         os.fsync(file.fileno())
     if os.path.exists(model):
         _copy_permissions(model, part)
@@ -128,7 +128,7 @@ def _copy_permissions(model: str, path: str) -> None:
     try:
         os.chown(path, like.st_uid, like.st_gid)
     except PermissionError:
-        pass  # Only root may give files away; the content counts.
+        pass  # Only root may change the owner; a failure does not matter.
     os.chmod(path, stat.S_IMODE(like.st_mode))
 
 

@@ -20,7 +20,7 @@ from camera_to_base.checks import finite_numbers, whole_number
 
 ImageSize = Tuple[int, int]
 
-# What the tutorial's camera gives.
+# The picture size of the tutorial's camera.
 DEFAULT_IMAGE_SIZE: ImageSize = (640, 480)
 LARGEST_SIDE = 10000
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Signals: served from the first line of a command, and noted instead of raised."""
+"""Signal handling: from the first line of a command, and without an exception."""
 
 import signal
 from typing import Any
@@ -20,19 +20,20 @@ from typing import Any
 
 def serve_signals() -> None:
     """
-    Serve SIGINT and SIGTERM from now on, and those that came while Python started.
+    Handle SIGINT and SIGTERM from now on, and those that arrived while Python started.
 
-    The installed executables start with both blocked, see setup.py: Python takes 0.1 s to reach
-    the first line of a module, and would end with a traceback or with the signal's exit code.
+    The installed executables start with both blocked, see setup.py. Python needs 0.1 s to reach
+    the first line of a module; a signal before that would end it with a traceback or with the
+    signal's exit code.
     """
     signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT, signal.SIGTERM))
 
 
 class Interrupt:
     """
-    Notes a Ctrl-C within a `with` block; a second one raises KeyboardInterrupt as ever.
+    Records a Ctrl-C within a `with` block; a second one raises KeyboardInterrupt as usual.
 
-    `came` tells whether there was one.
+    `came` is whether there was one.
     """
 
     came = False

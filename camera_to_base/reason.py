@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Why positions are not published: one form for log, diagnostics, pictures and commands."""
+"""Why positions are not published: one type for log, diagnostics, pictures and commands."""
 
 from enum import IntEnum
 from typing import NamedTuple
 
 
 class Level(IntEnum):
-    """How bad it is, in the numbers of diagnostic_msgs/DiagnosticStatus."""
+    """Severity, with the numbers of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -28,12 +28,12 @@ class Level(IntEnum):
 
 class Reason(NamedTuple):
     """
-    Why nothing is published, or why one object is not.
+    Why nothing is published, or why an object is not.
 
     :param kind: A stable word for programs: `camera_lost`, `view_moved`. Compare kinds, never
         sentences.
-    :param level: The level that diagnostics have while the reason holds.
-    :param sentence: What is wrong, with the number, and what to do.
+    :param level: The level of the diagnostics while the reason applies.
+    :param sentence: The problem with its number, and its remedy.
     :param is_passing: Whether it concerns one frame, and the next one may be good: diagnostics
         show it only if it lasts for a second.
     """
@@ -45,5 +45,5 @@ class Reason(NamedTuple):
 
 
 def all_well(sentence: str) -> Reason:
-    """Make what diagnostics show where nothing is wrong; its kind is `ok`."""
+    """Make the state that diagnostics show if nothing is wrong; its kind is `ok`."""
     return Reason('ok', Level.OK, sentence)

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-An arm of two links in the plane that points at what the camera sees: copy it and make it yours.
+A planar arm with two links that points at the object: a template for your own node.
 
     python3 two_link_arm.py --ros-args -p upper_arm_m:=0.16 -p forearm_m:=0.14
 
@@ -37,12 +37,11 @@ def joint_angles(
     x: float, y: float, upper_arm: float, forearm: float
 ) -> Optional[Tuple[float, float]]:
     """
-    Tell the angles of shoulder and elbow that bring the arm's tip to a point, in rad.
+    Compute the angles of shoulder and elbow that bring the arm's tip to a point, in rad.
 
     :param x: In the base frame, whose origin is the shoulder; in m, as all lengths.
     :param y: In the base frame.
-    :returns: None for a point out of reach, as every point is for an arm of no length, and for
-        what is no point (NaN).
+    :returns: None for a point out of reach (always, if the arm has no length), or with NaN.
     """
     # Law of cosines in the triangle of shoulder, elbow and tip.
     along, most = x * x + y * y - upper_arm ** 2 - forearm ** 2, 2 * upper_arm * forearm
@@ -66,7 +65,7 @@ class TwoLinkArm(Node):
             PointStamped, 'pos_in_robot_base_frame/point', self._on_point, 10)
 
     def _length(self, name: str, default: float) -> float:
-        # Where a double is declared, rclpy takes no whole number: 1 would end in a traceback.
+        # rclpy refuses an integer for a parameter that is declared as a double: traceback for 1.
         descriptor = ParameterDescriptor(dynamic_typing=True, read_only=True)
         value = self.declare_parameter(name, default, descriptor).value
         if type(value) not in (int, float) or not 0 < value < math.inf:
@@ -91,12 +90,12 @@ def _start() -> TwoLinkArm:
     try:
         rclpy.init()
         return TwoLinkArm()
-    except (RuntimeError, ValueError) as error:  # arguments that ROS or the arm cannot use
+    except (RuntimeError, ValueError) as error:  # invalid arguments
         sys.exit(f'two_link_arm: cannot start: {error}')
 
 
 def main() -> None:
-    """Run the node until it is told to end."""
+    """Run the node until a signal arrives."""
     try:
         rclpy.spin(_start())
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -112,7 +112,7 @@ def _folder_of_this_launch():
 
 def _camera_actions(camera, playing, background_file):
     source, remappings = image_input(camera)
-    # A node drops what is stamped in another frame.
+    # A node drops messages that are stamped in another frame.
     camera_frame = {'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}
     actions = [
         _node(
@@ -144,8 +144,8 @@ def _node(camera, package, executable, name=None, **options):
 
 
 def _rviz(camera):
-    # Its topics are relative names, so that they follow the namespace. It has no name of its own,
-    # because that would be given to each of its nodes; and who closes the window has seen enough.
+    # Its topics are relative names, so that they follow the namespace. It has no name, because
+    # each of its nodes would get it. It is not restarted when the user closes the window.
     return Node(
         package='rviz2', executable='rviz2', namespace=camera.namespace, output='screen',
         arguments=['-d', os.path.join(CONFIG, 'camera_to_base.rviz'),
@@ -169,7 +169,7 @@ def _end_with_recordings(camera, playing, event, context):
     failure = recording_failure(camera, event.returncode)
     if failure and not context.is_shutdown:
         raise CameraToBaseError(failure)
-    # Of another source, 0 says that somebody has ended the node: it is started again.
+    # With other sources, 0 means that a signal ended the node: it is restarted.
     if event.returncode != 0 or not plays_recording(camera):
         return None
     playing.discard(camera)
@@ -179,7 +179,7 @@ def _end_with_recordings(camera, playing, event, context):
 
 
 def _end_without_start(event, context):
-    # Drivers are not asked: of them, an exit code of 1 may say that the camera was unplugged.
+    # Drivers are excluded: their exit code 1 may mean that the camera was unplugged.
     if event.returncode == 1 and not context.is_shutdown:
         raise CameraToBaseError(
             f'{event.action.node_name} cannot start, as it says itself: the launch ends')

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Starts both nodes as processes of their own and prints each object that they publish."""
+"""Starts both nodes as processes, and prints each object that they publish."""
 
 import json
 import os
@@ -26,14 +26,14 @@ import cv2
 import numpy as np
 
 PICTURE = 'demo.png'
-# A signal only sets this: an exception out of the middle of rclpy would not always come through.
+# A signal only sets this flag: an exception raised inside rclpy is not always passed on.
 told_to_end = threading.Event()
 
 
 def main(arguments):
     """Run the demo until Ctrl-C, or until the recording ends; return the exit code."""
     source = arguments[0] if arguments else 'simulated'
-    # Nobody's arm may follow a demo: it talks in a domain of its own unless one is named.
+    # A separate ROS domain, unless one is set, so that no arm follows the demo.
     os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     if not os.environ['ROS_DOMAIN_ID'].isdecimal() or int(os.environ['ROS_DOMAIN_ID']) > 232:
@@ -51,7 +51,7 @@ def main(arguments):
             **method_for(source)}))
         return listen(nodes)
     except BrokenPipeError:
-        # Who read our lines has seen enough. What is still to be written goes nowhere.
+        # The reader has closed the pipe. Further output is discarded.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     finally:
@@ -59,12 +59,12 @@ def main(arguments):
 
 
 def method_for(source):
-    """Take a recording as the tutorial does, frame for frame: it shows what is there to beat."""
+    """Return the method: the tutorial's for a recording, for comparison."""
     return {'detector.method': 'tutorial'} if os.path.isfile(source) else {}
 
 
 def start(executable, parameters):
-    """Start an installed executable as `ros2 run` does; the terminal's Ctrl-C is ours alone."""
+    """Start an installed executable like `ros2 run`, but without the terminal's Ctrl-C."""
     from ament_index_python.packages import get_package_prefix
     path = os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
     command = [path, '--ros-args']
@@ -92,7 +92,7 @@ def listen(nodes):
 
 
 def exit_code(process):
-    """Give a node's exit code, as a shell has it where a signal ended the node; 0 if it runs."""
+    """Return a node's exit code, in the shell's form for a signal; 0 if it is running."""
     code = process.poll() or 0
     if code >= 0:
         return code
@@ -102,7 +102,7 @@ def exit_code(process):
 
 
 class Report:
-    """Prints a line for each position in the base frame, beside what it was computed from."""
+    """Prints a line for each position in the base frame, with the camera position it came from."""
 
     def __init__(self, node):
         from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
@@ -128,7 +128,7 @@ class Report:
         node.create_timer(0.05, self._print_settled)
 
     def close(self):
-        """Say how many positions there were, and where the picture is."""
+        """Print the number of positions, and the picture's path."""
         print(f'{self._count} positions')
         if self._picture_saved:
             print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
@@ -143,7 +143,7 @@ class Report:
         self._waiting.append((time.monotonic(), info['source_timestamp'], tuple(message.data)))
 
     def _print_settled(self):
-        # Topics do not wait for each other: what a position was computed from may come after it.
+        # Topics are not synchronised: a camera position may arrive after its base position.
         while self._waiting and time.monotonic() - self._waiting[0][0] > 0.1:
             _, stamp, position = self._waiting.pop(0)
             self._print(stamp, *position)
@@ -151,7 +151,7 @@ class Report:
     def _print(self, stamp, x, y):
         camera = self._origin(stamp)
         if camera is None:
-            return  # sent before this listener was discovered
+            return  # sent before this subscriber was discovered
         self._last_stamp, (camera_x, camera_y) = camera
         self._count += 1
         line = f'camera ({camera_x:6.2f}, {camera_y:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
@@ -163,8 +163,8 @@ class Report:
         print(line, flush=True)
 
     def _origin(self, stamp):
-        # A position carries no time of its own. The transform keeps the order, so it belongs to
-        # the next one that was sent before it; at first, to the last one.
+        # A position has no stamp. The transform keeps the order, so a position belongs to the next
+        # one that was sent before it; the first position belongs to the last one.
         waiting = [position for position in self._camera_positions
                    if self._last_stamp < position[0] <= stamp]
         in_order = self._last_stamp and len(waiting) <= 10
@@ -179,21 +179,21 @@ class Report:
         self._save_picture()
 
     def _save_picture(self):
-        # The first one with a published object; the image or its position may come first.
+        # The first one with a published object; either the image or its position arrives first.
         image = self._newest_image
         if self._picture_saved or image is None or stamp_of(image) not in self._stamps:
             return
         picture = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
         cv2.imwrite(PICTURE, picture)
         self._picture_saved = True
-        # The node draws for as long as somebody listens.
+        # The node draws as long as there is a subscriber.
         for subscription in self._for_picture:
             self._node.destroy_subscription(subscription)
         print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
 
 
 def stamp_of(message):
-    """Give the time at which a message's frame was taken."""
+    """Return the capture time of a message's frame."""
     return message.header.stamp.sec, message.header.stamp.nanosec
 
 
@@ -204,19 +204,19 @@ def remember(positions, stamp, position):
 
 
 def last_before(positions, stamp):
-    """Give the last position that was sent before a time, or None."""
+    """Return the last position that was sent before a time, or None."""
     earlier = [position for position in positions if position[0] <= stamp]
     return max(earlier) if earlier else None
 
 
 def remove_old_picture():
-    """Take away the picture of an earlier demo."""
+    """Delete the picture of an earlier demo."""
     if os.path.exists(PICTURE):
         os.remove(PICTURE)
 
 
 def stop(nodes):
-    """End the processes; SIGTERM is quiet even while Python still starts."""
+    """End the processes with SIGTERM, which they handle even while Python starts."""
     for process in nodes:
         process.terminate()
     for process in nodes:

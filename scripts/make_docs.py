@@ -21,9 +21,8 @@ import re
 import sys
 from typing import Any, Iterable, List, Optional
 
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.parameters import ParameterSpec, TRANSFORM_SPECS
 from camera_to_base.settings import CAMERA_SPECS
-from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'parameters.md'
 BEGIN, END = '<!-- generated: begin -->', '<!-- generated: end -->'
@@ -80,7 +79,7 @@ def _group(spec: ParameterSpec) -> str:
 
 
 def _limits(spec: ParameterSpec) -> str:
-    # The unit has a column of its own.
+    # The unit has a separate column.
     text = spec.constraint_text
     if spec.unit:
         text = re.sub(rf' ?(in )?{re.escape(spec.unit)}(?= in steps|;|$)(; )?', '', text)

@@ -93,7 +93,8 @@ def check_with_surface(
     values = {**SURFACE_DEFAULTS, **values, 'object_height_cm': 0.0}
     surface = make_surface(values)
     width, height = values['surface.image_size']
-    picture = Hull([[0, 0], [width, 0], [width, height], [0, height]])
+    # With a pixel around it, so that an object at the edge may be rounded.
+    picture = Hull([[-1, -1], [width + 1, -1], [width + 1, height + 1], [-1, height + 1]])
     hull = make_hull(values) or picture
     _refuse_exchanged(pairs, surface, hull)
     _refuse_unseen(pairs, surface, picture)

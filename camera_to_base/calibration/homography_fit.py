@@ -108,9 +108,9 @@ def _fit_with_folds(problem):
 
 class _Problem:
     """
-    The least-squares problem: eight numbers of a homography from surface to undistorted pixel, and
-    three of the lens.
+    The least-squares problem of the fit.
 
+    It has eight numbers of a homography from surface to undistorted pixel, and three of the lens.
     Points and pixels are normalised first, so that units and picture size do not matter. The
     homography's ninth number is 1: it is the depth of the points' centre, which lies in front of
     every camera that sees the points.

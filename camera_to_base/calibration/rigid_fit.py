@@ -137,7 +137,8 @@ def _upper_half_open(degrees):
 
 def _refuse_other_unit(pairs):
     # The median, so that a single bad row does not change the ratio.
-    ratio = float(np.median(_distances(pairs.base_points) / _distances(pairs.camera_points)))
+    with np.errstate(all='ignore'):  # points so near that their squares vanish have no ratio
+        ratio = float(np.median(_distances(pairs.base_points) / _distances(pairs.camera_points)))
     if not 1 / _LARGEST_RATIO < ratio < _LARGEST_RATIO:
         raise CalibrationError(
             f'no rigid transform fits the pairs: the base points lie {ratio:.3g} times as far '

@@ -72,12 +72,12 @@ def sheet_content(
 
 
 def has_one_origin(columns: int, rows: int) -> bool:
-    """Tell whether a board has one end with dark corner squares, and so one first corner."""
+    """Return whether a board has one end with dark corner squares, and so one first corner."""
     return (columns + rows) % 2 == 1
 
 
 def _size(paper: str, columns: int, rows: int) -> Tuple[float, float]:
-    """Give the sheet's width and height in mm: upright for a board that is higher than wide."""
+    """Return the sheet's width and height in mm: upright for a board that is higher than wide."""
     return PAPERS[paper] if columns >= rows else PAPERS[paper][::-1]
 
 

@@ -51,7 +51,7 @@ def is_board(grey: np.ndarray, corners: np.ndarray) -> bool:
 
 def is_pattern(grey: np.ndarray, corners: np.ndarray) -> bool:
     """
-    Tell whether corners are those of a chessboard or of a part of one.
+    Return whether corners are those of a chessboard or of a part of one.
 
     :param grey: Shape (h, w), uint8.
     :param corners: Shape (rows, columns, 2), in px.
@@ -108,7 +108,7 @@ def _count_beyond_last_row(grey, corners):
 
 
 def _has_squares_beyond(grey, corners, skip):
-    """Tell whether the pattern goes on, that many squares after the last row of corners."""
+    """Return whether the pattern continues that many squares after the last row of corners."""
     rows, pixels = corners.shape[0], _places_beyond(corners, skip)
     if not _inside(grey, pixels):
         return False

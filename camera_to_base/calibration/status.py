@@ -81,7 +81,7 @@ _Section = Tuple[re.Match, List[str]]
 
 
 def _sections(comments: List[str]) -> List[_Section]:
-    """Give each report's title, and the lines below it."""
+    """Return each report's title, and the lines below it."""
     found: List[_Section] = []
     for line in comments:
         title = _TITLE.fullmatch(line)

@@ -58,7 +58,7 @@ def read_table(path: Path) -> Table:
     """
     try:
         lines = _text(path.read_bytes()).splitlines()
-    except (OSError, UnicodeError) as error:
+    except (OSError, UnicodeError, InvalidValueError) as error:
         reason = getattr(error, 'strerror', None) or error
         raise InvalidValueError(f'cannot read the table {path}: {reason}') from error
     if lines and re.fullmatch(r'"?sep=.?"?', lines[0].strip(), re.IGNORECASE):
@@ -98,7 +98,7 @@ def number(text: str, decimal_comma: bool) -> float:
 
 def _text(content: bytes) -> str:
     if content.startswith(_WORKBOOK_START):
-        raise UnicodeError("it is a spreadsheet's workbook: save it as CSV")
+        raise InvalidValueError("it is a spreadsheet's workbook: save it as CSV")
     for mark, encoding in _MARKED:
         if content.startswith(mark):
             return content.decode(encoding)

@@ -13,13 +13,13 @@
 # limitations under the License.
 
 """
-Detection: which objects a frame shows, and where on the surface they lie.
+Detection: finds the objects on a frame, and their positions on the surface.
 
 In: a frame, a background picture of the same size and the parameters `detector.*`. Out: detections
 in px, and located objects in cm, the largest first.
 
-Callers: `trust` and the rooms below. It imports numpy and OpenCV alone; whether a position may be
-published is decided in `trust`.
+Callers: `trust` and the rooms below. It imports only numpy and OpenCV; `trust` decides whether a
+position may be published.
 """
 
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
@@ -30,7 +30,7 @@ from camera_to_base.detection.detection import (
 from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.specs import AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS

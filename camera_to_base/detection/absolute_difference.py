@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-The tutorial's detector: its results to the pixel, without doing all of its work.
+The tutorial's detector: the same result to the pixel, in less time.
 
 The tutorial treats the frame and the background alike (grey, closing, median), and an object is
-where the two results differ by more than the threshold. Two facts allow to leave out most of it:
+where the two results differ by more than the threshold. Two facts make most of it unnecessary:
 
 1. *No step moves two pictures further apart than their largest difference.* Grey is a weighted
    mean, with weights that are not negative and add up to 1, rounded: if no colour differs by more
@@ -31,16 +31,16 @@ where the two results differ by more than the threshold. Two facts allow to leav
    after], see `__init__`.
 
 Together: where the pixels that the result at p depends on differ by at most the threshold, there
-is no object at p. If all pixels that differ by more lie in columns [x0, x1), objects can only lie
-in [x0 - after, x1 + before): we look there, at a piece of the frame that is larger by what the
-steps read, so that its own rim does not matter. The same holds for rows.
-Everywhere else the tutorial's mask is empty. After the closing we look once more: the median, the
-most expensive step, is taken only in bands of rows near one where the closed pictures differ by
-more than the threshold. By the same two facts there is nothing between the bands.
+is no object at p. If all pixels that differ by more lie in columns [x0, x1), objects can only be
+in [x0 - after, x1 + before). Only this piece is processed, enlarged by what the steps read, so
+that its rim does not matter. The same holds for rows. Everywhere else the tutorial's mask is
+empty. The median, the most expensive step, is taken only in bands of rows near one where the
+closed pictures differ by more than the threshold. By the same two facts there is nothing between
+the bands.
 
-Finally, the tutorial asks for all contours, we for the outer ones. A hole's contour, or one inside
-a hole, lies within an outer contour that stands before it in OpenCV's order and is not smaller, so
-it is never the first of the largest.
+Finally, the tutorial finds all contours, this detector only the outer ones. A hole's contour, or
+one inside a hole, lies within an outer contour that precedes it in OpenCV's order and is not
+smaller, so it is never the first of the largest.
 """
 
 from typing import List
@@ -53,7 +53,7 @@ from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
 
-# What the median may need to get a width that suits it.
+# Extra columns for a width at which the median is fast.
 _PADDING = 80
 
 
@@ -61,8 +61,8 @@ class AbsoluteDifferenceDetector:
     """
     Find objects by their absolute difference to the background, as the tutorial does.
 
-    A dark object on a lighter surface comes out whole, a light one only where it is wider than
-    the closing kernel lets through; smaller spots are taken for noise.
+    A dark object on a lighter surface is found as a whole. A light object is found only where it
+    is wider than the closing kernel; smaller spots count as noise.
 
     :param background: The surface without an object, shape (h, w, 3), uint8, BGR.
     :param threshold: Grey levels, 0..255; a pixel that differs by more belongs to an object.
@@ -95,7 +95,7 @@ class AbsoluteDifferenceDetector:
         """
         Check the detector's parameters without a background.
 
-        :raises InvalidValueError: If one cannot be used; the text names it and its range.
+        :raises InvalidValueError: If one is invalid; the message names it and its range.
         """
         whole_number('threshold', threshold, 0, 255)
         whole_number('closing_size', closing_size, 1, 500)
@@ -107,7 +107,7 @@ class AbsoluteDifferenceDetector:
         Find the objects on a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :returns: The largest first, of equals the one that OpenCV lists first; none is [].
+        :returns: The largest first; equal ones in OpenCV's order. [] if there is none.
         :raises FrameSizeError: If the frame's size is not the background's.
         :raises InvalidValueError: If it is not a colour picture.
         """
@@ -137,7 +137,7 @@ class AbsoluteDifferenceDetector:
 
     @property
     def taken_away(self) -> List[Detection]:
-        """Nothing: what has left is an object, as in the tutorial."""
+        """Always empty: what was taken away counts as an object, as in the tutorial."""
         return []
 
     @property
@@ -145,8 +145,8 @@ class AbsoluteDifferenceDetector:
         """Not known: the tutorial does not ask."""
 
     def _smoothed_background(self) -> np.ndarray:
-        # The steps leave their results in arrays of the picture's size, so that a place has the
-        # same indices everywhere, and no memory is asked for and given back for each frame.
+        # The steps write to arrays of the picture's size: a place has the same indices in all of
+        # them, and no memory is allocated for each frame.
         height, width = self._background.grey.shape
         self._grey = np.empty((height, width + _PADDING), np.uint8)
         self._grey[:, :width] = self._background.grey
@@ -162,8 +162,8 @@ class AbsoluteDifferenceDetector:
 
     def _smooth_closed(self, rows: slice, columns: slice) -> None:
         # medianBlur is up to five times slower where the width is below 68 or (before OpenCV 5)
-        # where width - 4 is not a multiple of 16. It reads the picture's last column again where
-        # it looks beyond: so do we, up to a width that suits it.
+        # where width - 4 is not a multiple of 16. Beyond the picture it repeats the last column;
+        # so the last column is repeated here up to a fast width.
         stop, width = columns.stop, columns.stop - columns.start
         padded = slice(columns.start, stop + max(68 - width, (4 - width) % 16))
         self._grey[rows, stop:padded.stop] = self._grey[rows, stop - 1:stop]
@@ -172,7 +172,7 @@ class AbsoluteDifferenceDetector:
 
     def _bands(self, rows: slice, columns: slice) -> List[slice]:
         if rows.stop - rows.start == len(self._grey):
-            return [rows]  # so much has changed that a look would cost more than it saves
+            return [rows]  # so much has changed that a search would cost more than it saves
         difference = cv2.absdiff(
             self._grey[rows, columns], self._closed_background[rows, columns])
         changed = np.flatnonzero(difference.max(axis=1) > self._threshold) + rows.start

@@ -47,11 +47,11 @@ class Area:
                                     f'itself: {self.corners.tolist()}')
 
     def depth(self, point: Sequence[float]) -> float:
-        """Tell how far inside a point lies, in cm; negative outside."""
+        """Return how far inside a point lies, in cm; negative outside."""
         return cv2.pointPolygonTest(self._outline, (float(point[0]), float(point[1])), True)
 
     def contains(self, point: Sequence[float]) -> bool:
-        """Tell whether a point lies inside, or on the edge."""
+        """Return whether a point lies inside, or on the edge."""
         return self.depth(point) >= 0
 
 

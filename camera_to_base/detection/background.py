@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Where a frame differs from the background at all: the early exit of both detectors.
+Finds the part of a frame that differs from the background: the early exit of both detectors.
 
-Reading a frame once is about as fast as anything can be. Both detectors start with it, and give a
-second look only to the rows and columns between the first change and the last.
+Both detectors first read the frame once, which is fast. Then they process only the rows and
+columns between the first and the last change.
 """
 
 from typing import Iterable, List, NamedTuple, Optional
@@ -24,15 +24,15 @@ from typing import Iterable, List, NamedTuple, Optional
 import cv2
 import numpy as np
 
-# Where blocks of rows end, as parts of the whole: more of them end closer to an object, but each
-# costs a call. The thin ones at both ends tell at once that everything changed.
+# Ends of the blocks of rows, as parts of the whole. More blocks end closer to an object, but each
+# costs a call. The thin blocks at both ends show quickly that everything has changed.
 _BLOCK_ENDS = 0, 1 / 60, 1 / 6, 1 / 3, 1 / 2, 2 / 3, 5 / 6, 59 / 60, 1
-# The block with the first change is searched again in steps of so many rows.
+# The block with the first change is searched again in steps of this many rows.
 _STEP = 12
 
 
 class Region(NamedTuple):
-    """Rows and columns of a picture, in px; what is outside has not changed."""
+    """Rows and columns of a picture, in px; nothing outside has changed."""
 
     rows: slice
     columns: slice
@@ -53,17 +53,17 @@ class Background:
         self, frame: np.ndarray, threshold: float, margin: int, grey: np.ndarray
     ) -> Optional[Region]:
         """
-        Find the part of a frame that holds every pixel which differs in grey.
+        Find the part of a frame that contains all pixels that differ in grey.
 
-        The colours are compared first, as they are. Grey is a mean with weights that are not
-        negative and add up to 1, rounded; so where no colour differs by more than the threshold,
-        grey does not either.
+        The colours are compared first. Grey is their rounded mean, with weights that are not
+        negative and add up to 1. So if no colour differs by more than the threshold, grey does not
+        either.
 
         :param frame: Shape (h, w, 3) as the picture, uint8, BGR.
         :param threshold: Grey levels; a pixel that differs by more has changed.
-        :param margin: How many rows around the changed ones are wanted in grey, too.
-        :param grey: Shape (h, w), uint8: takes these rows of the frame in grey.
-        :returns: None where no pixel has changed.
+        :param margin: Number of rows around the changed ones that are also converted to grey.
+        :param grey: Shape (h, w), uint8: receives these rows of the frame in grey.
+        :returns: None if no pixel has changed.
         """
         height, width = self.grey.shape
         rows = changed_rows(frame, self.picture, threshold)
@@ -72,7 +72,7 @@ class Background:
         band = grow(rows, margin, margin, height)
         cv2.cvtColor(frame[band], cv2.COLOR_BGR2GRAY, dst=grey[band])
         if rows.stop - rows.start > height // 2:
-            # Hardly worth a look: the steps' time depends on the rows more than on the columns.
+            # Not worth a search: the steps' time depends more on the rows than on the columns.
             return Region(rows, slice(0, width))
         difference = cv2.absdiff(grey[rows], self.grey[rows])
         columns = np.flatnonzero(difference.max(axis=0) > threshold)
@@ -85,15 +85,15 @@ def changed_rows(
     """
     Find the rows between the first and the last pixel in which two pictures differ.
 
-    From both ends inwards, up to the first block with a change, and once more within that block:
-    a frame in which nothing changed is read once, and one in which everything changed is hardly
+    The search goes from both ends inwards to the first block with a change, then through that
+    block: a frame without a change is read once, and a frame that changed everywhere is hardly
     read at all.
 
     :param frame: Shape (h, w, 3), uint8.
     :param picture: Of the same shape.
     :param threshold: Grey levels; a channel that differs by more has changed.
-    :param exact: Whether the second look within a block is worth its time.
-    :returns: None where nothing has.
+    :param exact: Whether the second search within a block is worth its time.
+    :returns: None if nothing has changed.
     """
     ends = [int(end * len(picture)) for end in _BLOCK_ENDS]
     blocks = [slice(*pair) for pair in zip(ends, ends[1:]) if pair[0] < pair[1]]
@@ -115,12 +115,12 @@ def changed_rows(
 
 
 def grow(part: slice, before: int, after: int, length: int) -> slice:
-    """Grow a range by some px at each end, as far as a side of `length` px goes."""
+    """Grow a range by some px at each end, within a side of `length` px."""
     return slice(max(part.start - before, 0), min(part.stop + after, length))
 
 
 def round_up(part: slice, step: int, length: int) -> slice:
-    """Grow a range to a whole number of steps of px, as far as a side of `length` px goes."""
+    """Grow a range to a whole number of steps of px, within a side of `length` px."""
     size = min(-(-(part.stop - part.start) // step) * step, length)
     start = min(part.start, length - size)
     return slice(start, start + size)

@@ -23,10 +23,10 @@ import numpy as np
 # Two frames of which a larger share differs do not agree. A coin that moves changes 1 % of it; a
 # damaged frame or a hand in motion changes more.
 _LARGEST_SHARE = 0.05
-# Nor do two whose brightness differs by a larger share: the exposure settles.
+# Nor do two whose brightness differs by a larger share: the exposure is still settling.
 _LARGEST_STEP = 0.05
-# A camera that warms up begins in the dark. With a background of 10 grey levels the precise
-# detector is right to 0.03 px at full light; with one of 4 it finds hundreds of specks.
+# The first frames of a camera may be dark. With a background of 10 grey levels the precise
+# detector is accurate to 0.03 px at full light; with one of 4 it finds hundreds of specks.
 _DARKEST = 8.0
 
 
@@ -41,28 +41,35 @@ _UNSETTLED = _waiting(
     'background_unsettled', 'the pictures differ: let nothing move on the surface')
 
 
+# Limit of the memory for the frames: 200 at 640 x 480 px, 32 at 1920 x 1080 px.
+_MOST_BYTES = 200_000_000
+# A median of fewer frames may show a moving hand.
+_FEWEST = 9
+
+
 class BackgroundTaker:
     """
-    Gathers frames until there are enough for a background.
+    Collects frames until there are enough for a background, or no more fit into 200 MB.
 
-    `reason` tells why there is none yet.
+    `reason` is why there is no background yet, `taken_count` the number of its frames.
 
-    :param count: How many; 1 takes the next frame as it is, as the tutorial does.
+    :param count: Number of frames; 1 takes the next frame as it is, as the tutorial does.
     """
 
     def __init__(self, count: int) -> None:
         self._count = count
         self._frames: List[np.ndarray] = []
         self._doubted: Optional[np.ndarray] = None
+        self.taken_count = 0
         self.reason: Reason = _MISSING
 
     def add(self, frame: np.ndarray, confirm: bool = False) -> Optional[np.ndarray]:
         """
-        Add a frame; one of another size starts anew.
+        Add a frame; a frame of another size discards the earlier ones.
 
         :param frame: Shape (h, w, 3), uint8, BGR.
-        :param confirm: Whether a frame counts only if the next one agrees with it: that of a
-            camera may be damaged or dark. Why none does is the `reason`.
+        :param confirm: Whether a frame counts only if the next one agrees with it: a camera's
+            frame may be damaged or dark.
         :returns: The background, of the same shape, once there are enough frames.
         """
         if confirm:
@@ -72,12 +79,13 @@ class BackgroundTaker:
         if self._frames and self._frames[0].shape != frame.shape:
             self._frames.clear()
         self._frames.append(frame)
-        if len(self._frames) < self._count:
+        if len(self._frames) < min(self._count, max(_FEWEST, _MOST_BYTES // frame.nbytes)):
             return None
+        self.taken_count = len(self._frames)
         return _median(self._frames)
 
     def _confirmed(self, frame: np.ndarray) -> Optional[np.ndarray]:
-        # The frame before, if this one agrees with it.
+        # Returns the previous frame, if this one agrees with it.
         before = self._doubted
         self.reason = _MISSING
         if max(frame.mean(axis=(0, 1))) < _DARKEST:
@@ -98,6 +106,6 @@ def _agree(frame: np.ndarray, other: np.ndarray) -> bool:
 def _median(frames: List[np.ndarray]) -> np.ndarray:
     if len(frames) == 1:
         return frames[0]
-    # Row by row: a whole stack of many large frames sorted at once would not fit into memory.
+    # Row by row: the median of a whole stack of many large frames would not fit into memory.
     rows = [np.median([frame[row] for frame in frames], axis=0) for row in range(len(frames[0]))]
     return np.rint(rows).astype(np.uint8)

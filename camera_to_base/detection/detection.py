@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a detector returns, and what it tells about its object."""
+"""A detector's results: outline, area, centre and axes of an object."""
 
 from dataclasses import dataclass, field
 from typing import Callable, List, Mapping, NamedTuple, Optional
@@ -24,7 +24,7 @@ import numpy as np
 
 
 class Pixel(NamedTuple):
-    """A place on the picture, px: u to the right, v down, whole numbers at the pixels' centres."""
+    """A position on the picture, px: u right, v down, whole numbers at the pixels' centres."""
 
     u: float
     v: float
@@ -46,11 +46,11 @@ class Detection:
 
     :param box: The upright rectangle around the object, in px.
     :param centre: The object's centre as the detector defines it, in px.
-    :param area: Of the object as the detector defines it, in px².
+    :param area: The object's area as the detector defines it, in px².
     :param outline: Shape (n, 2), int32, columns u and v in px: the corners of the polygon through
         the centres of the object's outermost pixels.
     :param cut_off: Whether the object touches the picture's edge, so that a part may be missing.
-    :param moments: Of what the object covers, as cv2.moments gives them; None for the outline's.
+    :param moments: Moments of the object's pixels, from cv2.moments; None to use the outline's.
     """
 
     box: Box
@@ -63,7 +63,7 @@ class Detection:
     @property
     def spread(self) -> np.ndarray:
         """
-        Tell how far the object reaches from its centroid.
+        The object's spread around its centroid.
 
         :returns: Shape (2, 2), the second central moments of u and v over the area, in px².
         """
@@ -75,17 +75,17 @@ class Detection:
     @property
     def orientation(self) -> float:
         """
-        Tell the direction of the longest axis.
+        The direction of the longest axis.
 
-        :returns: Angle from the u axis towards the v axis, in rad, in (-pi/2, pi/2]. It means
-            nothing where `elongation` is close to 1: a round object has no direction.
+        :returns: Angle from the u axis towards the v axis, in rad, in (-pi/2, pi/2]. It is
+            meaningless if `elongation` is close to 1: a round object has no direction.
         """
         return principal_axes(self.spread).angle
 
     @property
     def elongation(self) -> float:
         """
-        Tell how much longer than wide the object is.
+        The ratio of the object's length to its width.
 
         :returns: Long axis / short axis of the ellipse with the same second moments: 1 for a disc
             or a square, infinite for a line.
@@ -99,8 +99,8 @@ def locate_on_surface(
     """
     Map an object to the surface.
 
-    Where the camera is tilted, the centroid of a disc's picture is not the picture of the disc's
-    centre: the near half looks larger. By how much follows from the outline, whose centroid is
+    With a tilted camera, the centroid of a disc's picture is not the picture of the disc's centre:
+    the near half looks larger. The difference is computed from the outline, whose centroid is
     taken in both planes.
 
     :param locate: Maps pixels of shape (n, 2) to the surface, shape (n, 2), as Surface.locate.
@@ -113,7 +113,7 @@ def locate_on_surface(
 
 def check_frame(frame: np.ndarray, name: str = 'frame') -> None:
     """
-    Check that a picture is one that this package can use.
+    Check that an array is a colour picture.
 
     :raises InvalidValueError: If it is not an array of shape (h, w, 3), uint8, with pixels in it.
     """

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How much two frames differ, by blocks that the sensor's noise does not reach."""
+"""Compares two frames by blocks, whose means have little noise."""
 
 import cv2
 import numpy as np
@@ -23,7 +23,7 @@ _BLOCK_CHANGE = 12.0
 
 def mean_blocks(frame: np.ndarray) -> np.ndarray:
     """
-    Take the mean of each block of a frame.
+    Return the mean of each block of a frame.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :returns: Shape (h / 16, w / 16, 3), uint8.
@@ -34,7 +34,7 @@ def mean_blocks(frame: np.ndarray) -> np.ndarray:
 
 def changed_blocks(blocks: np.ndarray, others: np.ndarray) -> np.ndarray:
     """
-    Tell which blocks differ by more than light that flickers.
+    Return which blocks differ by more than flickering light does.
 
     :param blocks: See :func:`mean_blocks`; `others` is of the same shape.
     :returns: Shape (h / 16, w / 16), bool.

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The whole way on one frame: from the picture to points in the camera frame."""
+"""Locates objects on a frame: from the picture to points in the camera frame."""
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -24,9 +24,9 @@ from camera_to_base.reason import Level, Reason
 from camera_to_base.surface import Surface
 import numpy as np
 
-# A frame of nothing but noise must not stop who locates objects on it.
+# Limits the time for a frame that contains only noise.
 _MOST_OBJECTS = 100
-# The tutorial's closing gnaws at what is not this much wider than its kernel.
+# The tutorial's closing deforms an object that is not this much wider than its kernel.
 _LEAST_WIDTH = 2.0
 _TAKEN_AWAY = Reason(
     'taken_away', Level.WARN, 'something was taken away from the surface since the background was '
@@ -42,10 +42,10 @@ class Point(NamedTuple):
 
 class LocatedObject(NamedTuple):
     """
-    An object: where it is on the picture, and where on the surface.
+    An object with its position on the picture and on the surface.
 
     :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
-        in (-pi/2, pi/2]; None where it has none (a coin, a square) or none that can be told.
+        in (-pi/2, pi/2]; None if it has none (a coin, a square) or if it is uncertain.
     """
 
     detection: Detection
@@ -54,7 +54,7 @@ class LocatedObject(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """A detection that is not published, and why."""
+    """A detection that is not published, and the reason."""
 
     detection: Detection
     reason: Reason
@@ -62,9 +62,9 @@ class LeftOut(NamedTuple):
 
 class Found(NamedTuple):
     """
-    What was detected on a frame.
+    The objects that were detected on a frame.
 
-    :param objects: Those that lie on the work surface and count, the largest first, at most 100.
+    :param objects: Those that are on the work surface and count, the largest first, at most 100.
     :param left_out: The others, the largest first.
     """
 
@@ -78,7 +78,7 @@ class ObjectLocator:
 
     :param background: The surface without an object, shape (h, w, 3), uint8, BGR.
     :param surface: Maps pixels to the work surface.
-    :param settings: The detector's.
+    :param settings: The detector's settings.
     :raises FrameSizeError: If the surface was calibrated for another picture size.
     :raises InvalidValueError: If the background cannot be used.
     """
@@ -111,10 +111,10 @@ class ObjectLocator:
 
     def find(self, frame: np.ndarray) -> Found:
         """
-        Locate what is detected on a frame, and tell objects from what is left out.
+        Locate the objects on a frame, and list the detections that are left out.
 
-        What is seen beyond the horizon (somebody walks through the room) is no object on the
-        surface and is left out, as is what has not the size that counts.
+        A detection beyond the horizon, such as a person in the room, is not on the surface and is
+        left out. So is a detection whose size does not count.
 
         :param frame: Shape (h, w, 3), uint8, BGR.
         :raises FrameSizeError: If the frame's size is not the background's.
@@ -170,7 +170,7 @@ class ObjectLocator:
 
 
 def _left_out(kind: str, sentence: str) -> Reason:
-    # What the parameters ask for is no warning.
+    # Objects that the parameters exclude give no warning.
     return Reason(kind, Level.OK, sentence, is_passing=True)
 
 

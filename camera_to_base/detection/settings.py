@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which detector finds the objects, and which of them count."""
+"""The detector's settings: the method, and which objects count."""
 
 from dataclasses import dataclass
 from typing import List, Optional, Protocol
@@ -20,14 +20,14 @@ from typing import List, Optional, Protocol
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.detection.areas import Areas
 from camera_to_base.detection.detection import Detection
-from camera_to_base.detection.limits import STRONG_DEVIATIONS
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
+from camera_to_base.detection.precise.limits import STRONG_DEVIATIONS
 from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import Hull
 import numpy as np
 
-# What each method takes of the settings, beside the limits for the objects' size and place.
+# The settings that each method uses, in addition to the limits of the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
     'precise': ('faintest', 'split_touching', 'publish_cut_off'),
@@ -48,7 +48,7 @@ class Detector(Protocol):
 
     @property
     def taken_away(self) -> List[Detection]:
-        """Where objects of the background are missing, as of the last frame."""
+        """Places where objects of the background are missing on the last frame."""
 
     @property
     def noise(self) -> Optional[float]:
@@ -58,20 +58,20 @@ class Detector(Protocol):
 @dataclass(frozen=True)
 class DetectorSettings:
     """
-    Which detector, and which of its objects count; `specs` has each one's limits.
+    The method, its parameters, and which objects count; `specs` has the limits of each value.
 
-    :param method: 'tutorial', to the pixel, or 'precise'.
+    :param method: 'tutorial' or 'precise'.
     :param threshold: tutorial: grey levels that make a pixel part of an object, 0..255.
     :param closing_size: tutorial: edge of the kernel that closes gaps, in px.
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
-    :param faintest: precise: how many grey levels an object must at least differ by, 0..255.
-    :param split_touching: precise: whether convex objects that touch come as one each.
+    :param faintest: precise: least difference of an object from the surface, grey levels, 0..255.
+    :param split_touching: precise: whether convex objects that touch are separated.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
-    :param area: Objects outside of it do not count; None for everywhere.
-    :param publish_cut_off: precise: whether an object that touches the picture's edge counts; the
-        tutorial's method takes it for whole.
-    :param areas: Where on the surface objects count.
+    :param area: Objects outside this area do not count; None for no limit.
+    :param publish_cut_off: precise: whether an object that touches the picture's edge counts;
+        with the tutorial's method it always does.
+    :param areas: The areas on the surface in which objects count.
     :raises InvalidValueError: If the smallest area is above the largest.
     """
 
@@ -88,7 +88,7 @@ class DetectorSettings:
     areas: Areas = Areas()
 
     def __post_init__(self) -> None:
-        """Check what the limits of each setting do not."""
+        """Check the relation of the areas, which the limits of each setting do not cover."""
         if self.min_area_cm2 > self.max_area_cm2:
             raise InvalidValueError(
                 f'detector.max_area_cm2 must not be below detector.min_area_cm2, '
@@ -96,12 +96,12 @@ class DetectorSettings:
 
     @property
     def without_effect(self) -> List[str]:
-        """Names of settings that were changed, but belong to another method."""
+        """Names of settings that were changed but belong to another method."""
         return [name for names in _METHOD_SETTINGS.values() for name in names
                 if not self.has_effect(name) and getattr(self, name) != getattr(type(self), name)]
 
     def has_effect(self, name: str) -> bool:
-        """Return whether the method in use takes a setting."""
+        """Return whether the method in use has a setting."""
         return not any(name in names for method, names in _METHOD_SETTINGS.items()
                        if method != self.method)
 

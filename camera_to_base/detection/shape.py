@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a plane shape tells: its centroid, its area, its axes."""
+"""Centroid and axes of a plane shape."""
 
 import math
 from typing import NamedTuple
@@ -47,10 +47,10 @@ def principal_axes(spread: np.ndarray) -> PrincipalAxes:
     :param spread: Shape (2, 2), its second central moments over its area.
     """
     (xx, xy), (_, yy) = spread.tolist()
-    # + 0.0 makes -0.0 a 0.0, of which atan2 would make -pi for an upright shape.
+    # + 0.0 turns -0.0 into 0.0: with -0.0, atan2 returns -pi for an upright shape.
     angle = math.atan2(2 * xy + 0.0, xx - yy) / 2
     both, difference = xx + yy, math.hypot(2 * xy, xx - yy)
-    # A quarter of an ellipse's half diameter squared is its moment, the larger eigenvalue.
+    # An ellipse's second moment, the eigenvalue, is a quarter of its half diameter squared.
     return PrincipalAxes(angle, math.sqrt(8 * (both + difference)),
                          math.sqrt(8 * max(both - difference, 0.0)))
 
@@ -60,7 +60,7 @@ def polygon_centroid(corners: np.ndarray) -> np.ndarray:
     Compute the centroid of a polygon, in the unit of its corners.
 
     :param corners: Shape (n, 2).
-    :returns: Shape (2,). The mean of the corners where the polygon has no area.
+    :returns: Shape (2,). The mean of the corners if the polygon has no area.
     """
     x, y = (corners - corners[0]).T.astype(float)
     cross = x * np.roll(y, -1) - np.roll(x, -1) * y

@@ -16,7 +16,7 @@
 
 from typing import Any, Mapping
 
-from camera_to_base.parameter_spec import default_values, grouped, ParameterSpec
+from camera_to_base.parameters import default_values, grouped, ParameterSpec
 
 METHODS = ('tutorial', 'precise')
 _LARGEST_AREA_CM2 = 1e6
@@ -25,7 +25,8 @@ BACKGROUND_SPECS = [
     ParameterSpec(
         'background_frames', 1,
         'The background is the median of this many frames; 1 takes the first one, as the '
-        'tutorial does (of a camera, the first one that the next one confirms).', (1, 1000)),
+        'tutorial does (of a camera, the first one that the next one confirms). No more are '
+        'gathered than fit into 200 MB: 32 of 1920 x 1080 px.', (1, 1000)),
 ]
 DETECTOR_SPECS = [
     ParameterSpec('detector.method', 'precise',
@@ -40,8 +41,8 @@ DETECTOR_SPECS = [
                   "tutorial: edge of the median filter's window, odd.", (1, 99), step=2,
                   unit='px'),
     ParameterSpec('detector.faintest', 13.0,
-                  'precise: how faint an object may be: by how much it must at least differ from '
-                  'the surface, in one of the colours. Ten times the noise is needed in any case.',
+                  'precise: least difference of an object from the surface, in one of the '
+                  'colours. It must also be at least ten times the noise.',
                   (0, 255), unit='grey levels', old_names=('detector.precise_threshold',)),
     ParameterSpec('detector.min_area_cm2', 0.0,
                   'Smaller objects are not published; their area on the surface.',

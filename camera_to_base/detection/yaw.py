@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which way an object lies on the work surface."""
+"""The direction of an object on the work surface."""
 
 from typing import Optional, Sequence
 
@@ -22,8 +22,8 @@ from camera_to_base.errors import HorizonError
 from camera_to_base.surface import Surface
 import numpy as np
 
-# A coin comes out up to 1.02 times longer than wide (20 px, noise 10, tilt 50), and as many
-# percent more as the calibration is off; at this elongation 0.02 turn an axis by 3 degrees.
+# A coin measures up to 1.02 times longer than wide (20 px, noise 10, tilt 50), plus the percentage
+# by which the calibration is off. At this elongation an error of 0.02 turns the axis by 3 degrees.
 _LEAST_ELONGATION = 1.2
 
 
@@ -31,16 +31,16 @@ def object_yaw(
     surface: Surface, detection: Detection, cm_per_px: np.ndarray, least_width: float = 0.0
 ) -> Optional[float]:
     """
-    Tell the direction of an object's length.
+    Return the direction of an object's length.
 
-    An object is small beside its distance: from the picture to the surface, its second moments
-    change as if the scale were the same all over it.
+    An object is small compared with its distance, so its second moments are mapped from the
+    picture to the surface with a constant scale.
 
     :param cm_per_px: The surface's scale at the object, see :func:`scale_at`.
-    :param least_width: A narrower object's shape is not to be trusted, in px.
-    :returns: About the camera frame's z, from x towards y, in rad, in (-pi/2, pi/2]; None where
-        the object is about as wide as long, where a part of it is missing or beyond the horizon,
-        and where it is too narrow.
+    :param least_width: The shape of a narrower object is not reliable, in px.
+    :returns: About the camera frame's z, from x towards y, in rad, in (-pi/2, pi/2]; None if the
+        object is about as wide as long, is too narrow, or has a part that is missing or beyond
+        the horizon.
     """
     axes = principal_axes(cm_per_px @ detection.spread @ cm_per_px.T)
     if axes.elongation < _LEAST_ELONGATION or detection.cut_off:
@@ -52,9 +52,9 @@ def object_yaw(
 
 def scale_at(surface: Surface, pixel: Sequence[float]) -> np.ndarray:
     """
-    Tell what a step on the picture is on the surface.
+    Return the step on the surface that corresponds to a step of 1 px on the picture.
 
-    :param pixel: Where, u and v, in px.
+    :param pixel: The place, u and v, in px.
     :returns: Shape (2, 2); its columns are x and y, in cm, of a step of 1 px along u and along v.
     :raises HorizonError: If the pixel lies on the horizon or beyond it.
     """

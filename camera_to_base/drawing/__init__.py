@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Drawing: pictures of what was found, and files that keep pictures.
+Drawing: pictures of the objects found, and picture files.
 
 In: frames, located objects and labels. Out: annotated pictures and videos, masks, and the file
-that keeps a background for the next start.
+with the background for the next start.
 
 Callers: `settings`, `nodes` and `commands`.
 """

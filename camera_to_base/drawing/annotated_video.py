@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Writes a video of what was found."""
+"""Writes a video of the objects found."""
 
 from typing import Optional
 
@@ -29,7 +29,7 @@ class AnnotatedVideo:
     """
     A video file that is written frame by frame.
 
-    :param path: Where to, see :func:`check_video_path`.
+    :param path: The file's path, see :func:`check_video_path`.
     :param frame_rate: In Hz.
     """
 
@@ -39,7 +39,7 @@ class AnnotatedVideo:
 
     def add(self, picture: np.ndarray) -> None:
         """
-        Add a picture; one of another size than the first is left out by OpenCV.
+        Add a picture; OpenCV skips a picture whose size differs from the first.
 
         :param picture: Shape (h, w, 3), uint8, BGR.
         :raises InvalidValueError: If the video cannot be written.
@@ -65,9 +65,9 @@ class AnnotatedVideo:
 
 def check_video_path(path: str) -> None:
     """
-    Check that a video's file name tells its format, and that its folder exists.
+    Check that a video's file name has a known ending, and that its folder exists.
 
-    :raises InvalidValueError: If it tells another, or there is no such folder.
+    :raises InvalidValueError: If the ending is unknown, or the folder does not exist.
     """
     if not path.lower().endswith('.mp4'):
         raise InvalidValueError(f"a video's name must end in .mp4, got '{path}'")

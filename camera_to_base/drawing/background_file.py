@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Keeps a background in a file, so that a node that is started again goes on with it."""
+"""Keeps a background in a file, so that a restarted node can use it."""
 
 import os
 import time
@@ -26,7 +26,7 @@ import numpy as np
 
 
 class KeptBackground(NamedTuple):
-    """A background, shape (h, w, 3), uint8, BGR, and how long ago it was taken, in s."""
+    """A background, shape (h, w, 3), uint8, BGR, and its age in s."""
 
     picture: np.ndarray
     age_s: float
@@ -34,24 +34,25 @@ class KeptBackground(NamedTuple):
 
 class BackgroundFile:
     """
-    Writes each background that is taken, and reads the last one.
+    Writes each new background, and reads the last one.
 
     :param path: The file, .png; '' for none.
     """
 
     def __init__(self, path: str) -> None:
-        self._path = path
+        self._path = os.path.expanduser(path)
         self._kept: Optional[np.ndarray] = None
 
     def read(self) -> Optional[KeptBackground]:
         """
-        Read the background of the run before.
+        Read the background of the previous run.
 
-        :returns: None where there is none.
-        :raises InvalidValueError: If the file cannot be read, or holds no whole picture.
+        :returns: None if there is none.
+        :raises InvalidValueError: If the file cannot be read, or holds no complete picture.
         """
         if not os.path.exists(self._path):
             return None
+        _refuse_no_file(self._path)
         try:
             with open(self._path, 'rb') as file:
                 self._kept = decode_compressed(file.read())
@@ -64,7 +65,7 @@ class BackgroundFile:
 
     def keep(self, background: Optional[np.ndarray]) -> None:
         """
-        Write a background, once; None where there is none yet.
+        Write a background if it is new; None if there is none yet.
 
         :raises InvalidValueError: If the file cannot be written.
         """
@@ -78,12 +79,21 @@ class BackgroundFile:
 
 def check_background_path(path: str) -> str:
     """
-    Check that a file can keep a background as it is.
+    Check that a file keeps a background without loss.
 
-    :raises InvalidValueError: If it is no .png, or its folder does not exist.
+    :returns: The path, with the home folder for a `~` at its beginning.
+    :raises InvalidValueError: If it is not an ordinary .png file, or its folder does not exist.
     """
+    path = os.path.expanduser(path)
     if path:
         if not path.lower().endswith('.png'):
             raise InvalidValueError(f"background_file must end in .png, got '{path}'")
         check_folder(path, 'background_file')
+        _refuse_no_file(path)
     return path
+
+
+def _refuse_no_file(path: str) -> None:
+    # Reading a pipe, or a device, would never end.
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
+        raise InvalidValueError(f"background_file '{path}' is no ordinary file: name another")

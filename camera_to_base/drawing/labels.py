@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Labels on a picture: as large as the picture asks for, and beside each other."""
+"""Labels on a picture: scaled with the picture, and placed without overlap."""
 
 from typing import Iterator, List, NamedTuple, Sequence, Tuple
 
@@ -25,30 +25,30 @@ _TEXT_COLOUR = (255, 255, 255)
 _PATCH_COLOUR = (40, 40, 40)
 _LEADER_COLOUR = (32, 32, 240)
 
-# The picture for which a font scale of 0.5 and lines of 1 px are right, and the smallest font that
-# can be read.
+# Size of the picture for which a font scale of 0.5 and lines of 1 px are right, and the smallest
+# readable font.
 _REFERENCE_PX = 640 * 480
 _REFERENCE_SCALE = 0.5
 _SMALLEST_SCALE = 0.35
 
-# To hide a part of a label is so much worse than to hide a part of an object.
+# Hiding a part of a label costs this many times more than hiding a part of an object.
 _LABEL_WEIGHT = 10
-# How many lines above and below its object a label may go to find room.
+# Number of lines above and below its object among which a label is placed.
 _LINES_AWAY = 8
 
 
 def line_width(picture: np.ndarray) -> int:
-    """Tell how thick a thin line is in a picture of shape (h, w, 3), in px."""
+    """Return the thickness of a thin line in a picture of shape (h, w, 3), in px."""
     return max(1, round(_magnification(picture)))
 
 
 class TextStyle(NamedTuple):
     """
-    How large a text is written.
+    The size of a text.
 
     :param scale: OpenCV's font scale.
-    :param thickness: Of a stroke, in px.
-    :param margin: Of the dark patch around the text, in px.
+    :param thickness: Thickness of a stroke, in px.
+    :param margin: Margin of the dark patch around the text, in px.
     """
 
     scale: float
@@ -57,17 +57,17 @@ class TextStyle(NamedTuple):
 
     @classmethod
     def of(cls, picture: np.ndarray) -> 'TextStyle':
-        """Give the style for a picture of shape (h, w, 3)."""
+        """Return the style for a picture of shape (h, w, 3)."""
         scale = max(_SMALLEST_SCALE, _REFERENCE_SCALE * _magnification(picture))
         return cls(scale, line_width(picture), round(6 * scale))
 
     def size(self, text: str) -> Tuple[int, int]:
-        """Give a text's width and height with its patch, in px."""
+        """Return a text's width and height with its patch, in px."""
         (width, height), below = cv2.getTextSize(text, _FONT, self.scale, self.thickness)
         return width + 2 * self.margin, height + below + 2 * self.margin
 
     def write(self, picture: np.ndarray, text: str, place: Box) -> None:
-        """Write a text on a dark patch, so that it can be read on anything."""
+        """Write a text on a dark patch, so that it is readable on any picture."""
         (_, height), _ = cv2.getTextSize(text, _FONT, self.scale, self.thickness)
         cv2.rectangle(picture, (place.x, place.y),
                       (place.x + place.width - 1, place.y + place.height - 1), _PATCH_COLOUR, -1)
@@ -78,15 +78,15 @@ class TextStyle(NamedTuple):
 
 class Labels:
     """
-    Places labels beside objects: inside the picture, and none over another where there is room.
+    Places labels beside objects, inside the picture, and without overlap if there is room.
 
     :param picture: Shape (h, w, 3), uint8, BGR; `draw` draws on it.
-    :param boxes: Of all objects; labels keep off them where they can.
+    :param boxes: Boxes of all objects, which labels avoid if possible.
     """
 
     def __init__(self, picture: np.ndarray, boxes: Sequence[Box]) -> None:
         self._picture, self._style = picture, TextStyle.of(picture)
-        # The topmost line is for a note.
+        # The topmost line is reserved for a note.
         _, line = self._style.size('0')
         self._taken = [Box(0, 0, picture.shape[1], line), *boxes]
         self._weights = [1] * len(self._taken)
@@ -107,7 +107,7 @@ class Labels:
         self._labels.append((text, place, box))
 
     def draw(self) -> None:
-        """Draw all labels, with a line to the object where a label is not beside it."""
+        """Draw all labels; a label that is not beside its object gets a line to it."""
         for _, place, box in self._labels:
             if _gap(place, box) > place.height / 2:
                 cv2.line(self._picture, _middle(place), _middle(box), _LEADER_COLOUR,
@@ -121,7 +121,7 @@ class Labels:
                               y=max(0, min(place.y, height - place.height)))
 
     def _hidden(self, place: Box) -> float:
-        """Tell how much a label would hide there, in px weighted by what it is."""
+        """Return how much a label would hide there, as a weighted number of pixels."""
         x, y, width, height = np.array(self._taken).T
         across = np.minimum(x + width, place.x + place.width) - np.maximum(x, place.x)
         along = np.minimum(y + height, place.y + place.height) - np.maximum(y, place.y)
@@ -129,7 +129,7 @@ class Labels:
 
 
 def _corners(box: Box, width: int, height: int, gap: int) -> Iterator[Tuple[int, int]]:
-    """Give the top-left corners where a label may stand, the best first."""
+    """Return the possible top-left corners of a label, the best first."""
     above, below = box.y - gap - height, box.y + box.height + gap
     yield from ((box.x, above), (box.x, below), (box.x + box.width + gap, box.y),
                 (box.x - gap - width, box.y))
@@ -139,7 +139,7 @@ def _corners(box: Box, width: int, height: int, gap: int) -> Iterator[Tuple[int,
 
 
 def _gap(place: Box, box: Box) -> float:
-    """Tell the distance between two boxes, in px."""
+    """Return the distance between two boxes, in px."""
     across = max(box.x - place.x - place.width, place.x - box.x - box.width, 0)
     along = max(box.y - place.y - place.height, place.y - box.y - box.height, 0)
     return float(np.hypot(across, along))

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Draws on a frame what was found there."""
+"""Draws the objects found on a frame, and writes pictures."""
 
 import math
 import os
@@ -35,12 +35,12 @@ _CENTRE_COLOUR = (32, 32, 240)
 
 
 def camera_label(point: Point) -> str:
-    """Tell a position in the camera frame, as the tutorial's first script does."""
+    """Format a position in the camera frame, like the tutorial's first script."""
     return f'x {point.x:.2f}, y {point.y:.2f} cm'
 
 
 def base_label(conversion: CameraToRobotBaseConversion) -> Label:
-    """Make what tells a position in the base frame, as the tutorial's second script does."""
+    """Make a label with the position in the base frame, like the tutorial's second script."""
     def label(point: Point) -> str:
         x, y, _ = conversion.convert_point(*point)
         return f'base x {x:.2f}, y {y:.2f} cm'
@@ -51,13 +51,13 @@ def draw_objects(
     frame: np.ndarray, objects: Sequence[LocatedObject], label: Label = camera_label
 ) -> np.ndarray:
     """
-    Draw each object's outline, box and centre, its direction where it has one, and its label.
+    Draw each object's outline, box, centre, direction (if it has one) and label.
 
-    A label starts with the object's number, which is that of the table of `locate`.
+    A label starts with the object's number, the same as in the table of `locate`.
 
-    :param frame: Shape (h, w, 3), uint8, BGR; it is left as it is.
-    :param objects: The largest first: that is number 1.
-    :param label: Makes the text of a position.
+    :param frame: Shape (h, w, 3), uint8, BGR; it is not changed.
+    :param objects: The largest first; it has number 1.
+    :param label: Formats a position as text.
     :returns: A picture of the same shape.
     """
     picture = frame.copy()
@@ -71,7 +71,7 @@ def draw_objects(
 
 
 def draw_note(picture: np.ndarray, note: str) -> None:
-    """Write a text into a picture's top-left corner, in as many lines as it needs."""
+    """Write a text into a picture's top-left corner, with line breaks."""
     style, top = TextStyle.of(picture), 2
     letter_width = style.size('n' * 10)[0] / 10
     for line in textwrap.wrap(note, max(10, int((picture.shape[1] - 4) / letter_width))):
@@ -82,7 +82,7 @@ def draw_note(picture: np.ndarray, note: str) -> None:
 
 def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:
     """
-    Tell what of a frame belongs to objects.
+    Return the mask of the objects on a frame.
 
     :param frame: Shape (h, w, 3).
     :returns: Shape (h, w), uint8, 255 within the objects' outlines, 0 elsewhere.
@@ -95,9 +95,9 @@ def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarr
 
 def write_picture(path: str, picture: np.ndarray) -> None:
     """
-    Write a picture file as a whole: whoever looks sees the old one or the new one.
+    Write a picture file as a whole: a reader sees either the old file or the new one.
 
-    :param path: Where to; the ending tells the format.
+    :param path: The file's path; the ending sets the format.
     :raises InvalidValueError: If it cannot be written.
     """
     write_files({path: encoded_picture(path, picture)})
@@ -105,10 +105,10 @@ def write_picture(path: str, picture: np.ndarray) -> None:
 
 def encoded_picture(path: str, picture: np.ndarray) -> bytes:
     """
-    Make the content of a picture file.
+    Encode a picture as the content of a file.
 
-    :param path: Its name; the ending tells the format.
-    :raises InvalidValueError: If the ending is another, or the picture is none.
+    :param path: The file's name; the ending sets the format.
+    :raises InvalidValueError: If the ending is unknown, or the picture is invalid.
     """
     ending = check_picture_path(path)
     check_frame(picture, 'picture')
@@ -117,10 +117,10 @@ def encoded_picture(path: str, picture: np.ndarray) -> bytes:
 
 def check_picture_path(path: str) -> str:
     """
-    Check that a picture's file name tells its format, and that its folder exists.
+    Check that a picture's file name has a known ending, and that its folder exists.
 
     :returns: The ending: '.png' or '.jpg'.
-    :raises InvalidValueError: If it tells another, or there is no such folder.
+    :raises InvalidValueError: If the ending is unknown, or the folder does not exist.
     """
     ending = os.path.splitext(path)[1].lower()
     if ending not in ('.png', '.jpg'):

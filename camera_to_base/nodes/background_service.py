@@ -16,6 +16,7 @@
 
 from typing import Callable, Optional
 
+from camera_to_base.reason import Reason
 from camera_to_base.ros import real_time_timer
 from camera_to_base.trust import CameraPipeline
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
@@ -34,7 +35,7 @@ class BackgroundService:
     :param node: The node that offers it.
     :param pipeline: The pipeline that takes the background.
     :param frame_count: Returns the number of frames that make a background.
-    :param has_frames: Whether the source gives frames; random pixels do not.
+    :param source_reason: Returns why the source gives no good frame, or None.
     """
 
     def __init__(
@@ -42,12 +43,12 @@ class BackgroundService:
         node: Node,
         pipeline: CameraPipeline,
         frame_count: Callable[[], int],
-        has_frames: bool,
+        source_reason: Callable[[], Optional[Reason]],
     ) -> None:
         self._node = node
         self._pipeline = pipeline
         self._frame_count = frame_count
-        self._has_frames = has_frames
+        self._source_reason = source_reason
         self._captured: Optional[Future] = None
         # A separate callback group, so that frames are processed while the service waits for them.
         node.create_service(Trigger, '~/capture_background', self._on_call,
@@ -61,18 +62,21 @@ class BackgroundService:
     async def _on_call(
         self, request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        if not self._has_frames:
-            response.message = 'random pixels have no background: name a camera with source'
+        reason = self._source_reason()
+        if reason is not None and reason.kind != 'camera_opening':
+            response.message = f'no background is taken: {reason.sentence}'
             return response
-        count = self._frame_count()
-        self._pipeline.capture_background(count)
+        wanted_count = self._frame_count()
+        self._pipeline.capture_background(wanted_count)
         response.success = await self._capture()
         if response.success:
             height, width = self._pipeline.background.shape[:2]
-            response.message = f'took {width} x {height} px, the median of {count} frame(s)'
+            response.message = (f'took {width} x {height} px, the median of '
+                                f'{self._pipeline.background_frame_count} frame(s)')
         else:
-            response.message = (f'not {count} good frame(s) in {_TIMEOUT_S:g} s; the next ones '
-                                'become the background')
+            after = ('the background before is used' if self._pipeline.keep_background()
+                     else 'the next ones become the background')
+            response.message = f'not {wanted_count} good frame(s) in {_TIMEOUT_S:g} s; {after}'
         return response
 
     async def _capture(self) -> bool:

@@ -28,7 +28,7 @@ _LARGEST_SPREAD_S, _LARGEST_DRIFT = 0.2, 0.05
 _RECENT_S = 0.4
 # No queue takes as long: such stamps run faster than the clock.
 _LONGEST_FALL_S = 5.0
-# A stream that stays late must be opened anew: its server has the queue.
+# A stream that stays late must be opened again: the queue is in its server.
 _LONGEST_LAG_S = 2.0
 
 
@@ -39,7 +39,7 @@ class _Delay(NamedTuple):
 
 class StreamClock:
     """
-    Tells whether frames of an RTSP stream come late.
+    Measures whether frames of an RTSP stream arrive late.
 
     Stamps that do not run like the clock are left alone. Frames that a server itself holds back
     from the first one on cannot be told.
@@ -54,7 +54,7 @@ class StreamClock:
 
     @property
     def lags(self) -> bool:
-        """Tell whether frames have come late for so long that they will for ever."""
+        """Return whether frames have been late for so long that they will stay late."""
         return (self._late_since is not None
                 and self._recent[-1].at - self._late_since > _LONGEST_LAG_S)
 

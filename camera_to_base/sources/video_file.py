@@ -87,7 +87,7 @@ class VideoFile:
         return int(count) if count > 0 else None
 
     def read(self) -> Optional[np.ndarray]:
-        """Give the next frame, see :meth:`FrameSource.read`."""
+        """Return the next frame, see :meth:`FrameSource.read`."""
         frame, self._first = self._first, None
         return self._next() if frame is None else frame
 

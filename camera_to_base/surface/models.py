@@ -75,6 +75,16 @@ class ParallelSurface:
         with np.errstate(over='ignore'):
             return _points(pixels * (self._width_cm / self._image_width))
 
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points of the work surface to pixels.
+
+        :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :returns: Shape (n, 2), columns u and v, in px.
+        """
+        with np.errstate(over='ignore'):
+            return finite_numbers('points', points, -1, 2) * (self._image_width / self._width_cm)
+
     def for_image_size(self, image_size: ImageSize) -> 'ParallelSurface':
         """Give the model for pictures of a size: the same width in cm, in that many pixels."""
         return ParallelSurface(self._width_cm, image_size[0])

@@ -25,7 +25,7 @@ from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.models import (
     HomographySurface, ParallelSurface, PolynomialSurface, Surface)
 from camera_to_base.surface.raised import RaisedSurface
-from camera_to_base.surface.specs import SURFACE_SPECS
+from camera_to_base.surface.specs import MOST_CORNERS, SURFACE_SPECS
 import numpy as np
 
 
@@ -95,6 +95,9 @@ def _made_hull(numbers: Tuple[float, ...]) -> Optional[Hull]:
     if len(numbers) % 2:
         raise InvalidValueError(
             f'surface.hull must be pairs of u and v, got {len(numbers)} numbers')
+    if len(numbers) > 2 * MOST_CORNERS:
+        raise InvalidValueError(
+            f'surface.hull must have at most {MOST_CORNERS} corners, got {len(numbers) // 2}')
     return Hull(np.reshape(numbers, (-1, 2))) if numbers else None
 
 

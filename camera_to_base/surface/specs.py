@@ -18,9 +18,11 @@ from typing import Any, Mapping
 
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, LARGEST_SIDE
-from camera_to_base.parameter_spec import default_values, ParameterSpec
+from camera_to_base.parameters import default_values, ParameterSpec
 from camera_to_base.surface.distortion import LARGEST_COEFFICIENT
 
+# An outline needs few.
+MOST_CORNERS = 1000
 SURFACE_MODELS = ('parallel', 'polynomial', 'homography')
 _CM_PER_PX = TUTORIAL_WIDTH_CM / DEFAULT_IMAGE_SIZE[0]
 _CENTRE = [(side - 1) / 2 for side in DEFAULT_IMAGE_SIZE]
@@ -35,7 +37,8 @@ SURFACE_SPECS = [
     ParameterSpec('surface.hull', [],
                   'The area of the picture that the calibration was measured in, for an object '
                   'outside it the node warns: u and v of one corner after the other; empty for '
-                  'everywhere.', unit='px', constraints='u and v in turn'),
+                  'everywhere.', unit='px',
+                  constraints=f'u and v in turn, at most {MOST_CORNERS} corners'),
     ParameterSpec('surface.reject_outside_hull', False,
                   'Leave out objects outside surface.hull instead of warning of them.'),
     ParameterSpec('surface.parallel.width_cm', TUTORIAL_WIDTH_CM,

@@ -13,13 +13,13 @@
 # limitations under the License.
 
 """
-Trust: whether the positions of a frame may be published.
+Trust: decides whether the positions of a frame may be published.
 
-In: frames as they come. Out: one sighting for each frame, with its objects, or with the reason why
-none of them may be published. Checks for damage, a moved view, what reaches in from the edge,
-jumps and age; the pipeline asks them in order.
+In: frames. Out: one sighting for each frame, with its objects, or with the reason why none of them
+may be published. There are checks for damage, a moved view, objects that reach in from the edge,
+jumps and age; the pipeline runs them in order.
 
-Callers: `nodes` and `commands`. It imports numpy and OpenCV alone.
+Callers: `nodes` and `commands`. It imports only numpy and OpenCV.
 """
 
 from camera_to_base.trust.arm_check import ArmCheck

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Finds frames that were damaged on their way: OpenCV says True for most of these."""
+"""Finds frames that were damaged in transfer; OpenCV reports most of them as good."""
 
 from collections import deque
 from typing import Any, Optional
@@ -36,31 +36,32 @@ _OLD_END = _damage('old_end', 'its lower end is that of an earlier one')
 _FLAT_END = _damage('flat_end', 'its lower end has one colour')
 _LARGE_CHANGE = _damage('large_change', 'a large part of it has changed at once')
 
-# JPEG's blocks are 8 px high: less than this cannot be lost.
+# A JPEG loses at least one row of blocks, which is 8 px high.
 _TAIL_ROWS = 8
-# FFmpeg decodes into buffers that it uses again: what a JPEG lacks is an earlier frame's.
+# FFmpeg reuses its buffers: the missing part of a JPEG shows an earlier frame.
 _TAIL_COUNT = 16
 _LARGEST_SHARE, _LARGEST_BOTTOM_SHARE = 0.25, 0.5
-# What decoders make of blocks that they have no data for: grey, or the green of YUV 0, 0, 0.
+# Colours that decoders give to blocks without data: grey, or the green of YUV 0, 0, 0.
 _CONCEALED = (128, 128, 128), (0, 135, 0)
-# A lower end that has the same one colour in as many frames in a row is the surface's own:
-# overexposed, say. A camera that has shown more there before must prove it for longer.
+# If the lower end has the same single colour in this many frames in a row, the surface looks like
+# that, for example because it is overexposed. If the camera showed more there before, it takes
+# the second number of frames.
 _USUAL_COUNT, _LATER_USUAL_COUNT = 5, 25
-# As different as an encoder makes such a colour.
+# An encoder changes such a colour by up to this.
 _SAME_COLOUR = 2
-# Below these grey levels nothing can be told from noise: the surface would look empty.
+# Below these grey levels noise hides all objects: the surface would look empty.
 _BLACK_LEVEL = 6
 
 
 class DamageCheck:
     """
-    Judges each frame of a live camera against the ones before it.
+    Compares each frame of a live camera with the frames before it.
 
-    A sensor's noise makes every picture, and every part of it, new. So a picture whose lower end
-    is an earlier one's to the byte was cut off; one that is that altogether was not taken anew;
-    and a lower end of one colour was never received. Flipped bits spoil all that follows them: a
-    large change that the next picture does not share is damage, one that it shares is real.
-    A black picture is whole, as a rule, but shows nothing.
+    Because of the sensor's noise, no two pictures are equal, in any part. So a picture whose lower
+    end equals an earlier one's to the byte was cut off, and a picture that equals an earlier one
+    was not taken anew. A lower end of a single colour was not received. Flipped bits damage all
+    data after them: a large change is damage if the next picture does not show it, too. A black
+    picture is usually complete, but shows nothing.
     """
 
     def __init__(self) -> None:
@@ -68,10 +69,10 @@ class DamageCheck:
 
     def reason(self, frame: np.ndarray) -> Optional[Reason]:
         """
-        Tell what is wrong with a frame.
+        Return what is wrong with a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR.
-        :returns: None for a frame that can be believed.
+        :returns: None for an undamaged frame.
         """
         if frame.shape != self._shape:
             self._restart(frame)
@@ -100,7 +101,7 @@ class DamageCheck:
         tail = frame[-_TAIL_ROWS:]
         content = tail.tobytes()
         repeated = self._last is not None and np.array_equal(frame, self._last)
-        # An overexposed edge repeats by itself.
+        # An overexposed edge is equal in undamaged frames, too.
         tail_repeated = content in self._tails and not _is_flat(tail)
         self._last = frame
         self._tails.append(content)

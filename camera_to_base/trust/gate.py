@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Decides what of a frame may be published."""
+"""Decides which objects of a frame may be published."""
 
 import time
 from typing import List, Optional, Sequence
@@ -31,11 +31,11 @@ _JUMPED = Reason('unconfirmed', Level.OK, 'not confirmed by a second frame', is_
 
 class PositionGate:
     """
-    Lets through what an arm may follow.
+    Passes on the objects whose positions an arm may follow.
 
-    For live sources: the frames of others wait for their reader, and nothing damages them.
+    For live sources only: the frames of other sources do not age and are not damaged.
 
-    :param max_age_s: The oldest frame of a live camera that a position may come from.
+    :param max_age_s: Greatest age of a frame whose positions are published.
     :param jump_radius_px: See :class:`JumpFilter`.
     """
 
@@ -43,18 +43,18 @@ class PositionGate:
         self.configure(max_age_s, jump_radius_px)
 
     def configure(self, max_age_s: float, jump_radius_px: float) -> None:
-        """Use other limits from now on."""
+        """Use new limits from now on."""
         self._max_age_s = max_age_s
         self._jumps = JumpFilter(jump_radius_px)
 
     def judge(self, seen: Sighting, taken_at: Optional[float]) -> Sighting:
         """
-        Tell which objects of a frame may be published.
+        Return the sighting with only those objects that may be published.
 
-        Where the largest one is not confirmed none is; another is left out until it is. A reason
-        that the sighting has already stays.
+        If the largest object is not confirmed, none is published. Other objects are left out until
+        they are confirmed. A reason that the sighting already has is kept.
 
-        :param taken_at: When the frame was taken, by time.monotonic(); None for just now.
+        :param taken_at: The frame's capture time by time.monotonic(); None for now.
         """
         if taken_at is None:
             taken_at = time.monotonic()

@@ -12,24 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tells why no position is published though frames come."""
+"""Derives why no position is published although frames arrive."""
 
 import time
 from typing import Optional
 
 from camera_to_base.reason import Reason
 
-# A single frame may be held back: the next one comes.
+# Shorter interruptions are not reported: the next frame may be good.
 _LASTING_S = 1.0
 
 
 class HeldBack:
     """
-    Records for each frame why no position of it is published.
+    Records why a frame's positions were not published.
 
-    `reason` is the one to show. A reason that passes is shown once nothing was published for a
-    second, by the frames' own times: a slow camera's next frame may be good. Where such reasons
-    take turns, the one that is shown stays until it has not come for a second.
+    `reason` is the reason to show. A passing reason is shown when a frame is held back a second
+    after the first: a slow camera's next frame may be good. If passing reasons alternate, the one
+    that is shown stays until it has not occurred for a second.
     """
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class HeldBack:
         self._shown_at = 0.0
 
     def note(self, reason: Optional[Reason]) -> None:
-        """Record one frame; None for one that was published."""
+        """Record a frame's reason; None if its positions were published."""
         now = time.monotonic()
         if reason is None:
             self.reason = self._since = None

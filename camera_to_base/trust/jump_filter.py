@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Holds positions back that jump until a second frame agrees with them."""
+"""Holds back positions that jump, until a second frame confirms them."""
 
 from collections import deque
 import math
@@ -21,20 +21,21 @@ from typing import Iterable, List, Sequence
 from camera_to_base.detection import Pixel
 
 
-# A place where nothing was believed for longer is as good as any other: what shows there must be
-# confirmed. By the frames' own times.
+# A confirmed position is forgotten after this time, by the frames' own times: an object there must
+# then be confirmed again.
 _MEMORY_S = 1.0
 
 
 class JumpFilter:
     """
-    Believes positions that continue those before them.
+    Accepts positions that continue earlier ones.
 
-    A damaged frame may show objects in wrong places, but two of them do not agree. A position is
-    believed near one that was believed within the last second or seen last, or where an object's
-    last two lead to: an object at any speed is held back for two frames at most.
+    A damaged frame may show objects in wrong places, but two damaged frames do not agree. A
+    position is accepted near a position that was accepted within the last second, near one of the
+    last frame, or near the continuation of an object's last two positions. So an object is held
+    back for two frames at most, at any speed.
 
-    :param radius_px: How far counts as near, in px; 0 believes everything.
+    :param radius_px: Largest distance that counts as near, in px; 0 accepts all positions.
     """
 
     def __init__(self, radius_px: float) -> None:
@@ -45,10 +46,10 @@ class JumpFilter:
 
     def believed(self, pixels: Sequence[Pixel], taken_at: float) -> List[Pixel]:
         """
-        Give those positions of a frame that can be believed.
+        Return those positions of a frame that are accepted.
 
-        :param pixels: Those of all its objects, the largest first.
-        :param taken_at: When the frame was taken, in s of a clock that never jumps.
+        :param pixels: The positions of all its objects, the largest first.
+        :param taken_at: The frame's capture time, in s of a monotonic clock.
         """
         if taken_at - self._believed_at > _MEMORY_S:
             self._believed = []
@@ -61,7 +62,7 @@ class JumpFilter:
         return believed
 
     def believes_empty(self) -> bool:
-        """Return whether the last two frames agree that there is nothing."""
+        """Return whether the last two frames both show no object."""
         return not self._radius_px or (len(self._seen) == 2 and not any(self._seen))
 
     def _expected(self) -> Iterable[Pixel]:
@@ -69,7 +70,7 @@ class JumpFilter:
         if self._seen:
             yield from self._seen[-1]
         if len(self._seen) == 2:
-            # Ordered by size: an object mostly keeps its place in the list.
+            # The lists are sorted by size, so an object mostly keeps its index.
             for (u1, v1), (u2, v2) in zip(*self._seen):
                 yield Pixel(2 * u2 - u1, 2 * v2 - v1)
 

@@ -12,38 +12,39 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a frame, a position and the view must keep to: the parameters, and their frozen values."""
+"""Limits of frames, positions and the view: the parameters, and their frozen values."""
 
 from typing import List, NamedTuple
 
-from camera_to_base.parameter_spec import default_values, ParameterSpec, Values
+from camera_to_base.parameters import default_values, ParameterSpec, Values
 
 LIMIT_SPECS = [
     ParameterSpec(
         'max_frame_age', 0.3,
-        'No position is published from a frame of a camera that is older than this.',
+        'Frames of a camera that are older than this give no positions.',
         (0.01, 60), unit='s'),
     ParameterSpec(
         'confirm_jump_px', 8.0,
         'A position that jumps farther than this is published when a second frame confirms it; 0 '
-        'for at once. Cameras only.', (0, 100000), unit='px'),
+        'for no check. Cameras only.', (0, 100000), unit='px'),
     ParameterSpec(
         'view.max_shift_px', 3.0,
         'Nothing is published while the view has moved by more than this since the background '
         'was taken; 0 for no check.', (0, 100000), unit='px'),
     ParameterSpec(
         'view.max_changed_share', 0.7,
-        "Nor while more than this share of the surface's structure is covered or has changed.",
+        'Nothing is published while more than this share of the structure of the surface is '
+        'covered or has changed.',
         (0, 1)),
     ParameterSpec(
         'view.check_period', 2.0,
-        'Has no effect any more: the view of each frame is checked.', (0.01, 3600), unit='s'),
+        'No longer has an effect: the view of each frame is checked.', (0.01, 3600), unit='s'),
 ]
 _DEFAULTS = default_values(LIMIT_SPECS)
 
 
 class Limits(NamedTuple):
-    """What a frame, a position or the view must keep to, see the node's parameters."""
+    """Limits of frames, positions and the view, see the node's parameters."""
 
     max_frame_age_s: float = _DEFAULTS['max_frame_age']
     confirm_jump_px: float = _DEFAULTS['confirm_jump_px']
@@ -53,20 +54,20 @@ class Limits(NamedTuple):
 
     @property
     def without_effect(self) -> List[str]:
-        """Names of parameters that were set, but have no effect any more."""
+        """Names of parameters that were set but no longer have an effect."""
         is_set = self.check_period_s != _DEFAULTS['view.check_period']
         return ['view.check_period'] if is_set else []
 
     @property
     def for_recording(self) -> 'Limits':
-        """The same without the view: no arm follows a recording, which is shown as it is."""
+        """The same without limits of the view: no arm follows the positions of a recording."""
         return self._replace(max_shift_px=0.0)
 
 
 def make_limits(values: Values) -> Limits:
     """
-    Make the limits of their parameters.
+    Make the limits from their parameters.
 
-    :param values: By their full names, as the specs allow them.
+    :param values: By full name, as the specs allow them.
     """
     return Limits(*(values[spec.name] for spec in LIMIT_SPECS))

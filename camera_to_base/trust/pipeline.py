@@ -12,11 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""From frames to objects that an arm may follow: background, detection, checks, gate."""
+"""From frames to objects that may be published: background, detection, checks, gate."""
 
 from collections import Counter
 import time
-from typing import Optional
+from typing import NamedTuple, Optional
 
 from camera_to_base.detection import (
     BackgroundTaker, check_frame, check_same_size, DetectorSettings, ObjectLocator)
@@ -34,15 +34,23 @@ from camera_to_base.trust.view_watch import ViewWatch
 import numpy as np
 
 
+class KeptBackground(NamedTuple):
+    """A background that is being replaced, and when it was taken, by time.monotonic()."""
+
+    picture: np.ndarray
+    taken_at: float
+    is_restored: bool
+
+
 class CameraPipeline:
     """
-    Turns one frame after another into objects that can be believed.
+    Converts each frame to the objects that may be published.
 
     :param surface: Maps pixels to the work surface.
-    :param detector: Which detector, and which objects count.
+    :param detector: The detector's settings.
     :param background_frames: The first background is the median of this many frames.
-    :param kind: What gives the frames. Those of a live source are confirmed, and have an age; a
-        recording is shown as it is, whatever its view.
+    :param kind: The kind of source. Age and jumps are checked for live sources only, the view
+        for all sources but recordings.
     """
 
     def __init__(
@@ -61,15 +69,18 @@ class CameraPipeline:
         self._surface, self._detector = surface, detector
         self._limits = self._limits_here(limits)
         self._locator: Optional[ObjectLocator] = None
+        self.background: Optional[np.ndarray] = None
+        self.background_frame_count = 0
+        self._replaced: Optional[KeptBackground] = None
         self.capture_background(background_frames)
 
     def configure(
         self, surface: Surface, detector: DetectorSettings, limits: Limits
     ) -> None:
         """
-        Use other settings from the next frame on, with the same background.
+        Use new settings from the next frame on, with the same background.
 
-        What has not changed goes on as it is: no frame is held back because of it.
+        Parts whose settings have not changed keep their state, so that no frame is held back.
         """
         limits = self._limits_here(limits)
         if (surface, detector) != (self._surface, self._detector):
@@ -82,22 +93,42 @@ class CameraPipeline:
                 self._view.configure(limits)
 
     def capture_background(self, frame_count: int) -> None:
-        """Take the background anew, of the next frames; until then no objects are found."""
+        """
+        Take a new background from the next frames; until then no objects are found.
+
+        Fewer frames are taken if they would need too much memory, see :class:`BackgroundTaker`;
+        `background_frame_count` is their number.
+        """
+        if self.background is not None:
+            self._replaced = KeptBackground(
+                self.background, self._background_taken_at, self.background_is_restored)
         self._taker: Optional[BackgroundTaker] = BackgroundTaker(frame_count)
-        self.background: Optional[np.ndarray] = None
+        self.background = None
+
+    def keep_background(self) -> bool:
+        """
+        Stop taking a new background, and use the previous one again.
+
+        :returns: Whether there is one; otherwise the next good frames become the background.
+        """
+        if self.background is None and self._replaced is not None:
+            picture, taken_at, is_restored = self._replaced
+            self._use_background(
+                picture, age_s=time.monotonic() - taken_at, is_restored=is_restored)
+        return self.background is not None
 
     def restore_background(self, background: np.ndarray, age_s: float) -> None:
         """
-        Use a background that was taken before; the first frame's view is compared with it.
+        Use a saved background; the first frame's view is compared with it.
 
         :param background: Shape (h, w, 3), uint8, BGR.
-        :param age_s: How long ago it was taken.
+        :param age_s: Its age.
         """
         self._use_background(background, age_s=age_s, is_restored=True)
 
     @property
     def background_age_s(self) -> float:
-        """How long ago the background was taken, in s."""
+        """Age of the background, in s."""
         return time.monotonic() - self._background_taken_at
 
     @property
@@ -108,15 +139,15 @@ class CameraPipeline:
 
     @property
     def view(self) -> Optional[View]:
-        """How the last frame that was compared looks beside the background; None for none."""
+        """Result of the last comparison of a frame's view with the background; None for none."""
         return None if self._view is None else self._view.view
 
     @property
     def reason(self) -> Optional[Reason]:
         """
-        Why an object on the surface would not be published now; None where it would.
+        Why an object on the surface would not be published now; None if it would.
 
-        A reason that passes counts once it has lasted for a second, see :class:`HeldBack`.
+        A passing reason counts after a second, see :class:`HeldBack`.
         """
         return self._held_back.reason if self._taker is None else self._taker.reason
 
@@ -124,10 +155,10 @@ class CameraPipeline:
         """
         Find the objects on a frame.
 
-        :param taken_at: When a camera took it, by time.monotonic(); None for just now, and where
-            the source is not live.
-        :returns: The objects, and the reason where they may not be published. A frame that cannot
-            be used is such a reason, too: nothing that a frame has makes this raise.
+        :param taken_at: Its capture time by time.monotonic(); None for now, and for a source that
+            is not live.
+        :returns: The objects, and the reason if they may not be published. A frame that cannot be
+            used also gives a reason: no frame makes this method raise.
         """
         sighting = self._see(frame, taken_at)
         self._count(sighting)
@@ -138,7 +169,7 @@ class CameraPipeline:
         return limits.for_recording if self._kind.ends else limits
 
     def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
-        # Each step asks the next check; the first reason that one gives holds.
+        # Each step runs the next check; the first reason that a check returns is kept.
         try:
             check_frame(frame)
             reason = self._background_reason(frame)
@@ -152,7 +183,7 @@ class CameraPipeline:
             found = locator.find(frame)
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
-        if reason is None and self._leaves_out_cut_off():
+        if self._view.is_in_place and self._leaves_out_cut_off():
             found = self._arms.check(frame, found, self._time_of(taken_at), self._view.shift_px)
         seen = Sighting(found.objects, reason, found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
@@ -162,7 +193,7 @@ class CameraPipeline:
         return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
 
     def _leaves_out_cut_off(self) -> bool:
-        # What reaches in from the edge is cut off, and counts where that counts.
+        # An arm that reaches in is a cut-off object; it is an object if these are published.
         return self._detector.method == 'precise' and not self._detector.publish_cut_off
 
     def _background_reason(self, frame: np.ndarray) -> Optional[Reason]:
@@ -171,13 +202,14 @@ class CameraPipeline:
         background = self._taker.add(frame, confirm=self._kind.is_live)
         if background is None:
             return self._taker.reason
+        self.background_frame_count = self._taker.taken_count
         self._use_background(background, witness=frame if self._kind.is_live else None)
         return None
 
     def _frame_reason(self, error: CameraToBaseError) -> Reason:
         if not isinstance(error, FrameSizeError):
             return Reason('frame_unusable', Level.ERROR, f'no position is published: {error}')
-        # Another background does not change what the surface was calibrated for.
+        # A new background does not change the picture size of the surface's calibration.
         cure = ', or clear the surface and call ~/capture_background' if self._locator else ''
         return Reason('frame_size', Level.ERROR, f'{error}{cure}')
 

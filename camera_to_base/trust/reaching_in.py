@@ -28,6 +28,8 @@ _NOISE_DEVIATIONS = 4.5
 _SHIFT_ERROR_PX = 0.3
 # Where a change reaches more of the edge than this it may be the light, which changes smoothly.
 _EDGE_SHARE = 0.4
+# What reaches in everywhere is another view, or other light, and nothing that reaches in.
+_WHOLE_EDGE = 0.8
 # Rounds of the fit of smooth light, and what counts half in it, in shares of the light.
 _ROUNDS, _HALF_WEIGHT = 8, 0.03
 _GRID_STEP = 4
@@ -75,10 +77,10 @@ class ReachingIn:
         ratio = (picture / self._background)[::_GRID_STEP, ::_GRID_STEP]
         gain = np.median(ratio.reshape(-1, 3), axis=0).astype(np.float32)
         found = self._connected(picture, gain, slack)
-        if _edge(found).mean() <= _EDGE_SHARE:
-            return found
-        other = self._connected(picture, self._smooth_light(ratio), slack)
-        return other if _edge(other).mean() <= _EDGE_SHARE else found
+        if _edge_share(found) > _EDGE_SHARE:
+            other = self._connected(picture, self._smooth_light(ratio), slack)
+            found = min(found, other, key=_edge_share)
+        return found if _edge_share(found) <= _WHOLE_EDGE else np.zeros_like(found)
 
     def _connected(self, picture: np.ndarray, gain: np.ndarray, slack: np.ndarray) -> np.ndarray:
         lit = np.minimum(self._background * gain, 255)
@@ -107,8 +109,8 @@ class ReachingIn:
                           interpolation=cv2.INTER_AREA).astype(np.float32)
 
 
-def _edge(mask: np.ndarray) -> np.ndarray:
-    return np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])
+def _edge_share(mask: np.ndarray) -> float:
+    return float(np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]]).mean())
 
 
 def _quadratic_terms(width: int, height: int) -> np.ndarray:

@@ -33,6 +33,8 @@ _LEAST_SHARE_OF_FULL = 0.1
 _LESS = ((0.2, 0.4, 1.0), (0.1, 0.23, 0.5))
 # A frame is moved back where it has shifted by more than this, in px: less is the look's error.
 _LEAST_MOVED_PX = 0.4
+# Where the view is not checked, a frame that has shifted by more than this shows another place.
+_IN_PLACE_PX = 2.0
 
 
 class ViewWatch:
@@ -45,6 +47,9 @@ class ViewWatch:
 
     :param background: Shape (h, w, 3), uint8, BGR.
     :param witness: See :class:`QuickLook`.
+
+    `view` and `is_in_place` are about the last frame: what was found, and whether it can be
+    compared with the background place by place.
     """
 
     def __init__(
@@ -52,6 +57,7 @@ class ViewWatch:
     ) -> None:
         self.view: Optional[View] = None
         self.full_count = 0
+        self.is_in_place = True
         self._matrix: Optional[np.ndarray] = None
         self._look = QuickLook(background, witness)
         self._check = ViewCheck(background)
@@ -88,10 +94,17 @@ class ViewWatch:
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         """
         self._matrix = None
+        look = self._look.look(frame)
         if not self._limits.max_shift_px:
             self.view = None
+            self.is_in_place = not self._look.surface_moves and (look is None or (
+                look.share >= _LEAST_SHARE and look.shift_px <= _IN_PLACE_PX))
             return None
-        look = self._look.look(frame)
+        reason = self._checked(frame, look)
+        self.is_in_place = reason is None and not self._look.surface_moves
+        return reason
+
+    def _checked(self, frame: np.ndarray, look: Optional[Look]) -> Optional[Reason]:
         if look is None:
             self.view = View(None, 0.0, has_structure=False)
             return None

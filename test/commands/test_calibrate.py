@@ -21,10 +21,10 @@ import re
 import zlib
 
 from camera_to_base.commands.calibrate import main
-from camera_to_base.parameter_file import parameter_text, read_parameter_file
+from camera_to_base.parameters.file import parameter_text, read_parameter_file
+from camera_to_base.parameters.transform import transform_settings, TRANSFORM_SPECS
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.surface.models import PolynomialSurface
-from camera_to_base.transform_parameters import transform_settings, TRANSFORM_SPECS
 import cv2
 import numpy as np
 import pytest
@@ -448,6 +448,13 @@ def test_pairs_that_cannot_be_of_this_table_are_refused_and_nothing_is_written(r
     assert (code, output) == (1, '') and error.count('\n') == 1
     assert re.search(said, error), error
     assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+def test_pairs_of_the_tutorials_parallel_camera_fit_its_surface(report):
+    Path('pairs.csv').write_text(PAIRS + '18,13,0.2,11.4\n')
+    parallel = written('parallel.yaml', '/**: {ros__parameters: {surface: {model: parallel}}}')
+    found = report('base', 'pairs.csv', '--surface', parallel, '-o', 'cell.yaml')
+    assert found['warnings'] == [] and found['rotation_deg'] == pytest.approx([180, 0, 0])
 
 
 def test_hanging_robot_counts_z_downwards(run):

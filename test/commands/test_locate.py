@@ -168,9 +168,9 @@ def test_annotated_video_shows_each_used_frame_with_its_objects(run):
 
 
 def test_simulated_source_is_a_minute_of_the_board(run):
-    file = parameters('simulated: {frame_rate: 1.0}')
+    file = parameters('simulated: {frame_rate: 0.5}')
     code, output, error = run('simulated', '--params-file', file)
-    assert code == 0 and '60 frames: 5' in error
+    assert code == 0 and '30 frames: 2' in error
 
 
 def test_first_frames_are_the_background_as_in_the_node(run):

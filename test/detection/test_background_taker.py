@@ -13,7 +13,7 @@
 # limitations under the License.
 
 from camera_to_base.detection.background_taker import BackgroundTaker
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.simulation.board import SimulatedBoard
 import cv2
 import numpy as np
@@ -86,6 +86,14 @@ def test_black_frames_are_the_problem_however_well_they_agree():
     assert 'the picture is black' in taker.reason.sentence
 
 
+def test_bright_pixels_on_a_black_picture_do_not_make_it_light():
+    dark = frame(3, shape=(48, 64, 3))
+    dark[:, 0] = 255
+    taker = BackgroundTaker(1)
+    assert taken_by(taker, [dark, dark + np.uint8(0)]) == (None, None)
+    assert 'the picture is black' in taker.reason.sentence
+
+
 @pytest.mark.parametrize('frame_count', [10, 40, 160])
 def test_background_of_a_camera_that_warms_up_finds_the_coin_at_full_light(frame_count):
     take_frame = scenes.still_coin(empty_s=60.0)
@@ -101,3 +109,13 @@ def test_hands_that_pass_do_not_keep_a_background_from_being_taken_within_10_s(c
     board = SimulatedBoard(hands=6, noise=2.0)
     for _ in range(20):
         assert taken_by(BackgroundTaker(count), (board.read() for _ in range(100)))[0]
+
+
+def test_gathered_frames_take_no_more_than_200_mb():
+    frame, taker, count = np.full((2160, 3840, 3), 150, np.uint8), BackgroundTaker(1000), 0
+    background = None
+    while background is None:
+        count += 1
+        background = taker.add(frame)
+        assert count < 20
+    assert taker.taken_count == count == 9

@@ -72,7 +72,7 @@ def test_folder_in_the_files_place_is_named(tmp_path):
     path.mkdir()
     with pytest.raises(InvalidValueError, match=f"'{path}': Is a directory"):
         BackgroundFile(str(path)).read()
-    with pytest.raises(InvalidValueError, match=f"'{path}': Is a directory"):
+    with pytest.raises(InvalidValueError, match=f"'{path}': a folder is there"):
         BackgroundFile(str(path)).keep(picture())
 
 
@@ -82,3 +82,21 @@ def test_folder_in_the_files_place_is_named(tmp_path):
 def test_path_that_can_keep_no_background_is_refused(path, complaint):
     with pytest.raises(InvalidValueError, match=complaint):
         check_background_path(path)
+
+
+def test_home_folder_is_meant_by_its_sign(tmp_path, monkeypatch):
+    monkeypatch.setenv('HOME', str(tmp_path))
+    path = check_background_path('~/background.png')
+    assert path == str(tmp_path / 'background.png')
+    BackgroundFile('~/background.png').keep(picture())
+    assert (BackgroundFile(path).read().picture == picture()).all()
+
+
+def test_pipe_or_device_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / 'pipe.png')
+    (tmp_path / 'full.png').symlink_to('/dev/full')
+    for name in ('pipe.png', 'full.png'):
+        with pytest.raises(InvalidValueError, match='is no ordinary file'):
+            check_background_path(str(tmp_path / name))
+        with pytest.raises(InvalidValueError, match='is no ordinary file'):
+            BackgroundFile(str(tmp_path / name)).read()

@@ -316,14 +316,29 @@ def test_background_is_captured_anew_by_a_service(ros, play):
 def test_random_pixels_have_no_background_to_capture(ros):
     ros.add(CameraPublisher, '-p', 'source:=random')
     response = ros.call('/camera_publisher/capture_background')
-    assert not response.success and 'random' in response.message
+    assert not response.success and 'RANDOM' in response.message
 
 
-def test_capture_without_a_frame_is_answered_with_what_to_do(ros, play, monkeypatch):
-    monkeypatch.setattr(background_service, '_TIMEOUT_S', 0.5)
+def test_capture_without_a_camera_is_answered_at_once_with_the_cause(ros, play):
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
     play([FrameSourceError('unplugged')])
+    assert ros.spin_until(lambda: statuses and 'unplugged' in statuses[-1].message)
+    begin = time.monotonic()
     response = ros.call('/camera_publisher/capture_background')
-    assert not response.success and 'next ones become the background' in response.message
+    assert_in_time(time.monotonic() - begin, 5.0)
+    assert not response.success and 'unplugged' in response.message
+
+
+def test_capture_of_a_camera_that_was_lost_leaves_the_old_background(ros, play, monkeypatch):
+    monkeypatch.setattr(background_service, '_TIMEOUT_S', 0.5)
+    received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
+    play([*[table()] * 5, *[table_with_disc(320, 240)] * 60, *[FrameSourceError('unplugged')] * 3,
+          table_with_disc(320, 240)], '-p', 'background_frames:=1000')
+    # 65 frames are too few: no background at all so far.
+    response = ros.call('/camera_publisher/capture_background')
+    assert not response.success
+    assert 'next ones become the background' in response.message
+    assert received == [] and not any('Traceback' in line.text for line in lines)
 
 
 class NudgedCamera(GivenFrames):

@@ -24,7 +24,7 @@ import sys
 import time
 
 from camera_to_base.detection import settings as detector_settings
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from child_camera import ChildCamera
 import damaged_frames
@@ -81,7 +81,8 @@ def wait_for_background(ros):
 
 
 def stream_arguments(url, *more):
-    return ['-p', f'source:={url}', *more]
+    # The tutorial's surface to a hundredth of a mm, and yet a calibration.
+    return ['-p', f'source:={url}', '-p', 'surface.parallel.width_cm:=36.001', *more]
 
 
 @both_scripts

@@ -47,3 +47,8 @@ def test_hull_of_the_parameters_is_a_flat_list_or_none():
     assert make_hull({'surface.hull': [0, 0, 10, 0, 10, 10]}).area == 50
     with pytest.raises(InvalidValueError, match='u and v, got 3 numbers'):
         make_hull({'surface.hull': [0, 0, 10]})
+
+
+def test_hull_of_thousands_of_corners_is_refused_at_once():
+    with pytest.raises(InvalidValueError, match='at most 1000 corners, got 50000'):
+        make_hull({'surface.hull': [1.0, 2.0] * 50000})

@@ -15,7 +15,7 @@
 import re
 
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
-from camera_to_base.parameter_spec import checked_values
+from camera_to_base.parameters.spec import checked_values
 from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
 from camera_to_base.surface.parameters import make_hull, make_surface
@@ -44,6 +44,10 @@ def test_parallel_surface_gives_the_tutorials_position():
 def test_parallel_surface_is_36_cm_across_640_px_by_default():
     np.testing.assert_allclose(
         ParallelSurface().locate([[640, 480], [0, 0]]), [[36.0, 27.0], [0.0, 0.0]], rtol=1e-12)
+
+
+def test_parallel_surface_shows_a_point_where_it_locates_it():
+    np.testing.assert_allclose(ParallelSurface(32.0).pixels([[19.5, 13.75]]), [[390, 275]])
 
 
 def test_parallel_surface_has_pixels_outside_the_picture_too():

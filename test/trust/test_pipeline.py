@@ -220,3 +220,20 @@ def test_memory_does_not_grow_with_the_frames(tell):
     growth = process(FRAMES) - before
     tell(f'{FRAMES} frames through the pipeline: it grew by {growth} bytes after the first 3000')
     assert growth < (5_000_000 if FRAMES > 100_000 else 1_000_000)
+
+
+def test_background_stays_where_no_new_one_could_be_taken():
+    camera = CameraPipeline(ParallelSurface(36.0, 640))
+    camera.process(table())
+    assert camera.process(table(disc=(320, 240))).objects
+    camera.capture_background(5)
+    assert not camera.process(table(disc=(320, 240))).objects and camera.background is None
+    assert camera.keep_background()
+    assert camera.process(table(disc=(320, 240))).objects
+
+
+def test_first_background_cannot_be_given_up():
+    camera = CameraPipeline(ParallelSurface(36.0, 640), background_frames=2)
+    camera.process(table())
+    assert not camera.keep_background()
+    assert not camera.process(table()).objects and camera.background is not None

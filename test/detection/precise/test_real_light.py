@@ -19,16 +19,16 @@ from pathlib import Path
 import sys
 
 from camera_to_base.detection import PreciseDifferenceDetector
-from camera_to_base.detection.piece import make_piece
-from camera_to_base.detection.plain import place_plain
-from camera_to_base.detection.regions import Box
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.piece import make_piece
+from camera_to_base.detection.precise.plain import place_plain
+from camera_to_base.detection.precise.shares import place
 from camera_to_base.detection.settings import DetectorSettings
-from camera_to_base.detection.shares import place
 import cv2
 import numpy as np
 import pytest
 
-sys.path.append(str(Path(__file__).parents[2] / 'benchmarks'))
+sys.path.append(str(Path(__file__).parents[3] / 'benchmarks'))
 from photometric import Conditions, Lamp, Photographer  # noqa: E402, I100, I202
 
 SMALL = 320, 240

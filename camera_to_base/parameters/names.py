@@ -12,31 +12,31 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Names of parameters: the ones that no parameter has, and the old ones of those renamed."""
+"""Names of parameters: unknown names, and the old names of renamed parameters."""
 
 import difflib
 from typing import Any, Collection, Dict, Iterable, List, Optional, Tuple
 
-from camera_to_base.parameter_spec import ParameterSpec, Values
+from camera_to_base.parameters.spec import ParameterSpec, Values
 
-# Every node of ROS has these; a name that ends in a dot is a group's.
+# Every ROS node has these; a name that ends in a dot is a group.
 ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
-# From this share of equal letters on, a name is another one misspelt.
+# With at least this share of equal letters, a name counts as misspelt.
 _ALIKE = 0.8
 
 
 def misspelt_name(name: str, known: Collection[str]) -> Optional[str]:
-    """Tell which known name is written nearly as an unknown one; None for any."""
+    """Return the known name with nearly the same spelling; None if there is none."""
     return next(iter(difflib.get_close_matches(name, known, n=1, cutoff=_ALIKE)), None)
 
 
 def meant_name(name: str, known: Iterable[str]) -> Optional[str]:
     """
-    Tell which known name somebody meant who has written an unknown one; None for any.
+    Return the known name that was probably meant by an unknown one; None if there is none.
 
-    It may be misspelt, a part that others begin with (`reach` for `reach_cm`, `surface` for
-    `surface.model`), or lack its group, or have another one (`threshold` for
-    `detector.threshold`).
+    The unknown name may be misspelt, the start of a known name (`reach` for `reach_cm`, `surface`
+    for `surface.model`), without its group (`threshold` for `detector.threshold`), or with a
+    wrong one.
     """
     known = list(known)
     last = _last(name)
@@ -50,7 +50,7 @@ def meant_name(name: str, known: Iterable[str]) -> Optional[str]:
 
 
 def unknown_name_text(name: str, meant: Optional[str], kind: str = 'parameter') -> str:
-    """Warn of a name that no parameter has, or nothing else of a kind."""
+    """Return a warning of an unknown name of a parameter, or of something else."""
     hint = f": did you mean '{meant}'?" if meant else ''
     return f"there is no {kind} '{name}', it is left out{hint}"
 
@@ -62,13 +62,13 @@ def unknown_names(given: Iterable[str], known: Collection[str]) -> List[str]:
 
 
 def name_warnings(given: Iterable[str], known: Collection[str]) -> List[str]:
-    """Warn of each given name that no parameter has, with the one that was meant."""
+    """Warn of each given name that no parameter has, with the name that was meant."""
     return [unknown_name_text(name, meant_name(name, known))
             for name in unknown_names(given, known)]
 
 
 def all_names(specs: Iterable[ParameterSpec]) -> List[str]:
-    """List the names that parameters have, and those that they had before."""
+    """List the parameters' names, and their old names."""
     return [name for spec in specs for name in (spec.name, *spec.old_names)]
 
 
@@ -76,9 +76,9 @@ def with_new_names(
     specs: Iterable[ParameterSpec], given: Values
 ) -> Tuple[Dict[str, Any], List[str]]:
     """
-    Give the values of renamed parameters under their new names.
+    Move the values of renamed parameters to their new names.
 
-    :param given: By full name. Where both names are given, the new one's value holds.
+    :param given: By full name. If both names are given, the new name's value is used.
     :returns: The values, and a warning for each old name.
     """
     new_names = {old: spec.name for spec in specs for old in spec.old_names}

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""Reads and writes parameter files, as `ros2 run ... --ros-args --params-file` takes them."""
+"""Reads and writes parameter files for `ros2 run ... --ros-args --params-file`."""
 
 from itertools import accumulate
 import re
@@ -23,11 +23,15 @@ from camera_to_base.errors import InvalidValueError
 import yaml
 
 
+# PyYAML takes seconds for more.
+_MOST_CHARACTERS = 200_000
+
+
 class _Loader(yaml.SafeLoader):
-    """Refuses aliases, as rcl does: a file could contain itself, or grow without an end."""
+    """Refuses aliases, as rcl does: a file with aliases could contain itself or grow endlessly."""
 
     def compose_node(self, parent: Optional[yaml.Node], index: Any) -> Optional[yaml.Node]:
-        """Make the next node."""
+        """Compose the next node."""
         if self.check_event(yaml.AliasEvent):
             raise InvalidValueError(
                 f'an alias (*{self.peek_event().anchor}) stands in it: ROS reads none, write its '
@@ -40,7 +44,7 @@ class ParameterFile(NamedTuple):
     The content of a parameter file.
 
     :param values: By full name, 'surface.model' and so on.
-    :param comments: The lines of comment at its top, without the '#'.
+    :param comments: The comment lines at its top, without the '#'.
     """
 
     values: Mapping[str, Any]
@@ -49,10 +53,10 @@ class ParameterFile(NamedTuple):
 
 class Section(NamedTuple):
     """
-    What a parameter file says to one node, or to several.
+    The parameters of a file for one node, or for several.
 
-    :param node: The node's full name, '/cell_1/camera_publisher'; '*' stands for one part of it,
-        '**' for any number of them.
+    :param node: The node's full name, '/cell_1/camera_publisher'; '*' matches one part of it,
+        '**' any number of parts.
     :param values: By full name, 'surface.model' and so on.
     """
 
@@ -61,22 +65,22 @@ class Section(NamedTuple):
 
     @property
     def is_for_several(self) -> bool:
-        """Return whether it is for more nodes than one."""
+        """Whether it is for more than one node."""
         return '*' in self.node
 
     def stands_for(self, node: str) -> bool:
-        """Return whether a node takes it, by rclpy's rule."""
+        """Return whether it applies to a node, by rclpy's rule."""
         pattern = re.escape(self.node).replace(r'/\*\*', r'(/\w+)*').replace(r'/\*', r'(/\w+)')
         return re.fullmatch(pattern, node) is not None
 
 
 def parameter_text(values: Mapping[str, Any], comments: Iterable[str]) -> str:
     """
-    Make the text of a file for all nodes.
+    Return the text of a file for all nodes.
 
     :param values: By full name, 'surface.model' and so on.
     :param comments: Lines for its top.
-    :raises InvalidValueError: If a name is a parameter's and a group's.
+    :raises InvalidValueError: If a name is both a parameter and a group.
     """
     _refuse_values_that_are_groups(values)
     tree: Dict[str, Any] = {}
@@ -109,7 +113,7 @@ def read_parameter_file(path: str) -> ParameterFile:
 
 def read_node_parameters(path: str, node: str) -> Dict[str, Any]:
     """
-    Read what one node takes from a file, as ROS does: of all sections for it, the last one wins.
+    Read one node's parameters from a file, as ROS does: the last section that applies wins.
 
     :param node: The node's full name, '/cell_1/camera_publisher'.
     :returns: The values by full name, 'surface.model' and so on.
@@ -127,7 +131,7 @@ def read_node_parameters(path: str, node: str) -> Dict[str, Any]:
 
 def read_sections(path: str) -> List[Section]:
     """
-    Read all sections of a file, in order; none of one that holds no parameters.
+    Read all sections of a file, in order; [] for a file without parameters.
 
     :raises InvalidValueError: If there is no such file, or it is no YAML.
     """
@@ -137,7 +141,7 @@ def read_sections(path: str) -> List[Section]:
 
 def node_namespaces(path: str, nodes: Iterable[str]) -> List[str]:
     """
-    List the namespaces in which a file names nodes: '' for none, '/cell_1'.
+    List the namespaces of the nodes that a file names, such as '/cell_1'; '' for none.
 
     :param nodes: The nodes' names, without namespaces.
     :raises InvalidValueError: If there is no such file, or it is no YAML.
@@ -151,8 +155,8 @@ def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     """
     Load a file.
 
-    :param kind: What messages call it.
-    :returns: Its text, and the content of that.
+    :param kind: The messages' word for the file.
+    :returns: Its text, and its parsed content.
     :raises InvalidValueError: If there is no such file, or it is no YAML.
     """
     try:
@@ -161,16 +165,19 @@ def load_yaml(path: str, kind: str) -> Tuple[str, Any]:
     except (OSError, ValueError) as error:
         reason = getattr(error, 'strerror', None) or error
         raise InvalidValueError(f"cannot read the {kind} '{path}': {reason}") from error
+    if len(text) > _MOST_CHARACTERS:
+        raise InvalidValueError(
+            f"the {kind} '{path}' has {len(text)} characters, at most {_MOST_CHARACTERS} are read")
     try:
         return text, yaml.load(text, _Loader)
-    # What is no number, time or truth for its tag comes out of PyYAML as Python's own errors.
+    # For a value that does not fit its tag, PyYAML raises Python's own exceptions.
     except (yaml.YAMLError, ValueError, LookupError, AttributeError, RecursionError) as error:
         reason = ' '.join(str(error).split())
         raise InvalidValueError(f"'{path}' is no YAML: {reason}") from error
 
 
 def _sections(tree: Any, name: str = '') -> Iterator[Tuple[str, Any]]:
-    # A namespace may be a level of its own, or part of a node's name.
+    # A namespace may be a separate level, or part of a node's name.
     for key, branch in (tree.items() if isinstance(tree, dict) else ()):
         if key == 'ros__parameters' and isinstance(branch, (dict, type(None))):
             yield name, branch

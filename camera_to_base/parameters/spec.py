@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a parameter is: name, default, meaning, unit and limits, without ROS."""
+"""Specification of a parameter: name, default, meaning, unit and limits, without ROS."""
 
 import array
 from dataclasses import dataclass
@@ -32,13 +32,13 @@ class ParameterSpec:
     One parameter: the only place for its default, its limits and its meaning.
 
     :param limits: Lowest and highest number, both allowed; of a list, for each number of it.
-    :param step: Distance of allowed whole numbers; 0 allows all.
-    :param unit: Of the value: 'cm', 'deg'.
-    :param choices: The only values that a text may have; () allows any.
-    :param lengths: How long a list may be; () allows any length.
-    :param constraints: What else must hold, in words.
-    :param fixed: Cannot be changed while the node runs.
-    :param old_names: What it was called before: these names still work, with a warning.
+    :param step: Step between allowed whole numbers; 0 allows all.
+    :param unit: Unit of the value: 'cm', 'deg'.
+    :param choices: Allowed values of a text; () allows any.
+    :param lengths: Allowed lengths of a list; () allows any length.
+    :param constraints: Further constraints, in words.
+    :param fixed: Whether it cannot be changed while the node runs.
+    :param old_names: Former names, which still work, with a warning.
     """
 
     name: str
@@ -60,12 +60,12 @@ class ParameterSpec:
 
     @property
     def kind(self) -> str:
-        """Name the declared type; a list that is empty by default is one of doubles."""
+        """The declared type; a list that is empty by default is one of doubles."""
         return 'list of double' if self.takes_any_list else kind_of(self.default)
 
     @property
     def constraint_text(self) -> str:
-        """Say all that a value must be, made of the limits, the unit and so on; '' for nothing."""
+        """All constraints in words, made from the limits, the unit and so on; '' for none."""
         choices = f'one of {", ".join(self.choices)}' if self.choices else ''
         return '; '.join(filter(None, (self._numbers_text(), choices, self.constraints)))
 
@@ -84,11 +84,11 @@ class ParameterSpec:
         return f'{low:.10g} to {high:.10g} {self.unit}'.rstrip() + steps
 
     def converted(self, value: Any) -> Any:
-        """Make a double of an int and a text of a device index, as a user would expect."""
+        """Convert an int to a double, and a device index to a text, as a user would expect."""
         if isinstance(self.default, list) and value is None:
-            return []  # what rcl makes of an empty list in a file
+            return []  # rcl reads an empty list in a file as this
         if isinstance(value, (array.array, tuple)):
-            value = list(value)  # as which a client's numbers come
+            value = list(value)  # the type of a client's numbers
         if isinstance(self.default, str) and type(value) is int:
             return str(value)
         if isinstance(self.default, float) and type(value) is int:
@@ -104,7 +104,7 @@ class ParameterSpec:
         """
         Convert a value to the declared type, and check that it is allowed.
 
-        :raises InvalidValueError: If it is of another type, or is not.
+        :raises InvalidValueError: If it has another type, or is not allowed.
         """
         typed = self._typed(value)
         if not self._allows(typed):
@@ -140,23 +140,23 @@ class ParameterSpec:
 
 
 def default_values(specs: Iterable[ParameterSpec]) -> Dict[str, Any]:
-    """Give the default of each parameter."""
+    """Return the default of each parameter."""
     return {spec.name: spec.default for spec in specs}
 
 
 def checked_values(specs: Iterable[ParameterSpec], given: Values) -> Dict[str, Any]:
     """
-    Give the value of each parameter, as a node has it that was started with some.
+    Return the value of each parameter: the given one, or the default.
 
-    :param given: By full name; names of no spec are left out.
-    :raises InvalidValueError: If one is of another type, or beyond its limits.
+    :param given: By full name; unknown names are left out.
+    :raises InvalidValueError: If one has another type, or is beyond its limits.
     """
     return {spec.name: spec.checked(given[spec.name]) if spec.name in given else spec.default
             for spec in specs}
 
 
 def grouped(values: Values, prefix: str) -> Dict[str, Any]:
-    """Give the values whose names have a prefix, by their names without it."""
+    """Return the values whose names have a prefix, by their names without it."""
     return {name[len(prefix):]: value for name, value in values.items()
             if name.startswith(prefix)}
 
@@ -167,8 +167,8 @@ def _is_finite(value: Any) -> bool:
 
 
 def _numbers(text: str) -> Optional[List[float]]:
-    # `ros2 param` sends a list as text if YAML takes one of its numbers for text, as it does 6e-05
-    # (which `ros2 param dump` writes), or if it is of ints and doubles.
+    # `ros2 param` sends a list as text if YAML reads one of its numbers as text, such as the 6e-05
+    # of `ros2 param dump`, or if it mixes ints and doubles.
     try:
         return [float(number) for number in text.strip('[] ').split(',')]
     except ValueError:
@@ -176,7 +176,7 @@ def _numbers(text: str) -> Optional[List[float]]:
 
 
 def kind_of(value: Any) -> str:
-    """Name the type that ROS gives a value; a list of several types has none."""
+    """Return the name of a value's type in ROS, such as 'double' or 'list of integer'."""
     if not hasattr(value, '__len__') or isinstance(value, str):
         return _KINDS.get(type(value), type(value).__name__)
     kinds = {kind_of(item) for item in value}

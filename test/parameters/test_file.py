@@ -13,7 +13,7 @@
 # limitations under the License.
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameter_file import read_node_parameters
+from camera_to_base.parameters.file import read_node_parameters
 import pytest
 
 NODE = '/cell_1/robot_base_publisher'
@@ -89,3 +89,10 @@ def test_file_without_parameters_is_named(text, write):
 def test_file_that_is_no_yaml_is_named(write):
     with pytest.raises(InvalidValueError, match="cell.yaml' is no YAML"):
         read_node_parameters(write('/**: ['), NODE)
+
+
+def test_file_that_would_take_minutes_is_refused_at_once(tmp_path):
+    path = tmp_path / 'cell.yaml'
+    path.write_text(f'/**: {{ros__parameters: {{surface.hull: {[1.25] * 100000}}}}}')
+    with pytest.raises(InvalidValueError, match='characters, at most 200000 are read'):
+        read_node_parameters(str(path), '/camera_publisher')

@@ -12,23 +12,25 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a node was given on its command line, and what of that reaches no parameter."""
+"""Finds the parameters on a node's command line, and those that have no effect."""
 
+from functools import lru_cache
+import os
 from typing import Any, Collection, Iterable, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameter_file import read_sections, Section
-from camera_to_base.parameter_names import (
+from camera_to_base.parameters.file import read_sections, Section
+from camera_to_base.parameters.names import (
     meant_name, misspelt_name, name_warnings, unknown_name_text, unknown_names)
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.parameters.spec import ParameterSpec
 
 
 class GivenArguments(NamedTuple):
     """
-    Where a node's command line takes parameters from.
+    The parameters on a node's command line.
 
     :param files: The parameter files, in order.
-    :param names: Those of the parameters whose values stand on the command line itself.
+    :param names: Names of the parameters that are set on the command line itself.
     """
 
     files: List[str]
@@ -44,17 +46,17 @@ def given_arguments(arguments: Sequence[str]) -> GivenArguments:
         if is_for_ros and argument == '--params-file':
             found.files.append(value)
         elif is_for_ros and argument in ('-p', '--param'):
-            # A node's name may stand before the parameter's.
+            # A node's name may precede the parameter's.
             found.names.append(value.partition(':=')[0].rpartition(':')[2])
     return found
 
 
 def value_in_files(arguments: Sequence[str], node: str, name: str) -> Any:
     """
-    Tell what the parameter files of a command line give another node; None for nothing.
+    Return the value that parameter files of a command line give another node; None without one.
 
     :param node: The other node's full name.
-    :param name: The parameter's.
+    :param name: The parameter's name.
     """
     values = [section.values[name] for path in given_arguments(arguments).files
               for section in _readable_sections(path) or ()
@@ -66,7 +68,7 @@ def gives_other_values(
     arguments: Sequence[str], node: str, specs: Iterable[ParameterSpec]
 ) -> bool:
     """
-    Return whether the parameter files of a command line set a node's parameter to no default.
+    Return whether parameter files of a command line change a parameter of a node.
 
     :param node: The node's full name.
     """
@@ -80,14 +82,15 @@ def given_warnings(
     others: Optional[Collection[str]],
 ) -> List[str]:
     """
-    Warn of what a node was given in vain: unknown names, and files without a word for it.
+    Warn of unknown parameter names, and of files without parameters for a node.
 
     :param node: Its full name.
-    :param given: The names of all parameters that it was given.
-    :param arguments: The command line that they came by.
-    :param own: The names of its own parameters.
-    :param others: Those of the other nodes that share its files. None where they are not known:
-        what a file says to several nodes is then told only where it looks like one of its own.
+    :param given: Names of all parameters that were set.
+    :param arguments: The node's command line.
+    :param own: Names of the node's own parameters.
+    :param others: Names of the parameters of other nodes that share its files; None if unknown.
+        Then an unknown name in a section for several nodes gives a warning only if it resembles
+        one of the node's own.
     """
     files = given_arguments(arguments).files
     shared = set()
@@ -108,7 +111,7 @@ def given_warnings(
 
 def file_warnings(path: str, node: str) -> List[str]:
     """
-    Warn of a parameter file that says nothing to a node, unless it is for quite different ones.
+    Warn of a parameter file without parameters for a node, unless it is for unrelated nodes.
 
     :param node: Its full name.
     """
@@ -121,7 +124,7 @@ def file_warnings(path: str, node: str) -> List[str]:
     if any(not section.is_for_several for section in own):
         return []
     name = _last(node)
-    # The same name in another namespace is that of another node, where the file is for both.
+    # If the file is for both namespaces, the same name in the other one is another node.
     return [
         f"'{path}' has parameters for '{section.node}', and none for this node alone, '{node}'"
         for section in sections if misspelt_name(name, [_last(section.node)])
@@ -129,7 +132,15 @@ def file_warnings(path: str, node: str) -> List[str]:
 
 
 def _readable_sections(path: str) -> Optional[List[Section]]:
-    # ROS has refused before what cannot be read at all.
+    try:
+        return _read_once(path, os.stat(path).st_mtime_ns)
+    except OSError:
+        return None
+
+
+@lru_cache(maxsize=4)
+def _read_once(path: str, changed_at: int) -> Optional[List[Section]]:
+    # ROS has already refused a file that cannot be read.
     try:
         return read_sections(path)
     except InvalidValueError:

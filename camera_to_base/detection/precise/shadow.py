@@ -27,7 +27,7 @@ it points somewhere else. Such a pair stays together.
 
 from typing import NamedTuple, Optional, Tuple
 
-from camera_to_base.detection.piece import (
+from camera_to_base.detection.precise.piece import (
     channel_extremes, largest_part, Look, look_at, outline_of, Piece, square)
 import cv2
 import numpy as np

@@ -23,8 +23,8 @@ place, see `shares`.
 
 from typing import Optional
 
-from camera_to_base.detection.piece import largest_part, Piece, square
-from camera_to_base.detection.shares import Placed
+from camera_to_base.detection.precise.piece import largest_part, Piece, square
+from camera_to_base.detection.precise.shares import Placed
 import cv2
 import numpy as np
 

@@ -37,15 +37,15 @@ from typing import List, Optional
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
-from camera_to_base.detection.foreign_light import find_field, looks_like_light
-from camera_to_base.detection.ghosts import find_ghost, Ghost
-from camera_to_base.detection.highlight import close_around_highlights
-from camera_to_base.detection.piece import make_piece, outline_of, Piece
-from camera_to_base.detection.plain import place_plain
-from camera_to_base.detection.reference import Reference
-from camera_to_base.detection.regions import filled, find_regions, grown, Region, slices
-from camera_to_base.detection.shadow import split_off_shade
-from camera_to_base.detection.shares import place, place_whole, Placed
+from camera_to_base.detection.precise.foreign_light import find_field, looks_like_light
+from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
+from camera_to_base.detection.precise.highlight import close_around_highlights
+from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
+from camera_to_base.detection.precise.plain import place_plain
+from camera_to_base.detection.precise.reference import Reference
+from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
+from camera_to_base.detection.precise.shadow import split_off_shade
+from camera_to_base.detection.precise.shares import place, place_whole, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np

@@ -17,9 +17,9 @@
 from typing import Optional
 
 from camera_to_base.detection.background import changed_rows
-from camera_to_base.detection.light import Gain, GainMeter
-from camera_to_base.detection.limits import Limits
-from camera_to_base.detection.noise import measure_noise
+from camera_to_base.detection.precise.light import Gain, GainMeter
+from camera_to_base.detection.precise.limits import Limits
+from camera_to_base.detection.precise.noise import measure_noise
 import cv2
 import numpy as np
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The parameters of `robot_base_publisher`, and the conversion that they make."""
+"""The parameters of `robot_base_publisher`, and the conversion made from them."""
 
 from dataclasses import dataclass
 import math
@@ -22,7 +22,7 @@ from camera_to_base.checks import frame_id
 from camera_to_base.coordinate_transform import (
     CameraToRobotBaseConversion, Pose, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
 from camera_to_base.errors import OtherFrameError, OutOfReachError
-from camera_to_base.parameter_spec import ParameterSpec, Values
+from camera_to_base.parameters.spec import ParameterSpec, Values
 
 PLACEMENT_SPECS = [
     ParameterSpec('rotation_deg', list(TUTORIAL_ROTATION_DEG),
@@ -32,13 +32,13 @@ PLACEMENT_SPECS = [
                   "The camera frame's origin in the base frame: x, y and z.",
                   unit='cm', lengths=(3,)),
 ]
-# Both nodes have it: one names the frame in its messages, the other takes no message in another.
+# In both nodes: one writes the frame into its messages, the other refuses other frames.
 CAMERA_FRAME_SPEC = ParameterSpec(
     'camera_frame_id', 'camera_surface',
     "The stamped topics' name for the camera frame, which lies on the surface; "
     'robot_base_publisher drops what is stamped in another frame.',
     constraints='a frame name without a leading /')
-# Whoever sets one of these has set up a robot.
+# If one of these is set, a robot is set up.
 TRANSFORM_SETUP_SPECS = [
     *PLACEMENT_SPECS,
     ParameterSpec('reach_cm', 1000.0,
@@ -56,7 +56,7 @@ TRANSFORM_SPECS = [
 
 @dataclass(frozen=True)
 class TransformSettings:
-    """All that `robot_base_publisher` takes from its parameters."""
+    """The settings of `robot_base_publisher`."""
 
     conversion: CameraToRobotBaseConversion
     reach_cm: float
@@ -65,9 +65,9 @@ class TransformSettings:
 
     def check_frame(self, name: str) -> None:
         """
-        Check in which coordinate frame a position is given.
+        Check the coordinate frame of a position.
 
-        :param name: The message's frame_id; an empty one is taken for the camera frame.
+        :param name: The message's frame_id; an empty one means the camera frame.
         :raises OtherFrameError: If it names another frame.
         """
         if name.lstrip('/') not in ('', self.camera_frame_id):
@@ -102,7 +102,7 @@ class TransformSettings:
 
 def transform_node_settings(values: Values) -> TransformSettings:
     """
-    Make the transform node's settings of its parameters.
+    Make the transform node's settings from its parameters.
 
     :raises CameraToBaseError: If they cannot be used.
     """
@@ -114,7 +114,7 @@ def transform_node_settings(values: Values) -> TransformSettings:
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:
     """
-    Make the conversion of its parameters.
+    Make the conversion from its parameters.
 
     :raises CameraToBaseError: If either is not three finite numbers.
     """
