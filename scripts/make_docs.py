@@ -21,9 +21,8 @@ import re
 import sys
 from typing import Any, Iterable, List, Optional
 
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.parameters import ParameterSpec, TRANSFORM_SPECS
 from camera_to_base.settings import CAMERA_SPECS
-from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'parameters.md'
 BEGIN, END = '<!-- generated: begin -->', '<!-- generated: end -->'

@@ -14,9 +14,9 @@
 
 from pathlib import Path
 
+from camera_to_base.parameters.transform import transform_settings, TRANSFORM_SPECS
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.transform_parameters import transform_settings, TRANSFORM_SPECS
 import pytest
 import yaml
 

@@ -22,10 +22,10 @@ import shlex
 from camera_to_base.commands.calibrate import main as calibrate
 from camera_to_base.commands.calibrate_options import parse
 from camera_to_base.commands.locate import main as locate
+from camera_to_base.parameters.transform import TRANSFORM_SPECS
 from camera_to_base.settings import read_node_settings
 from camera_to_base.settings.camera import CAMERA_SPECS
 from camera_to_base.simulation import SimulatedBoard, SimulatedChessboard
-from camera_to_base.transform_parameters import TRANSFORM_SPECS
 import pytest
 
 ROOT = Path(__file__).parents[1]

@@ -29,8 +29,9 @@ from camera_to_base.calibration.tables import (
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
-from camera_to_base.parameter_file import parameter_text, read_parameter_file
-from camera_to_base.parameter_spec import checked_values
+from camera_to_base.parameters.file import parameter_text, read_parameter_file
+from camera_to_base.parameters.spec import checked_values
+from camera_to_base.parameters.transform import transform_node_settings, TRANSFORM_SPECS
 from camera_to_base.ros.messages import (
     MOST_POSES, point_from_message, poses_from_message, position_from_message)
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
@@ -39,7 +40,6 @@ from camera_to_base.sources.source_kind import DEVICE
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
 from camera_to_base.surface.specs import SURFACE_DEFAULTS
-from camera_to_base.transform_parameters import transform_node_settings, TRANSFORM_SPECS
 from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.pipeline import CameraPipeline, Limits
 import cv2

@@ -28,7 +28,7 @@ PACKAGE = Path(camera_to_base.__file__).parent
 # A module imports from its own room and from the faces of the rooms before it. The ground floor is
 # the modules beside the rooms.
 GROUND = 'ground'
-ROOMS = [GROUND, 'surface', 'sources', 'simulation', 'detection', 'trust', 'drawing',
+ROOMS = [GROUND, 'parameters', 'surface', 'sources', 'simulation', 'detection', 'trust', 'drawing',
          'calibration', 'settings', 'ros', 'nodes', 'commands', 'launching']
 WITH_ROS = {'ros', 'nodes'}
 NUMPY_AND_OPENCV_ALONE = ['surface', 'simulation', 'detection', 'trust']

@@ -17,7 +17,7 @@
 import importlib.util
 from pathlib import Path
 
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.parameters.spec import ParameterSpec
 import pytest
 
 SCRIPT = Path(__file__).parents[1] / 'scripts' / 'make_docs.py'

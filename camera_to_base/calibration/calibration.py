@@ -31,7 +31,7 @@ from camera_to_base.calibration.rigid_fit import fit_rigid
 from camera_to_base.calibration.surface_checks import check_fit, refuse_outlier
 from camera_to_base.calibration.tables import refuse_other_size
 from camera_to_base.errors import CalibrationError, InvalidValueError
-from camera_to_base.parameter_spec import checked_values
+from camera_to_base.parameters import checked_values
 from camera_to_base.surface import (
     camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
     PointPairs, sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)

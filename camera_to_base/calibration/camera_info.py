@@ -19,7 +19,7 @@ from typing import Any, Mapping
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameter_file import load_yaml
+from camera_to_base.parameters import load_yaml
 from camera_to_base.surface import CameraIntrinsics
 
 DISTORTION_MODELS = ('plumb_bob', 'rational_polynomial')

@@ -33,7 +33,7 @@ from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.interrupt import serve_signals
-from camera_to_base.parameter_file import parameter_text, read_parameter_file
+from camera_to_base.parameters import parameter_text, read_parameter_file
 from camera_to_base.simulation import SimulatedChessboard
 from camera_to_base.sources import FrameSource, median_frame, open_frame_source, read_picture
 from camera_to_base.surface import MatchedPoints

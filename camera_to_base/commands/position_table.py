@@ -20,8 +20,8 @@ from typing import Iterator, List, NamedTuple, Optional
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import LocatedObject
 from camera_to_base.errors import OutOfReachError
+from camera_to_base.parameters import TransformSettings
 from camera_to_base.sources import TimedFrame
-from camera_to_base.transform_parameters import TransformSettings
 
 
 class Column(NamedTuple):

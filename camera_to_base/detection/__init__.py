@@ -30,7 +30,7 @@ from camera_to_base.detection.detection import (
 from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.specs import AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS

@@ -23,7 +23,7 @@ as its shaft; an L has one notch. An outline is split only if all of its parts a
 from itertools import combinations
 from typing import Iterator, List, Optional, Tuple
 
-from camera_to_base.detection.piece import largest_part, outline_of
+from camera_to_base.detection.precise.piece import largest_part, outline_of
 import cv2
 import numpy as np
 

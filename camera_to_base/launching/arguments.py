@@ -21,12 +21,11 @@ from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launching.cameras import Camera
-from camera_to_base.parameter_file import read_node_parameters
-from camera_to_base.parameter_names import misspelt_name, unknown_name_text, with_new_names
-from camera_to_base.parameter_spec import checked_values, ParameterSpec
+from camera_to_base.parameters import (
+    checked_values, misspelt_name, ParameterSpec, read_node_parameters, TRANSFORM_SPECS,
+    unknown_name_text, with_new_names)
 from camera_to_base.settings import CAMERA_SPECS
 from camera_to_base.sources import kind_of
-from camera_to_base.transform_parameters import TRANSFORM_SPECS
 
 # Both drivers publish under this relative name.
 _DRIVER_TOPIC = 'image_raw'

@@ -19,7 +19,7 @@ import re
 from typing import Any, List, NamedTuple
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameter_file import load_yaml
+from camera_to_base.parameters import load_yaml
 
 # Packages of drivers, and their executables.
 DRIVERS = {'usb_cam': 'usb_cam_node_exe', 'v4l2_camera': 'v4l2_camera_node'}

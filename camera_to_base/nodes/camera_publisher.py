@@ -23,7 +23,6 @@ from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import locate_pixel, Pixel
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.given_parameters import gives_other_values
 from camera_to_base.nodes.background_keeper import BackgroundKeeper
 from camera_to_base.nodes.background_service import BackgroundService
 from camera_to_base.nodes.camera_watch import CameraWatch
@@ -31,12 +30,12 @@ from camera_to_base.nodes.debug_images import DebugImages
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
 from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
-from camera_to_base.parameter_names import all_names
+from camera_to_base.parameters import (
+    all_names, gives_other_values, TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS)
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
 from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
-from camera_to_base.transform_parameters import TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS
 from camera_to_base.trust import CameraPipeline, Sighting
 import numpy as np
 from rclpy.node import Node

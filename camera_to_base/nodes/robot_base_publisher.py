@@ -22,15 +22,14 @@ from typing import Callable, Iterator, List, Optional
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import CameraToBaseError, OtherFrameError, OutOfReachError
-from camera_to_base.given_parameters import value_in_files
 from camera_to_base.nodes.process import run, whole_or_gone
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.parameters import (
+    CAMERA_FRAME_SPEC, ParameterSpec, transform_node_settings, TRANSFORM_SPECS, TransformSettings,
+    value_in_files)
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import (
     Diagnostics, Health, Heartbeat, NameCheck, NodeParameters, point_from_message,
     poses_from_message, position_from_message, PositionTopics, qos_mismatch)
-from camera_to_base.transform_parameters import (
-    CAMERA_FRAME_SPEC, transform_node_settings, TRANSFORM_SPECS, TransformSettings)
 from geometry_msgs.msg import PointStamped, PoseArray
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node

@@ -18,9 +18,8 @@ import sys
 from typing import Any, Callable, Collection, Dict, Generic, List, Optional, Tuple, TypeVar
 
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.given_parameters import given_warnings
-from camera_to_base.parameter_names import all_names, with_new_names
-from camera_to_base.parameter_spec import checked_values, ParameterSpec, Values
+from camera_to_base.parameters import (
+    all_names, checked_values, given_warnings, ParameterSpec, Values, with_new_names)
 from rcl_interfaces.msg import (
     FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult)
 from rclpy.node import Node

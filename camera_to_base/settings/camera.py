@@ -24,11 +24,10 @@ from camera_to_base.drawing import (
     AreaOverlay, base_label, camera_label, check_background_path, Label)
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
-from camera_to_base.parameter_spec import grouped, ParameterSpec, Values
+from camera_to_base.parameters import (
+    CAMERA_FRAME_SPEC, grouped, ParameterSpec, PLACEMENT_SPECS, transform_settings, Values)
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
-from camera_to_base.transform_parameters import (
-    CAMERA_FRAME_SPEC, PLACEMENT_SPECS, transform_settings)
 from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits
 
 

@@ -17,13 +17,10 @@
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.given_parameters import file_warnings
-from camera_to_base.parameter_file import node_namespaces, read_node_parameters
-from camera_to_base.parameter_names import all_names, name_warnings, with_new_names
-from camera_to_base.parameter_spec import checked_values
+from camera_to_base.parameters import (
+    all_names, checked_values, file_warnings, name_warnings, node_namespaces, read_node_parameters,
+    transform_node_settings, TRANSFORM_SPECS, TransformSettings, with_new_names)
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS, CameraSettings
-from camera_to_base.transform_parameters import (
-    transform_node_settings, TRANSFORM_SPECS, TransformSettings)
 
 _CAMERA_NODE, _TRANSFORM_NODE = 'camera_publisher', 'robot_base_publisher'
 _SPECS = {_CAMERA_NODE: CAMERA_SPECS, _TRANSFORM_NODE: TRANSFORM_SPECS}

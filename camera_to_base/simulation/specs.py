@@ -16,7 +16,7 @@
 
 from typing import Any, Mapping
 
-from camera_to_base.parameter_spec import default_values, grouped, ParameterSpec
+from camera_to_base.parameters import default_values, grouped, ParameterSpec
 
 LARGEST_TILT_DEG = 60.0
 

@@ -17,7 +17,6 @@
 from contextlib import suppress
 import os
 import subprocess
-import sys
 from typing import List, Optional, Union
 
 import cv2
@@ -58,9 +57,10 @@ def is_readable(path: str, capture: cv2.VideoCapture) -> bool:
     """
     if int(capture.get(cv2.CAP_PROP_CODEC_PIXEL_FORMAT)) != _BGR_24:
         return True
+    from multiprocessing.spawn import get_executable
     with suppress(subprocess.TimeoutExpired):
         return subprocess.run(
-            [sys.executable, '-c', _READ_ONE, path], stdout=subprocess.DEVNULL,
+            [get_executable(), '-c', _READ_ONE, path], stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL, timeout=_LONGEST_PROBE_S).returncode == 0
     return False
 

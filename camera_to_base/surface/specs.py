@@ -18,7 +18,7 @@ from typing import Any, Mapping
 
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, LARGEST_SIDE
-from camera_to_base.parameter_spec import default_values, ParameterSpec
+from camera_to_base.parameters import default_values, ParameterSpec
 from camera_to_base.surface.distortion import LARGEST_COEFFICIENT
 
 # An outline needs few.

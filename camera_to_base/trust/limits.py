@@ -16,7 +16,7 @@
 
 from typing import List, NamedTuple
 
-from camera_to_base.parameter_spec import default_values, ParameterSpec, Values
+from camera_to_base.parameters import default_values, ParameterSpec, Values
 
 LIMIT_SPECS = [
     ParameterSpec(

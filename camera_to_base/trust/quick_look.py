@@ -57,6 +57,8 @@ class QuickLook:
     :param background: Shape (h, w, 3), uint8, BGR.
     :param witness: Another frame from when the background was taken, of the same shape: structure
         that is not at rest in it does not count.
+
+    `surface_moves` tells whether most of it was not at rest, as that of a belt.
     """
 
     def __init__(self, background: np.ndarray, witness: Optional[np.ndarray] = None) -> None:
@@ -68,8 +70,10 @@ class QuickLook:
         self._background_variance = (self._noise ** 2 + 2 * _ROUNDING) / 4
         self._variance = 2 * self._background_variance
         places = self._with_structure(find_places(self._grey, step_for(self._size)))
+        self.surface_moves = False
         if witness is not None and len(places):
             places = places[self._at_rest(places, witness)]
+            self.surface_moves = not len(places)
         self._told = np.zeros((4, 0))
         if len(places):
             self._use(places)

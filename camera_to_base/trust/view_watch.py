@@ -97,11 +97,11 @@ class ViewWatch:
         look = self._look.look(frame)
         if not self._limits.max_shift_px:
             self.view = None
-            self.is_in_place = look is None or (
-                look.share >= _LEAST_SHARE and look.shift_px <= _IN_PLACE_PX)
+            self.is_in_place = not self._look.surface_moves and (look is None or (
+                look.share >= _LEAST_SHARE and look.shift_px <= _IN_PLACE_PX))
             return None
         reason = self._checked(frame, look)
-        self.is_in_place = reason is None
+        self.is_in_place = reason is None and not self._look.surface_moves
         return reason
 
     def _checked(self, frame: np.ndarray, look: Optional[Look]) -> Optional[Reason]:

@@ -21,10 +21,10 @@ import re
 import zlib
 
 from camera_to_base.commands.calibrate import main
-from camera_to_base.parameter_file import parameter_text, read_parameter_file
+from camera_to_base.parameters.file import parameter_text, read_parameter_file
+from camera_to_base.parameters.transform import transform_settings, TRANSFORM_SPECS
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.surface.models import PolynomialSurface
-from camera_to_base.transform_parameters import transform_settings, TRANSFORM_SPECS
 import cv2
 import numpy as np
 import pytest

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 from camera_to_base.detection.background_taker import BackgroundTaker
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.simulation.board import SimulatedBoard
 import cv2
 import numpy as np
@@ -83,6 +83,14 @@ def test_frames_that_never_agree_are_the_problem_and_one_that_does_ends_it():
 def test_black_frames_are_the_problem_however_well_they_agree():
     taker = BackgroundTaker(1)
     assert taken_by(taker, map(frame, (3, 3, 4, 4))) == (None, None)
+    assert 'the picture is black' in taker.reason.sentence
+
+
+def test_bright_pixels_on_a_black_picture_do_not_make_it_light():
+    dark = frame(3, shape=(48, 64, 3))
+    dark[:, 0] = 255
+    taker = BackgroundTaker(1)
+    assert taken_by(taker, [dark, dark + np.uint8(0)]) == (None, None)
     assert 'the picture is black' in taker.reason.sentence
 
 

@@ -19,7 +19,7 @@ from camera_to_base.detection.locator import locate_pixel, ObjectLocator, Point
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.specs import DETECTOR_SPECS
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
-from camera_to_base.parameter_spec import checked_values
+from camera_to_base.parameters.spec import checked_values
 from camera_to_base.reason import Level
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.surface.hull import Hull

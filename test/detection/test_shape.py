@@ -33,6 +33,10 @@ def test_axes_of_an_ellipse_are_its_diameters_and_its_direction(angle):
     assert axes.elongation == pytest.approx(2.5)
 
 
+def test_shape_narrower_than_a_pixel_has_a_finite_elongation():
+    assert principal_axes(spread_of_ellipse(5.0, 0.5, 0.3)).elongation == pytest.approx(10.0)
+
+
 @pytest.mark.parametrize('mixed', [0.0, -0.0])
 def test_upright_shape_always_points_the_same_way(mixed):
     assert principal_axes(np.array([[1.0, mixed], [mixed, 4.0]])).angle == math.pi / 2

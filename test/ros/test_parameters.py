@@ -14,7 +14,7 @@
 
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.parameters.spec import ParameterSpec
 from camera_to_base.ros.parameters import NodeParameters
 import pytest
 from rcl_interfaces.msg import Parameter as ParameterMessage, ParameterType, ParameterValue

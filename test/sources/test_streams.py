@@ -24,7 +24,7 @@ import sys
 import time
 
 from camera_to_base.detection import settings as detector_settings
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from child_camera import ChildCamera
 import damaged_frames

@@ -52,6 +52,12 @@ def test_video_without_a_likely_rate_plays_at_30_hz(video, monkeypatch, rate):
     assert VideoFile(video).kind.frame_rate == 30.0
 
 
+def test_length_of_a_video_is_told_or_unknown(video, monkeypatch):
+    assert VideoFile(video).frame_count == len(LEVELS)
+    monkeypatch.setattr(cv2, 'VideoCapture', Device)
+    assert VideoFile(video).frame_count is None
+
+
 def test_released_video_gives_no_more_frames(video):
     source = VideoFile(video)
     source.read()

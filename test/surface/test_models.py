@@ -15,7 +15,7 @@
 import re
 
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
-from camera_to_base.parameter_spec import checked_values
+from camera_to_base.parameters.spec import checked_values
 from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
 from camera_to_base.surface.parameters import make_hull, make_surface

@@ -19,7 +19,7 @@ import re
 from camera_to_base.detection.locator import ObjectLocator
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
-from camera_to_base.parameter_spec import checked_values
+from camera_to_base.parameters.spec import checked_values
 from camera_to_base.surface.models import HomographySurface, ParallelSurface
 from camera_to_base.surface.parameters import make_surface
 from camera_to_base.surface.raised import RaisedSurface

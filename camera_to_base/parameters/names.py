@@ -17,7 +17,7 @@
 import difflib
 from typing import Any, Collection, Dict, Iterable, List, Optional, Tuple
 
-from camera_to_base.parameter_spec import ParameterSpec, Values
+from camera_to_base.parameters.spec import ParameterSpec, Values
 
 # Every ROS node has these; a name that ends in a dot is a group.
 ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')

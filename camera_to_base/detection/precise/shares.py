@@ -23,9 +23,8 @@ is covered make the next, better mask: three turns are enough.
 
 from typing import Dict, NamedTuple
 
-from camera_to_base.detection.highlight import complete_shares, find_highlight
-from camera_to_base.detection.piece import (
-    channel_sum, disc, largest_part, Piece, square)
+from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
+from camera_to_base.detection.precise.piece import channel_sum, disc, largest_part, Piece, square
 import cv2
 import numpy as np
 

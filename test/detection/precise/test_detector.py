@@ -18,7 +18,7 @@ from dataclasses import asdict
 import math
 
 from camera_to_base.detection.detection import locate_on_surface
-from camera_to_base.detection.precise_difference import PreciseDifferenceDetector
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.conditions import BoardConditions

@@ -26,7 +26,7 @@ windows around the tiles in which something has changed.
 from typing import Iterator, List, NamedTuple, Optional, Set
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.limits import Limits
+from camera_to_base.detection.precise.limits import Limits
 import cv2
 import numpy as np
 

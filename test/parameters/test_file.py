@@ -13,7 +13,7 @@
 # limitations under the License.
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameter_file import read_node_parameters
+from camera_to_base.parameters.file import read_node_parameters
 import pytest
 
 NODE = '/cell_1/robot_base_publisher'

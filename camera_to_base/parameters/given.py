@@ -19,10 +19,10 @@ import os
 from typing import Any, Collection, Iterable, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameter_file import read_sections, Section
-from camera_to_base.parameter_names import (
+from camera_to_base.parameters.file import read_sections, Section
+from camera_to_base.parameters.names import (
     meant_name, misspelt_name, name_warnings, unknown_name_text, unknown_names)
-from camera_to_base.parameter_spec import ParameterSpec
+from camera_to_base.parameters.spec import ParameterSpec
 
 
 class GivenArguments(NamedTuple):

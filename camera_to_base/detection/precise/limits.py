@@ -16,7 +16,7 @@
 
 from typing import NamedTuple, Optional
 
-from camera_to_base.detection.light import Gain
+from camera_to_base.detection.precise.light import Gain
 import cv2
 import numpy as np
 

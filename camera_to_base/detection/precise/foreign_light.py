@@ -21,8 +21,8 @@ one factor for all colours. What is small beside a median filter's window is no 
 
 from typing import Optional
 
-from camera_to_base.detection.light import LINEAR, ratio_and_tint
-from camera_to_base.detection.limits import Range
+from camera_to_base.detection.precise.light import LINEAR, ratio_and_tint
+from camera_to_base.detection.precise.limits import Range
 import cv2
 import numpy as np
 

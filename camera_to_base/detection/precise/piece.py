@@ -17,7 +17,7 @@
 from functools import lru_cache
 from typing import NamedTuple, Optional, Tuple
 
-from camera_to_base.detection.light import LINEAR
+from camera_to_base.detection.precise.light import LINEAR
 import cv2
 import numpy as np
 

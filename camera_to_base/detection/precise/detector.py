@@ -32,20 +32,20 @@ object of the background has left, for as long as it is away. Noise and that apa
 the same result whatever came before.
 """
 
-from typing import List
+from typing import List, Optional
 
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
-from camera_to_base.detection.foreign_light import find_field, looks_like_light
-from camera_to_base.detection.ghosts import find_ghost, Ghost
-from camera_to_base.detection.highlight import close_around_highlights
-from camera_to_base.detection.piece import make_piece, outline_of, Piece
-from camera_to_base.detection.plain import place_plain
-from camera_to_base.detection.reference import Reference
-from camera_to_base.detection.regions import filled, find_regions, grown, Region, slices
-from camera_to_base.detection.shadow import split_off_shade
-from camera_to_base.detection.shares import place, place_whole, Placed
+from camera_to_base.detection.precise.foreign_light import find_field, looks_like_light
+from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
+from camera_to_base.detection.precise.highlight import close_around_highlights
+from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
+from camera_to_base.detection.precise.plain import place_plain
+from camera_to_base.detection.precise.reference import Reference
+from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
+from camera_to_base.detection.precise.shadow import split_off_shade
+from camera_to_base.detection.precise.shares import place, place_whole, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
@@ -120,9 +120,15 @@ class PreciseDifferenceDetector:
             outline_of(ghost.mask) + np.int32([ghost.window.x, ghost.window.y]),
             self._background)]
 
+    @property
+    def noise(self) -> Optional[float]:
+        """The noise of a frame, in grey levels on most of the background; None before a frame."""
+        return self._reference.mean_noise
+
     def _notice_ghosts(self, frame: np.ndarray, regions: List[Region]) -> bool:
         found = [find_ghost(frame, self._reference.lit, region)
-                 for region in regions[:_MOST_GHOSTS]]
+                 for region in regions[:_MOST_GHOSTS]
+                 if self._reference.has_edges(slices(grown(region.box, 2, frame)))]
         ghosts = [ghost for ghost in found if ghost is not None]
         if ghosts:
             self._use_ghosts(self._ghosts + ghosts, frame)

@@ -29,8 +29,8 @@ surface nothing but this is asked.
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.piece import disc, largest_part, square
-from camera_to_base.detection.regions import filled, grown, Region, slices
+from camera_to_base.detection.precise.piece import disc, largest_part, square
+from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 import cv2
 import numpy as np
 

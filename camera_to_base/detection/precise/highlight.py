@@ -22,7 +22,7 @@ rim cannot be told from brightness, but from how the outline runs elsewhere.
 
 from typing import Optional
 
-from camera_to_base.detection.piece import (
+from camera_to_base.detection.precise.piece import (
     channel_extremes, channel_sum, disc, largest_part, Piece, square)
 import cv2
 import numpy as np
