@@ -140,6 +140,10 @@ class AbsoluteDifferenceDetector:
         """Always empty: what was taken away counts as an object, as in the tutorial."""
         return []
 
+    @property
+    def noise(self) -> None:
+        """Not known: the tutorial does not ask."""
+
     def _smoothed_background(self) -> np.ndarray:
         # The steps write to arrays of the picture's size: a place has the same indices in all of
         # them, and no memory is allocated for each frame.

@@ -95,6 +95,11 @@ class ObjectLocator:
         self._least_width = (
             0.0 if settings.method == 'precise' else _LEAST_WIDTH * settings.closing_size)
 
+    @property
+    def noise(self) -> Optional[float]:
+        """The noise of a frame, in grey levels; None where it is not known."""
+        return self._detector.noise
+
     def locate(self, frame: np.ndarray) -> List[LocatedObject]:
         """
         Locate the objects that lie on the work surface, see :meth:`find`.

@@ -21,6 +21,7 @@ from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetec
 from camera_to_base.detection.areas import Areas
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
+from camera_to_base.detection.precise.limits import STRONG_DEVIATIONS
 from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import Hull
@@ -48,6 +49,10 @@ class Detector(Protocol):
     @property
     def taken_away(self) -> List[Detection]:
         """Places where objects of the background are missing on the last frame."""
+
+    @property
+    def noise(self) -> Optional[float]:
+        """The noise of a frame, in grey levels; None where it is not known."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +104,14 @@ class DetectorSettings:
         """Return whether the method in use has a setting."""
         return not any(name in names for method, names in _METHOD_SETTINGS.items()
                        if method != self.method)
+
+    def faintness(self, noise: float) -> str:
+        """Say how faint an object may be with some noise, see :attr:`Detector.noise`."""
+        allowed = STRONG_DEVIATIONS * noise
+        needed = max(allowed, self.faintest)
+        return (f'an object must differ from the surface by {needed:.0f} grey levels: the noise '
+                f'of {noise:.1f} levels allows {allowed:.0f}, detector.faintest is '
+                f'{self.faintest:g}')
 
     def detector(self, background: np.ndarray) -> Detector:
         """Make the detector."""

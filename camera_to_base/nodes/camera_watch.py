@@ -47,7 +47,7 @@ class CameraWatch:
         self._pipeline = pipeline
         self._is_calibrated = is_calibrated
         self._reason: Optional[Reason] = None
-        self._has_no_structure = False
+        self._has_no_structure = self._told_faintness = False
         self._detection_rate = DetectionRate()
         self._feed: Optional[Feed] = None
         self._heartbeat = Heartbeat(node)
@@ -68,6 +68,10 @@ class CameraWatch:
         if _kind(self._reason) != _kind(before):
             self._tell(self._reason)
             self._diagnostics.publish()
+        faintness = self._pipeline.faintness
+        if faintness is not None and not self._told_faintness:
+            self._told_faintness = True
+            self._logger.info(faintness)
         knew, self._has_no_structure = (
             self._has_no_structure, has_no_structure(self._pipeline.view))
         if self._has_no_structure and not knew:

@@ -132,6 +132,12 @@ class CameraPipeline:
         return time.monotonic() - self._background_taken_at
 
     @property
+    def faintness(self) -> Optional[str]:
+        """Say how faint an object may be with the noise of the frames; None for not known."""
+        noise = None if self._locator is None else self._locator.noise
+        return None if noise is None else self._detector.faintness(noise)
+
+    @property
     def view(self) -> Optional[View]:
         """Result of the last comparison of a frame's view with the background; None for none."""
         return None if self._view is None else self._view.view

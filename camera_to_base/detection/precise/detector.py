@@ -32,7 +32,7 @@ object of the background has left, for as long as it is away. Noise and that apa
 the same result whatever came before.
 """
 
-from typing import List
+from typing import List, Optional
 
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.detection import (
@@ -120,9 +120,15 @@ class PreciseDifferenceDetector:
             outline_of(ghost.mask) + np.int32([ghost.window.x, ghost.window.y]),
             self._background)]
 
+    @property
+    def noise(self) -> Optional[float]:
+        """The noise of a frame, in grey levels on most of the background; None before a frame."""
+        return self._reference.mean_noise
+
     def _notice_ghosts(self, frame: np.ndarray, regions: List[Region]) -> bool:
         found = [find_ghost(frame, self._reference.lit, region)
-                 for region in regions[:_MOST_GHOSTS]]
+                 for region in regions[:_MOST_GHOSTS]
+                 if self._reference.has_edges(slices(grown(region.box, 2, frame)))]
         ghosts = [ghost for ghost in found if ghost is not None]
         if ghosts:
             self._use_ghosts(self._ghosts + ghosts, frame)

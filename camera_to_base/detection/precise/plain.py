@@ -44,7 +44,7 @@ def place_plain(frame: np.ndarray, piece: Piece, noise: float) -> Optional[Place
     :param noise: Deviation of the noise, in grey levels.
     :returns: None where the object is not plain.
     """
-    core = cv2.erode(piece.mask, square(5))
+    core = cv2.erode(piece.mask, square(7))
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
     _, deviation = cv2.meanStdDev(frame, mask=core)

@@ -39,10 +39,13 @@ class Reference:
         self.picture = picture
         self.limits = Limits(picture, faintest)
         self.noise: Optional[np.ndarray] = None
+        self.mean_noise: Optional[float] = None
         self._faintest = faintest
         self._meter = GainMeter(picture)
         self._gain: Optional[Gain] = None
         self._frame_count = 0
+        self._edges: Optional[np.ndarray] = None
+        self._usual_level = int(np.median(picture[::8, ::8]))
 
     def follow(self, frame: np.ndarray) -> None:
         """Take a frame's light, and now and then its noise, for this and the next frames."""
@@ -59,8 +62,17 @@ class Reference:
             self.lit = self.at_this_light(self.picture)
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
-            self.mean_noise = float(self.noise.mean())
+            self.mean_noise = float(self.noise[self._usual_level].mean())
         self.limits.set_light(gain, self.noise)
+
+    def has_edges(self, part: tuple) -> bool:
+        """Tell whether a part of the background changes by as much as an object within 5 px."""
+        if self._edges is None:
+            size = np.ones((5, 5), np.uint8)
+            gradient = cv2.morphologyEx(
+                cv2.blur(self.picture, (3, 3)), cv2.MORPH_GRADIENT, size).max(axis=2)
+            self._edges = gradient > self._faintest
+        return bool(self._edges[part].any())
 
     def changed_rows(self, frame: np.ndarray) -> Optional[slice]:
         """Tell between which rows any level differs by as much as an object; None for none."""

@@ -28,7 +28,7 @@ it points somewhere else. Such a pair stays together.
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.piece import (
-    largest_part, Look, look_at, outline_of, Piece, square)
+    channel_extremes, largest_part, Look, look_at, outline_of, Piece, square)
 import cv2
 import numpy as np
 
@@ -40,12 +40,13 @@ _LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
 # which it ends, and what shows at all.
 _MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
 _LEAST_CORE, _LEAST_PART, _LEAST_THING, _LEAST_RING = 20, 8, 16, 4
+_SATURATED, _MOST_SATURATED = 0.97, 0.02
 _LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.25, 0.25
 _LEAST_SHADE, _LEAST_DULL, _LEAST_LUMP, _LEAST_SHADE_BESIDE = 0.8, 0.6, 0.6, 0.15
 # Two levels are apart by this much; the step between them is at least this high, is this part of
-# the whole difference, and is as high nearby as a few px farther away.
-_LEVELS_APART, _LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _SHARPNESS = 0.15, 0.12, 0.4, 0.35, 0.6
-_NEAR, _FARTHER = (1.5, 4.0), (5.0, 8.0)
+# the whole difference, and the object hardly changes on the way to it.
+_LEVELS_APART, _LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _STEEPEST = 0.15, 0.12, 0.4, 0.35, 0.2
+_NEAR, _CLOSE, _FARTHER = (1.5, 4.0), (3.0, 5.0), (6.0, 9.0)
 _STEPS, _LOWEST = 80, -3.0
 # Cosine of the angle between a wall and the way out of the picture, and how much more convex a
 # top is.
@@ -79,9 +80,16 @@ def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Opti
     special = _special(look, core)
     share = cv2.countNonZero(special) / cv2.countNonZero(core)
     thing = _special_thing(piece, look, core, special) if share > _LEAST_SPECIAL else None
-    if thing is None and share < 0.5:
+    if thing is None and share < 0.5 and not _is_dazzled(piece):
         thing = _darker_thing(piece, look, core, outward)
     return thing
+
+
+def _is_dazzled(piece: Piece) -> bool:
+    # Beside a lamp's mirror image on the table, ratios tell nothing of shade.
+    around = cv2.dilate(piece.mask, square(9))
+    bright = (channel_extremes(piece.table)[1] > _SATURATED).astype(np.uint8)
+    return cv2.countNonZero(around & bright) > _MOST_SATURATED * cv2.countNonZero(around)
 
 
 def _special(look: Look, core: np.ndarray) -> np.ndarray:
@@ -204,12 +212,10 @@ def _has_sharp_step(
     in_frame, in_ratio = sides.step(look.level, *_NEAR), sides.step(look.ratio, *_NEAR)
     if in_frame is None:
         return False
-    farther = sides.step(look.level, *_FARTHER)
     whole = abs(sides.step(look.ratio, 0.0, np.inf))
     is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
                and abs(in_ratio) >= _OF_WHOLE * whole)
-    return bool(is_step and (farther is None or in_frame / farther >= _SHARPNESS
-                             or abs(farther) < abs(in_frame)))
+    return bool(is_step and sides.slope(look.level) <= _STEEPEST * abs(in_frame))
 
 
 class _Sides(NamedTuple):
@@ -222,8 +228,19 @@ class _Sides(NamedTuple):
 
     def step(self, values: np.ndarray, near: float, far: float) -> Optional[float]:
         """How much higher the median is on the shade's side, between two distances in px."""
-        inside = (self.thing > 0) & (self.to_rest > near) & (self.to_rest <= far)
-        outside = (self.rest > 0) & (self.to_thing > near) & (self.to_thing <= far)
-        if min(inside.sum(), outside.sum()) < _LEAST_RING:
-            return None
-        return float(np.median(values[outside]) - np.median(values[inside]))
+        inside, outside = (_median(values, side, distances, near, far) for side, distances in (
+            (self.thing, self.to_rest), (self.rest, self.to_thing)))
+        return None if inside is None or outside is None else outside - inside
+
+    def slope(self, values: np.ndarray) -> float:
+        """How much the object's own side changes on the way to the border."""
+        near, farther = (_median(values, self.thing, self.to_rest, *distances)
+                         for distances in (_CLOSE, _FARTHER))
+        return 0.0 if near is None or farther is None else abs(near - farther)
+
+
+def _median(
+    values: np.ndarray, side: np.ndarray, distances: np.ndarray, near: float, far: float
+) -> Optional[float]:
+    chosen = values[(side > 0) & (distances > near) & (distances <= far)]
+    return float(np.median(chosen)) if len(chosen) >= _LEAST_RING else None

@@ -1,0 +1,111 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the precise detector promises in real light, on photometric pictures."""
+
+import math
+from pathlib import Path
+import sys
+
+from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.piece import make_piece
+from camera_to_base.detection.precise.plain import place_plain
+from camera_to_base.detection.precise.shares import place
+from camera_to_base.detection.settings import DetectorSettings
+import cv2
+import numpy as np
+import pytest
+
+sys.path.append(str(Path(__file__).parents[3] / 'benchmarks'))
+from photometric import Conditions, Lamp, Photographer  # noqa: E402, I100, I202
+
+SMALL = 320, 240
+
+
+def errors(conditions, frames=6, seed=11):
+    camera = Photographer(conditions, seed, SMALL)
+    detector = PreciseDifferenceDetector(camera.background())
+    for _ in range(frames):
+        frame, truth = camera.frame()
+        found, = detector.detect(frame)
+        yield math.dist(found.centre, truth)
+
+
+@pytest.mark.parametrize('conditions, most_px', [
+    (Conditions(), 0.1), (Conditions(electrons=900), 0.1), (Conditions(quality=50), 0.15),
+    (Conditions(blur=2.0), 0.2), (Conditions(flicker=0.15), 0.1),
+    (Conditions(colour=(0.06, 0.38, 0.75)), 0.3), (Conditions(colour=(0.34, 0.37, 0.4)), 0.5),
+    (Conditions(second_colour=(0.6,)), 0.7), (Conditions(gloss=1.5), 0.2),
+    (Conditions(radius=5), 0.2), (Conditions(shape='bar', radius=12), 0.3),
+    (Conditions(shape='ring'), 0.1), (Conditions(pattern='grain'), 0.3),
+    (Conditions(thickness=12, lamp=Lamp(radius=5)), 0.7),
+    (Conditions(colour=(0.8,), thickness=12, lamp=Lamp(radius=20)), 0.5),
+    (Conditions(pattern='grain', tremble=1), 0.3),
+    (Conditions(pattern='board', colour=(0.05, 0.1, 0.6), tremble=1), 0.5)])
+def test_object_is_found_once_and_placed(conditions, most_px):
+    assert max(errors(conditions)) < most_px
+
+
+@pytest.mark.parametrize('conditions', [
+    Conditions(shade=0.5), Conditions(flicker=0.2), Conditions(pattern='grain', tremble=1)])
+def test_light_and_tremble_are_no_objects(conditions):
+    camera = Photographer(conditions, 5)
+    detector = PreciseDifferenceDetector(camera.background())
+    for _ in range(6):
+        frame, truth = camera.frame()
+        found = [one for one in detector.detect(frame) if not one.cut_off]
+        assert len(found) == 1 and math.dist(found[0].centre, truth) < 1.5
+
+
+def test_short_way_and_long_way_give_the_same_place():
+    camera = Photographer(Conditions(), 3, SMALL)
+    background = camera.background()
+    detector = PreciseDifferenceDetector(background)
+    for _ in range(6):
+        frame, _ = camera.frame()
+        found, = detector.detect(frame)
+        box = Box(found.box.x - 14, found.box.y - 14, found.box.width + 28, found.box.height + 28)
+        mask = np.zeros((box.height, box.width), np.uint8)
+        cv2.fillPoly(mask, [found.outline - [box.x, box.y]], 1)
+        part = np.s_[box.y:box.y + box.height, box.x:box.x + box.width]
+        levels = np.ascontiguousarray(frame[part])
+        piece = make_piece(levels, detector._reference.light(part),
+                           cv2.dilate(mask, np.ones((3, 3), np.uint8)))
+        short, long = place_plain(levels, piece, 1.5), place(piece)
+        places = [(moments['m10'] / moments['m00'], moments['m01'] / moments['m00'])
+                  for moments in (short.moments(0, 0), long.moments(0, 0))]
+        assert math.dist(*places) < 0.05
+
+
+def test_noise_is_measured_and_told():
+    camera = Photographer(Conditions(electrons=2500, quality=0), 2, SMALL)
+    detector = PreciseDifferenceDetector(camera.background())
+    assert detector.noise is None
+    frames = [camera.frame()[0] for _ in range(8)]
+    detector.detect(frames[0])
+    true_noise = np.std(np.float32([frame[:, :60] for frame in frames]), axis=0).mean()
+    assert detector.noise == pytest.approx(true_noise, rel=0.3)
+    assert DetectorSettings().faintness(2.0) == (
+        'an object must differ from the surface by 20 grey levels: the noise of 2.0 levels '
+        'allows 20, detector.faintest is 13')
+
+
+def test_long_shadow_of_a_hand_that_is_cut_off_is_not_published():
+    camera = Photographer(Conditions(), 9, SMALL)
+    background = camera.background()
+    frame = background.copy()
+    frame[:150, :40] = 30
+    found = PreciseDifferenceDetector(background).detect(frame)
+    assert [one.cut_off for one in found] == [True]
