@@ -105,6 +105,7 @@ def test_no_coefficient_is_fitted_to_fewer_than_eight_points():
     assert fit.surface.distortion.coefficient == 0
 
 
+@pytest.mark.slow
 def test_the_coefficient_is_hardly_worse_where_the_lens_has_none():
     homography, plain, chosen = pixel_from_surface(20), [], []
     for seed in range(30):

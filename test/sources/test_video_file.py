@@ -52,6 +52,13 @@ def test_video_without_a_likely_rate_plays_at_30_hz(video, monkeypatch, rate):
     assert VideoFile(video).kind.frame_rate == 30.0
 
 
+@pytest.mark.parametrize('rate', [0.1, 1000.0])
+def test_slowest_and_fastest_likely_rate_are_played(video, monkeypatch, rate):
+    monkeypatch.setattr(cv2, 'VideoCapture', Device)
+    monkeypatch.setattr(Device, 'rate', rate)
+    assert VideoFile(video).kind.frame_rate == rate
+
+
 def test_length_of_a_video_is_told_or_unknown(video, monkeypatch):
     assert VideoFile(video).frame_count == len(LEVELS)
     monkeypatch.setattr(cv2, 'VideoCapture', Device)

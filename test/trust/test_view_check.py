@@ -46,6 +46,7 @@ def test_shift_and_rotation_are_told(surface, move, true_px, disturbance):
     assert shifts(surface, move, disturbance) == pytest.approx([true_px] * 3, abs=1.0, rel=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('disturbance', ['nothing', 'coin'])
 def test_nudge_is_told_after_a_hundred_checks_of_an_untouched_camera(surface, disturbance):
     random = np.random.default_rng(5)
