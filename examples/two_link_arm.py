@@ -21,6 +21,8 @@ Both angles are counter-clockwise: the shoulder's from the base frame's x, the e
 upper arm. Of the two solutions it takes the one with a positive elbow angle.
 """
 
+import argparse
+from itertools import takewhile
 import math
 import sys
 from typing import Optional, Tuple
@@ -95,7 +97,10 @@ def _start() -> TwoLinkArm:
 
 
 def main() -> None:
-    """Run the node until a signal arrives."""
+    """Answer --help, or run the node until a signal arrives."""
+    argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args(
+            list(takewhile(lambda argument: argument != '--ros-args', sys.argv[1:])))
     try:
         rclpy.spin(_start())
     except (KeyboardInterrupt, ExternalShutdownException):

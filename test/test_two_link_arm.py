@@ -125,3 +125,10 @@ def test_process_answers_each_point_within_reach_and_keeps_its_stamp(ros):
 @pytest.mark.parametrize('upper_arm, forearm', [(0.0, 0.1), (0.1, -0.1), (math.nan, 0.1)])
 def test_arm_of_no_length_reaches_nothing(upper_arm, forearm):
     assert joint_angles(0.1, 0.0, upper_arm, forearm) is None
+
+
+@pytest.mark.parametrize('argument, code', [('--help', 0), ('-h', 0), ('--lenght', 2)])
+def test_help_is_printed_and_other_arguments_are_refused(argument, code):
+    arm = subprocess.run([*COMMAND[:2], argument], capture_output=True, text=True, timeout=30)
+    assert arm.returncode == code
+    assert ('upper_arm_m' in arm.stdout) == (code == 0) and 'Traceback' not in arm.stderr

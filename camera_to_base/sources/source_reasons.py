@@ -52,8 +52,10 @@ def source_reason(status: ReaderStatus, name: str) -> Optional[Reason]:
 
 
 def _silence(status: ReaderStatus, name: str) -> Reason:
-    cause = status.error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
-    if status.error is None and status.seconds_without_frame < status.longest_silence_s:
+    # Once: the reader's thread may have another one by the next line.
+    error = status.error
+    cause = error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
+    if error is None and status.seconds_without_frame < status.longest_silence_s:
         return Reason('camera_opening', Level.WARN, f"waiting for the first frame of '{name}'")
     if isinstance(cause, TopicTypeError):
         return Reason('topic_type', Level.ERROR, f'nothing is published: {cause}')

@@ -30,7 +30,8 @@ def _damage(kind: str, what: str, cure: str = _CABLE) -> Reason:
 
 _REPEATED = _damage(
     'repeated', 'it repeats the last one byte for byte',
-    "restart the camera or its driver; a simulation's driver wants use_sim_time:=true")
+    'restart the camera or its driver, and this node where the picture size was changed; a '
+    "simulation's driver wants use_sim_time:=true")
 _BLACK = _damage('black', 'it is black', 'switch the light on, and uncover the lens')
 _OLD_END = _damage('old_end', 'its lower end is that of an earlier one')
 _FLAT_END = _damage('flat_end', 'its lower end has one colour')
