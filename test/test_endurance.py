@@ -151,7 +151,7 @@ def test_through_a_bad_day_the_coin_is_published_and_nothing_else(ros, monkeypat
     node = ros.add(CameraPublisher, '-p', 'source:=simulated',
                    *[word for text in BAD_DAY for word in ('-p', text)])
     # Ten frames a second, or as many as the machine can make.
-    assert ros.spin_until(lambda: node._source.frame_count >= 10 * SCENE_S, 5 * SCENE_S)
+    assert ros.spin_until(lambda: node._source.frames.frame_count >= 10 * SCENE_S, 5 * SCENE_S)
     # For each frame the node sends the truth, then the position, if any. Which of the two topics
     # is discovered first is not known.
     sent = sorted([(at, 1, position) for at, position in found if at > true[0][0]]
@@ -165,7 +165,7 @@ def test_through_a_bad_day_the_coin_is_published_and_nothing_else(ros, monkeypat
     wrong = [pair for pair in judged if not shows_only(*pair)]
     last_tenth = [kind for _, kind, _ in sent[-len(sent) // 10:]]
     tell(f'{SCENE_S:g} s of a bad day: {len(true)} frames seen, the coin whole on '
-         f'{node._source.whole_count}, {len(pairs)} positions, largest error '
+         f'{node._source.frames.whole_count}, {len(pairs)} positions, largest error '
          f'{max(errors_mm):.3f} mm; {sum(last_tenth)} positions on the last '
          f'{last_tenth.count(0)} frames; {len(judged)} arrays, of which {len(wrong)} '
          f'show what is not there {wrong[:3]}')
@@ -173,5 +173,5 @@ def test_through_a_bad_day_the_coin_is_published_and_nothing_else(ros, monkeypat
     assert max(errors_mm) < 0.2
     assert len(judged) > len(pairs) - 50
     assert not wrong
-    assert len(pairs) > 0.95 * node._source.whole_count - 10
+    assert len(pairs) > 0.95 * node._source.frames.whole_count - 10
     assert sum(last_tenth) > 0.5 * last_tenth.count(0)

@@ -58,7 +58,7 @@ def read_table(path: Path) -> Table:
     """
     try:
         lines = _text(path.read_bytes()).splitlines()
-    except (OSError, UnicodeError, InvalidValueError) as error:
+    except (OSError, ValueError) as error:
         reason = getattr(error, 'strerror', None) or error
         raise InvalidValueError(f'cannot read the table {path}: {reason}') from error
     if lines and re.fullmatch(r'"?sep=.?"?', lines[0].strip(), re.IGNORECASE):

@@ -32,7 +32,7 @@ _LEAST_SHARE_OF_FULL = 0.1
 # the less the more of the picture is as it was: share, share of view.max_shift_px, changed share.
 _LESS = ((0.2, 0.4, 1.0), (0.1, 0.23, 0.5))
 # A frame is moved back where it has shifted by more than this, in px: less is the look's error.
-_LEAST_MOVED_PX = 0.4
+_LEAST_MOVED_PX = 0.8
 # Where the view is not checked, a frame that has shifted by more than this shows another place.
 _IN_PLACE_PX = 2.0
 

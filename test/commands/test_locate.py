@@ -288,7 +288,7 @@ def test_reader_that_has_seen_enough_ends_it_quietly():
 
 def test_help_says_that_an_arm_needs_the_nodes(run):
     code, output, error = run('--help')
-    assert (code, error) == (0, '') and 'An arm needs the nodes' in output
+    assert (code, error) == (0, '') and 'Do not control an arm with this command' in output
 
 
 def test_progress_is_shown_on_a_terminal_only():
