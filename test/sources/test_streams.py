@@ -207,7 +207,7 @@ def test_frame_is_never_old_where_detection_is_slower_than_the_camera(
         ros, monkeypatch, server_class):
     class SlowDetector(PreciseDifferenceDetector):
         def detect(self, frame):
-            time.sleep(0.19)
+            time.sleep(0.16)
             return super().detect(frame)
 
     monkeypatch.setattr(detector_settings, 'PreciseDifferenceDetector', SlowDetector)
