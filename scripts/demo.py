@@ -15,6 +15,7 @@
 """Starts both nodes as processes, and prints each object that they publish."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -26,6 +27,8 @@ import cv2
 import numpy as np
 
 PICTURE = 'demo.png'
+# A frame's true position is sent right before its position; the frame before is 100 ms older.
+LONGEST_LAG_NS = 30_000_000
 # A signal only sets this flag: an exception raised inside rclpy is not always passed on.
 told_to_end = threading.Event()
 
@@ -149,26 +152,30 @@ class Report:
             self._print(stamp, *position)
 
     def _print(self, stamp, x, y):
-        camera = self._origin(stamp)
+        camera = self._origin(stamp, x, y)
         if camera is None:
             return  # sent before this subscriber was discovered
         self._last_stamp, (camera_x, camera_y) = camera
         self._count += 1
         line = f'camera ({camera_x:6.2f}, {camera_y:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
         truth = last_before(self._true_positions, self._last_stamp)
-        if truth is not None:
+        # The first true positions may be missing: an earlier frame's is no measure.
+        if truth is not None and self._last_stamp - truth[0] < LONGEST_LAG_NS:
             true_x, true_y, _ = self._conversion.convert_point(*truth[1])
-            error_mm = 10 * ((x - true_x) ** 2 + (y - true_y) ** 2) ** 0.5
+            error_mm = 10 * math.dist((x, y), (true_x, true_y))
             line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.2f} mm'
         print(line, flush=True)
 
-    def _origin(self, stamp):
+    def _origin(self, stamp, x, y):
         # A position has no stamp. The transform keeps the order, so a position belongs to the next
-        # one that was sent before it; the first position belongs to the last one.
+        # one that was sent before it; the first position belongs to the one that it agrees with.
         waiting = [position for position in self._camera_positions
                    if self._last_stamp < position[0] <= stamp]
         in_order = self._last_stamp and len(waiting) <= 10
-        return waiting[0 if in_order else -1] if waiting else None
+        if in_order and waiting:
+            return waiting[0]
+        return min(waiting, default=None, key=lambda position: math.dist(
+            (x, y), self._conversion.convert_point(*position[1])[:2]))
 
     def _on_point(self, message):
         self._stamps.add(stamp_of(message))
