@@ -65,14 +65,14 @@ def table(size: Tuple[int, int], is_textured: bool) -> np.ndarray:
 def make_frames(
     picture: np.ndarray, coin_count: int, count: int, noise: float = 1.5
 ) -> List[np.ndarray]:
-    """Take frames of a table with some coins, of which the first one moves slowly."""
+    """Take frames of a table with some coins, of which the first one moves slowly to and fro."""
     height, width = picture.shape[:2]
     random = np.random.default_rng(1)
     frames = []
     for number in range(count):
         seen = picture.copy()
         for index, (u, v) in enumerate(_COINS[:coin_count]):
-            drift = 0.0 if index else 0.002 * (number % 40)
+            drift = 0.0 if index else 0.004 * abs(number % 20 - 10)
             centre = int((u + drift) * width * 16), int(v * height * 16)
             cv2.circle(seen, centre, int(0.0336 * width * 16), (52, 60, 70), -1, cv2.LINE_AA, 4)
         seen += noise * random.standard_normal(seen.shape, dtype=np.float32)
