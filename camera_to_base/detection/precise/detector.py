@@ -106,11 +106,16 @@ class PreciseDifferenceDetector:
         frame = np.ascontiguousarray(frame)
         self._reference.follow(frame)
         self._forget_ghosts(frame)
-        regions = self._regions(frame)
-        if self._notice_ghosts(frame, regions):
-            regions = self._regions(frame)
-        found = [detection for index, region in enumerate(regions)
-                 for detection in self._detections(frame, region, index < _MOST_EXACT)]
+        parts = changed_parts(frame, self._reference.lit, self._reference.limits)
+        if not parts:
+            return []
+        if self._is_all_changed(frame, parts):
+            return _unplaced(whole_outline(frame), frame)
+        looks = self._looks(frame, parts)
+        if self._notice_ghosts(frame, looks):
+            looks = self._looks(frame, changed_parts(
+                frame, self._reference.lit, self._reference.limits))
+        found = [detection for look in looks for detection in self._detections(frame, look)]
         return sorted(found, key=lambda detection: -detection.area)
 
     @property
