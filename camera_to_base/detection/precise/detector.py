@@ -37,9 +37,11 @@ from typing import List, Optional
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
-from camera_to_base.detection.precise.foreign_light import find_field, looks_like_light
+from camera_to_base.detection.precise.foreign_light import (
+    field_of_bands, find_bands, find_field, looks_like_light)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.highlight import close_around_highlights
+from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
 from camera_to_base.detection.precise.plain import place_plain
 from camera_to_base.detection.precise.reference import Reference
@@ -56,6 +58,8 @@ _MOST_EXACT, _MOST_GHOSTS = 100, 4
 _SURROUNDINGS = 14
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
+# A region whose box covers at least this part may go on to the border.
+_FAR = 0.04
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -162,17 +166,32 @@ class PreciseDifferenceDetector:
         if rows is None:
             return []
         regions = find_regions(frame, rows, reference.limits, self._min_area)
-        if not any(self._may_be_light(frame, region) for region in regions):
+        if not any(self._may_reach_border(frame, region) for region in regions):
             return regions
-        reference.limits.use_field(find_field(frame, reference.lit))
+        field = self._field(frame, regions)
+        if field is None:
+            return regions
+        reference.limits.use_field(field)
         try:
             return find_regions(frame, slice(0, len(frame)), reference.limits, self._min_area)
         finally:
             reference.limits.use_field(None)
 
+    def _field(self, frame: np.ndarray, regions: List[Region]) -> Optional[Range]:
+        lit = self._reference.lit
+        bands = find_bands(frame, lit)
+        if any(self._may_be_light(frame, region) for region in regions):
+            return find_field(frame, lit, bands)
+        return None if bands is None else field_of_bands(bands, frame)
+
+    def _may_reach_border(self, frame: np.ndarray, region: Region) -> bool:
+        # A faint shadow is seen to the border less than elsewhere, where a lens is darker.
+        return (touches_edge(region.box, frame)
+                or region.box.width * region.box.height > _FAR * frame[..., 0].size)
+
     def _may_be_light(self, frame: np.ndarray, region: Region) -> bool:
-        area = region.strong_area / frame[..., 0].size
-        if not _LEAST_LIGHT < area < _MOST_LIGHT or not touches_edge(region.box, frame):
+        area = cv2.contourArea(region.outline) / frame[..., 0].size
+        if not _LEAST_LIGHT < area < _MOST_LIGHT or not self._may_reach_border(frame, region):
             return False
         part = slices(region.box)
         return looks_like_light(

@@ -59,7 +59,8 @@ def test_object_is_found_once_and_placed(conditions, most_px):
 
 
 @pytest.mark.parametrize('conditions', [
-    Conditions(shade=0.5), Conditions(flicker=0.2), Conditions(pattern='grain', tremble=1)])
+    Conditions(shade=0.5), Conditions(shade=0.1), Conditions(flicker=0.2),
+    Conditions(pattern='grain', tremble=1)])
 def test_light_and_tremble_are_no_objects(conditions):
     camera = Photographer(conditions, 5)
     detector = PreciseDifferenceDetector(camera.background())
@@ -67,6 +68,18 @@ def test_light_and_tremble_are_no_objects(conditions):
         frame, truth = camera.frame()
         found = [one for one in detector.detect(frame) if not one.cut_off]
         assert len(found) == 1 and math.dist(found[0].centre, truth) < 1.5
+
+
+@pytest.mark.parametrize('strength', [0.04, 0.1])
+def test_bands_of_a_flickering_lamp_are_no_objects_and_hide_none(strength):
+    camera = Photographer(Conditions(), 5)
+    detector = PreciseDifferenceDetector(camera.background())
+    for number in range(6):
+        frame, truth = camera.frame()
+        light = 1 + strength * np.sin(np.arange(len(frame)) / (30 + 20 * number) + number)
+        frame = np.clip(np.rint(frame * light[:, None, None]), 0, 255).astype(np.uint8)
+        found = [one for one in detector.detect(frame) if not one.cut_off]
+        assert len(found) == 1 and math.dist(found[0].centre, truth) < 0.5
 
 
 def test_short_way_and_long_way_give_the_same_place():
