@@ -27,8 +27,8 @@ _POINTS_PER_SIDE = 24
 _DARKEST, _LIGHTEST = 8, 247
 _LEAST_LIGHT = 1e-3
 _LEAST_USABLE = 1 / 12
-_HOLDS = 0.75
-_DARKEST_GAIN, _ALIKE, _LEAST_ALIKE = 0.06, 0.25, 0.2
+_ONE_LEVEL = (1, 1, 1, 0)
+_DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
 
 
 def _linear_levels() -> np.ndarray:
@@ -78,7 +78,7 @@ class GainMeter:
     Follows the frames' gain: the median of frame / background over a coarse grid.
 
     It is that of the surface as long as objects cover less than half of it. A gain stays in use
-    until the median is more than three quarters of a step off: a new one costs time.
+    until the median is more than a grey level off: a new one costs time.
 
     :param background: Shape (h, w, 3), uint8, BGR.
     """
@@ -89,26 +89,29 @@ class GainMeter:
         usable = (levels >= _DARKEST) & (levels <= _LIGHTEST)
         # In a channel without enough such places all are used.
         self._usable = usable | (usable.mean(axis=(0, 1)) < _LEAST_USABLE)
-        self._half = (self._usable.mean(axis=(0, 1)) / 2).tolist()
+        self._usable_share = self._usable.mean(axis=(0, 1)).tolist()
         self._light = np.maximum(LINEAR[levels], _LEAST_LIGHT)
         self._gain: Optional[Gain] = None
 
     def follow(self, frame: np.ndarray) -> Gain:
         """Give the gain of a frame of the background's shape."""
-        levels = frame[self._grid]
+        levels = np.ascontiguousarray(frame[self._grid])
         if self._gain is None or not self._holds(levels):
             self._gain = self._measured(levels)
-            self._band = tuple(
-                _coded(self._light * np.exp((np.float32(self._gain) + off) / _STEPS))
-                for off in (-_HOLDS, _HOLDS))
-            self._band = (np.where(self._usable, np.ceil(self._band[0]), 0).astype(np.uint8),
-                          np.where(self._usable, self._band[1], 255).astype(np.uint8))
+            lit = np.rint(_coded(self._light * self._gain.factors)).astype(np.uint8)
+            lowest, highest = (np.where(self._usable, lit, end).astype(np.uint8)
+                               for end in (0, 255))
+            self._darker = lowest, cv2.subtract(lowest, _ONE_LEVEL)
+            self._lighter = highest, cv2.add(highest, _ONE_LEVEL)
         return self._gain
 
     def _holds(self, levels: np.ndarray) -> bool:
-        darkest, lightest = self._band
-        return not any(share > half for beyond in (levels < darkest, levels > lightest)
-                       for share, half in zip(cv2.mean(beyond.view(np.uint8)), self._half))
+        # The median of whole levels, as in grouped data: half of those at a limit lie beyond it.
+        darker, lighter = self._darker, self._lighter
+        beyond = (((levels < darker[0]).view(np.uint8) + (levels < darker[1])),
+                  ((levels > lighter[0]).view(np.uint8) + (levels > lighter[1])))
+        return not any(share > two_halves for counts in beyond
+                       for share, two_halves in zip(cv2.mean(counts), self._usable_share))
 
     def _measured(self, levels: np.ndarray) -> Gain:
         ratios = LINEAR[levels] / self._light
@@ -120,7 +123,9 @@ class GainMeter:
             if median < _DARKEST_GAIN or alike.mean() < _LEAST_ALIKE:
                 # The surface cannot be seen: all of it is covered, or it is dark.
                 return NO_GAIN
-            steps.append(round(_STEPS * math.log(median)))
+            # Whole levels make the median jump; the mean around it does not.
+            near = chosen[np.abs(chosen - median) < _NEAR * median]
+            steps.append(round(_STEPS * math.log(near.mean())))
         return Gain(*steps)
 
 

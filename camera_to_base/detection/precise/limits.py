@@ -113,7 +113,7 @@ class _LitRange:
 
     def part(self, part: tuple) -> Range:
         rows = part[0]
-        first, last = rows.start // _STRIP, -(-rows.stop // _STRIP)
+        first, last = (rows.start or 0) // _STRIP, -(-rows.stop // _STRIP)
         strip = self._ready.find(0, first, last)
         while strip >= 0:
             strip_rows = slice(strip * _STRIP, (strip + 1) * _STRIP)

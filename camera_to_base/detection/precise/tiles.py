@@ -31,6 +31,7 @@ import numpy as np
 _TILE, _STRIPS = 8, 12
 _LEAST_LEVELS = 3  # fewer single levels beyond the limit in a tile are noise
 _MARGIN = 4
+_NEARLY_ALL, _PLACES = 0.9, 30
 _NEXT_TILES = np.ones((3, 3), np.uint8)
 # Eight bytes are added at a time, each for itself: a tile has fewer than 256 levels.
 _ONES, _TOP_BYTE = np.uint64(0x0101010101010101), np.uint64(56)
@@ -52,6 +53,28 @@ def changed_parts(frame: np.ndarray, lit: np.ndarray, limits: Limits) -> List[Bo
     outlines, _ = cv2.findContours(
         cv2.dilate(changed, _NEXT_TILES), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     return [_part(cv2.boundingRect(outline), frame) for outline in outlines]
+
+
+def is_all_changed(frame: np.ndarray, parts: List[Box], limits: Limits) -> bool:
+    """
+    Tell whether nothing of the background is seen: a covered lens, another scene, no light.
+
+    :param parts: See :func:`changed_parts`; only if one is nearly the whole frame, it is looked at.
+    """
+    size = frame.shape[0] * frame.shape[1]
+    if not any(part.width * part.height > _NEARLY_ALL * size for part in parts):
+        return False
+    rows, columns = (slice(None, None, max(length // _PLACES, 1)) for length in frame.shape[:2])
+    usual = limits.strong(np.s_[:len(frame), :])
+    places = (np.ascontiguousarray(levels[rows, columns]) for levels in (frame, *usual))
+    inside = cv2.inRange(*places)
+    return cv2.countNonZero(inside) < (1 - _NEARLY_ALL) * inside.size
+
+
+def frame_outline(frame: np.ndarray) -> np.ndarray:
+    """Give the outline of a whole frame, shape (4, 1, 2), int32, in px."""
+    bottom, right = frame.shape[0] - 1, frame.shape[1] - 1
+    return np.int32([[[0, 0]], [[0, bottom]], [[right, bottom]], [[right, 0]]])
 
 
 def _part(tiles: Tuple[int, int, int, int], frame: np.ndarray) -> Box:
