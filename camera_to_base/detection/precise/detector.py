@@ -43,11 +43,13 @@ from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.highlight import close_around_highlights
 from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
-from camera_to_base.detection.precise.plain import place_plain
+from camera_to_base.detection.precise.plain import place_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
 from camera_to_base.detection.precise.shadow import split_off_shade
 from camera_to_base.detection.precise.shares import place, place_whole, Placed
+from camera_to_base.detection.precise.tiles import (
+    changed_parts, frame_outline, is_all_changed)
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
@@ -55,7 +57,7 @@ import numpy as np
 # A frame full of specks must not take long: only the largest objects get the full treatment.
 _MOST_EXACT, _MOST_GHOSTS = 100, 4
 # Surroundings that a region's place is told from, in px.
-_SURROUNDINGS = 14
+_RIM, _SURROUNDINGS = 2, 14
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 # A region whose box covers at least this part may go on to the border.
@@ -110,11 +112,18 @@ class PreciseDifferenceDetector:
         frame = np.ascontiguousarray(frame)
         self._reference.follow(frame)
         self._forget_ghosts(frame)
-        regions = self._regions(frame)
-        if self._notice_ghosts(frame, regions):
-            regions = self._regions(frame)
-        found = [detection for index, region in enumerate(regions)
-                 for detection in self._detections(frame, region, index < _MOST_EXACT)]
+        parts = self._changed_parts(frame)
+        if is_all_changed(frame, parts, self._reference.limits):
+            return _unplaced(frame_outline(frame), frame)
+        regions = self._regions(frame, parts)
+        plain = self._plain(frame, regions)
+        if self._notice_ghosts(frame, regions, plain):
+            regions = self._regions(frame, self._changed_parts(frame))
+            plain = self._plain(frame, regions)
+        found = [detection for region, known in zip(regions, plain)
+                 for detection in self._detections(frame, region, known)]
+        found += [detection for region in regions[_MOST_EXACT:]
+                  for detection in _unplaced(region.outline, frame)]
         return sorted(found, key=lambda detection: -detection.area)
 
     @property
@@ -129,10 +138,13 @@ class PreciseDifferenceDetector:
         """The noise of a frame, in grey levels on most of the background; None before a frame."""
         return self._reference.mean_noise
 
-    def _notice_ghosts(self, frame: np.ndarray, regions: List[Region]) -> bool:
+    def _notice_ghosts(
+        self, frame: np.ndarray, regions: List[Region], plain: List[Optional[Plain]]
+    ) -> bool:
         found = [find_ghost(frame, self._reference.lit, region)
-                 for region in regions[:_MOST_GHOSTS]
-                 if self._reference.has_edges(slices(grown(region.box, 2, frame)))]
+                 for region, known in list(zip(regions, plain))[:_MOST_GHOSTS]
+                 if (known is None or not known.is_new)
+                 and self._reference.has_edges(slices(grown(region.box, 2, frame)))]
         ghosts = [ghost for ghost in found if ghost is not None]
         if ghosts:
             self._use_ghosts(self._ghosts + ghosts, frame)
@@ -155,12 +167,12 @@ class PreciseDifferenceDetector:
         self._reference = Reference(picture, self._faintest)
         self._reference.follow(frame)
 
-    def _regions(self, frame: np.ndarray) -> List[Region]:
+    def _changed_parts(self, frame: np.ndarray) -> List[Box]:
+        return changed_parts(frame, self._reference.lit, self._reference.limits)
+
+    def _regions(self, frame: np.ndarray, parts: List[Box]) -> List[Region]:
         reference = self._reference
-        rows = reference.changed_rows(frame)
-        if rows is None:
-            return []
-        regions = find_regions(frame, rows, reference.limits, self._min_area)
+        regions = find_regions(frame, parts, reference.limits, self._min_area)
         if not any(self._may_reach_border(frame, region) for region in regions):
             return regions
         field = self._field(frame, regions)
@@ -168,7 +180,8 @@ class PreciseDifferenceDetector:
             return regions
         reference.limits.use_field(field)
         try:
-            return find_regions(frame, slice(0, len(frame)), reference.limits, self._min_area)
+            return find_regions(
+                frame, self._changed_parts(frame), reference.limits, self._min_area)
         finally:
             reference.limits.use_field(None)
 
@@ -192,19 +205,28 @@ class PreciseDifferenceDetector:
         return looks_like_light(
             frame[part], self._reference.lit[part], filled(region.outline, region.box))
 
-    def _detections(self, frame: np.ndarray, region: Region, exact: bool) -> List[Detection]:
-        is_at_edge = touches_edge(region.box, frame)
-        if not exact or is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
+    def _plain(self, frame: np.ndarray, regions: List[Region]) -> List[Optional[Plain]]:
+        reference, plain = self._reference, []
+        for region in regions[:_MOST_EXACT]:
+            window = grown(region.box, _RIM, frame)
+            part = slices(window)
+            plain.append(None if touches_edge(region.box, frame) else place_plain(
+                frame[part], reference.lit[part], filled(region.outline, window),
+                reference.mean_noise))
+        return plain
+
+    def _detections(
+        self, frame: np.ndarray, region: Region, plain: Optional[Plain]
+    ) -> List[Detection]:
+        if plain is not None:
+            return self._placed(plain.placed, grown(region.box, _RIM, frame))
+        if (touches_edge(region.box, frame)
+                and region.strong_area > _MOST_CUT * frame[..., 0].size):
             return _unplaced(region.outline, frame)
         window = grown(region.box, _SURROUNDINGS, frame)
         part = slices(window)
-        levels = np.ascontiguousarray(frame[part])
         piece = make_piece(
-            levels, self._reference.light(part), filled(region.outline, window))
-        if not is_at_edge:
-            placed = place_plain(levels, piece, self._reference.mean_noise)
-            if placed is not None:
-                return self._placed(placed, window)
+            frame[part], self._reference.light(part), filled(region.outline, window))
         return self._long_way(frame, piece, window)
 
     def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
@@ -234,7 +256,8 @@ class PreciseDifferenceDetector:
 
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:
-    moments, outline = placed.moments(window.x, window.y), outline_of(placed.mask)
+    moments = placed.moments(window.x, window.y)
+    outline = outline_of(placed.mask) if placed.outline is None else placed.outline
     if not moments['m00'] or outline is None:
         return []
     outline = outline + np.int32([window.x, window.y])

@@ -12,66 +12,106 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
 """
 The short way for plain objects: of one colour, with a sharp rim, on a table without shade.
 
-An object is plain where its inside is as even as noise allows, and where few pixels lie between
-its colour and the table's: a shadow or a highlight would be among them. Its place then follows
-from one projection, without a look at its surroundings. On a plain object both ways give the same
-place, see `shares`.
+Most objects are plain, and their place follows from one projection, without a look at their
+surroundings, in a window that is hardly larger than the object. What decides between the ways:
+
+- the region lies within the picture, and its inside is wide enough to be judged,
+- its inside is as even as noise allows: it has one level and no highlight,
+- few pixels lie between its colour and the table's: shade and blurred rims would be among them,
+- the table differs from its colour all along the rim: it is not faint,
+- what is covered is one part.
+
+Everything else goes the long way, see `shares`. On a plain object both ways give the same place.
 """
 
-from typing import Optional
+import operator
+from typing import List, NamedTuple, Optional
 
-from camera_to_base.detection.precise.piece import largest_part, Piece, square
+from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.piece import outlines_in, square
 from camera_to_base.detection.precise.shares import Placed
 import cv2
 import numpy as np
 
 _LEAST_CORE = 20
-# Deviation inside of the object, in grey levels and in deviations of the noise.
 _EVEN_LEVELS, _EVEN_DEVIATIONS = 4.0, 2.5
-# Pixels between the object's colour and the table's, for each pixel of the core's outline.
 _COVERED, _WIDEST_RIM = 0.8, 2.6
-_LEAST_CONTRAST = 0.02
+_LEAST_CONTRAST, _LEAST_SPAN, _SURELY_OTHER = 0.02, 0.12, 0.5
+_LINEAR = LINEAR.tolist()
 
 
-def place_plain(frame: np.ndarray, piece: Piece, noise: float) -> Optional[Placed]:
+class Plain(NamedTuple):
+    """
+    A plain object in its window.
+
+    :param placed: Its place.
+    :param is_new: Whether the background around it has another colour: it is no ghost.
+    """
+
+    placed: Placed
+    is_new: bool
+
+
+def place_plain(
+    frame: np.ndarray, table: np.ndarray, mask: np.ndarray, noise: float
+) -> Optional[Plain]:
     """
     Place a plain object.
 
-    :param frame: The piece's frame, shape (h, w, 3), uint8, BGR.
+    :param frame: A window of the frame, shape (h, w, 3), uint8, BGR.
+    :param table: The background's at the frame's light, of the same shape.
+    :param mask: The region, shape (h, w), uint8, 1 inside; the window is a little larger.
     :param noise: Deviation of the noise, in grey levels.
     :returns: None where the object is not plain.
     """
-    core = cv2.erode(piece.mask, square(7))
+    core = cv2.erode(mask, square(7))
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
-    _, deviation = cv2.meanStdDev(frame, mask=core)
+    level, deviation = cv2.meanStdDev(frame, mask=core)
     if deviation.max() > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * noise):
         return None
-    shares = _shares(piece, core)
-    if shares is None:
+    thing = [_light(value) for value in level[:, 0].tolist()]
+    usual = [_light(value) for value in cv2.mean(table, mask)[:3]]
+    contrast = [one - other for one, other in zip(usual, thing)]
+    if max(map(abs, contrast)) < _LEAST_CONTRAST:
         return None
-    between = piece.mask & (shares < _COVERED).astype(np.uint8)
-    outline = core & (1 - cv2.erode(core, square(3)))
-    if cv2.countNonZero(between) > _WIDEST_RIM * cv2.countNonZero(outline):
-        return None
-    shares = np.maximum(np.clip(shares, 0, 1) * cv2.dilate(piece.mask, square(3)), core)
-    covered = (shares > 0.5).astype(np.uint8)
-    # Several parts are more than one plain object.
-    is_one = cv2.countNonZero(covered & (1 - largest_part(covered))) == 0
-    return Placed(shares, covered) if is_one else None
+    return _projected(frame, table, mask, core, thing, contrast)
 
 
-def _shares(piece: Piece, core: np.ndarray) -> Optional[np.ndarray]:
-    thing = np.float32(cv2.mean(piece.frame, core)[:3])
-    contrast = np.float32(cv2.mean(piece.table, piece.mask)[:3]) - thing
-    if np.abs(contrast).max() < _LEAST_CONTRAST:
+def _light(level: float) -> float:
+    lower = min(int(level), 254)
+    return _LINEAR[lower] + (level - lower) * (_LINEAR[lower + 1] - _LINEAR[lower])
+
+
+def _projected(
+    frame: np.ndarray, table: np.ndarray, mask: np.ndarray, core: np.ndarray, thing: List[float],
+    contrast: List[float]
+) -> Optional[Plain]:
+    # From the object's colour to the table's: 0 where all is object, `span` where all is table.
+    power = sum(value ** 2 for value in contrast)
+    to_table = np.float32([[*contrast, -sum(map(operator.mul, contrast, thing))]])
+    seen, span = (cv2.transform(cv2.LUT(levels, LINEAR), to_table) for levels in (frame, table))
+    near = cv2.dilate(mask, square(3))
+    if cv2.minMaxLoc(span, near)[0] < _LEAST_SPAN * power:
         return None
-    weights = contrast.reshape(1, 3)
-    table, frame = (cv2.transform(light, weights) for light in (piece.table, piece.frame))
-    span = table - float(contrast @ thing)
-    if span.min() < 0.3 * float(contrast @ contrast):
+    shares = cv2.copyTo(1 - cv2.divide(seen, span), near)
+    inner_rim = cv2.countNonZero(core) - cv2.countNonZero(cv2.erode(core, square(3)))
+    between = cv2.countNonZero(mask) - _count_above(shares, _COVERED)
+    if between > _WIDEST_RIM * inner_rim:
         return None
-    return (table - frame) / span
+    _, shares = cv2.threshold(shares, 1, 0, cv2.THRESH_TRUNC)
+    shares = cv2.max(cv2.threshold(shares, 0, 0, cv2.THRESH_TOZERO)[1], np.float32(core))
+    covered = (shares > 0.5).view(np.uint8)
+    outlines = outlines_in(covered)
+    if len(outlines) != 1:
+        return None
+    is_new = cv2.mean(span, 1 - near)[0] > _SURELY_OTHER * power
+    return Plain(Placed(shares, covered, outlines[0]), is_new)
+
+
+def _count_above(values: np.ndarray, limit: float) -> int:
+    return cv2.countNonZero((values > limit).view(np.uint8))
