@@ -228,8 +228,10 @@ class PreciseDifferenceDetector:
         height, width = frame.shape[:2]
         outward = (window.x + (window.width - width) / 2, window.y + (window.height - height) / 2)
         thing = split_off_shade(piece, outward)
-        piece = piece._replace(
-            mask=close_around_highlights(piece) if thing is None else thing.mask)
+        if thing is not None:
+            piece = piece._replace(mask=thing.mask)
+        if thing is None or not thing.is_light:
+            piece = piece._replace(mask=close_around_highlights(piece))
         outline = outline_of(piece.mask)
         if outline is None:
             return []
