@@ -59,7 +59,7 @@ def is_all_changed(frame: np.ndarray, parts: List[Box], limits: Limits) -> bool:
     """
     Tell whether nothing of the background is seen: a covered lens, another scene, no light.
 
-    :param parts: See :func:`changed_parts`; only if one is nearly the whole frame, it is looked at.
+    :param parts: See :func:`changed_parts`; the frame is read only if one is nearly all of it.
     """
     size = frame.shape[0] * frame.shape[1]
     if not any(part.width * part.height > _NEARLY_ALL * size for part in parts):
