@@ -32,7 +32,7 @@ object of the background has left, for as long as it is away. Noise and that apa
 the same result whatever came before.
 """
 
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.detection import (
@@ -43,7 +43,7 @@ from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.highlight import close_around_highlights
 from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
-from camera_to_base.detection.precise.plain import place_plain, Plain
+from camera_to_base.detection.precise.plain import find_plain, place_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
 from camera_to_base.detection.precise.shadow import split_off_shade
@@ -57,7 +57,7 @@ import numpy as np
 # A frame full of specks must not take long: only the largest objects get the full treatment.
 _MOST_EXACT, _MOST_GHOSTS = 100, 4
 # Surroundings that a region's place is told from, in px.
-_RIM, _SURROUNDINGS = 2, 14
+_SURROUNDINGS = 14
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 # A faint region whose box covers at least this part may go on to the border; faint is a region of
@@ -118,15 +118,13 @@ class PreciseDifferenceDetector:
         parts = self._changed_parts(frame)
         if is_all_changed(frame, parts, self._reference.limits):
             return _unplaced(frame_outline(frame), frame)
-        regions = self._regions(frame, parts)
-        plain = self._plain(frame, regions)
-        if self._notice_ghosts(frame, regions, plain):
-            regions = self._regions(frame, self._changed_parts(frame))
-            plain = self._plain(frame, regions)
-        found = [detection for region, known in zip(regions, plain)
-                 for detection in self._detections(frame, region, known)]
-        found += [detection for region in regions[_MOST_EXACT:]
-                  for detection in _unplaced(region.outline, frame)]
+        plain, regions = self._search(frame, parts)
+        if self._notice_ghosts(frame, regions):
+            plain, regions = self._search(frame, self._changed_parts(frame))
+        found = [detection for one in plain
+                 for detection in self._placed(one.placed, one.window)]
+        found += [detection for index, region in enumerate(regions)
+                  for detection in self._detections(frame, region, index < _MOST_EXACT)]
         return sorted(found, key=lambda detection: -detection.area)
 
     @property
@@ -141,13 +139,10 @@ class PreciseDifferenceDetector:
         """The noise of a frame, in grey levels on most of the background; None before a frame."""
         return self._reference.mean_noise
 
-    def _notice_ghosts(
-        self, frame: np.ndarray, regions: List[Region], plain: List[Optional[Plain]]
-    ) -> bool:
+    def _notice_ghosts(self, frame: np.ndarray, regions: List[Region]) -> bool:
         found = [find_ghost(frame, self._reference.lit, region)
-                 for region, known in list(zip(regions, plain))[:_MOST_GHOSTS]
-                 if (known is None or not known.is_new)
-                 and self._reference.has_edges(slices(grown(region.box, 2, frame)))]
+                 for region in regions[:_MOST_GHOSTS]
+                 if self._reference.has_edges(slices(grown(region.box, 2, frame)))]
         ghosts = [ghost for ghost in found if ghost is not None]
         if ghosts:
             self._use_ghosts(self._ghosts + ghosts, frame)
@@ -173,22 +168,30 @@ class PreciseDifferenceDetector:
     def _changed_parts(self, frame: np.ndarray) -> List[Box]:
         return changed_parts(frame, self._reference.lit, self._reference.limits)
 
-    def _regions(self, frame: np.ndarray, parts: List[Box]) -> List[Region]:
-        reference = self._reference
-        regions = find_regions(frame, parts, reference.limits, self._min_area)
+    def _search(
+        self, frame: np.ndarray, parts: List[Box]
+    ) -> Tuple[List[Plain], List[Region]]:
+        reference, plain, others = self._reference, [], []
+        for part in parts:
+            one = find_plain(frame, part, reference)
+            if one is None:
+                others.append(part)
+            else:
+                plain.append(one)
+        regions = find_regions(frame, others, reference.limits, self._min_area)
         if not any(self._may_reach_border(frame, region) for region in regions):
-            return regions
+            return plain, regions
         field = self._field(frame, regions)
         if field is None:
-            return regions
+            return plain, regions
         reference.limits.use_field(field)
         try:
             regions = find_regions(
                 frame, self._changed_parts(frame), reference.limits, self._min_area)
         finally:
             reference.limits.use_field(None)
-        return [region for region in regions if touches_edge(region.box, frame)
-                or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)]
+        return [], [region for region in regions if touches_edge(region.box, frame)
+                    or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)]
 
     def _field(self, frame: np.ndarray, regions: List[Region]) -> Optional[Range]:
         lit = self._reference.lit
@@ -211,24 +214,16 @@ class PreciseDifferenceDetector:
         return looks_like_light(
             frame[part], self._reference.lit[part], filled(region.outline, region.box))
 
-    def _plain(self, frame: np.ndarray, regions: List[Region]) -> List[Optional[Plain]]:
-        reference, plain = self._reference, []
-        for region in regions[:_MOST_EXACT]:
-            window = grown(region.box, _RIM, frame)
-            part = slices(window)
-            plain.append(None if touches_edge(region.box, frame) else place_plain(
-                frame[part], reference.lit[part], filled(region.outline, window),
-                reference.mean_noise))
-        return plain
-
-    def _detections(
-        self, frame: np.ndarray, region: Region, plain: Optional[Plain]
-    ) -> List[Detection]:
-        if plain is not None:
-            return self._placed(plain.placed, grown(region.box, _RIM, frame))
-        if (touches_edge(region.box, frame)
-                and region.strong_area > _MOST_CUT * frame[..., 0].size):
+    def _detections(self, frame: np.ndarray, region: Region, exact: bool) -> List[Detection]:
+        is_at_edge = touches_edge(region.box, frame)
+        if not exact or is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return _unplaced(region.outline, frame)
+        if not is_at_edge:
+            window = grown(region.box, 1, frame)
+            placed = place_plain(frame, window, filled(region.outline, window, 255),
+                                 region.outline, self._reference)
+            if placed is not None:
+                return self._placed(placed, window)
         window = grown(region.box, _SURROUNDINGS, frame)
         part = slices(window)
         piece = make_piece(

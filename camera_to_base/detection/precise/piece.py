@@ -114,6 +114,18 @@ def outlines_in(mask: np.ndarray) -> Sequence[np.ndarray]:
     return cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]
 
 
+def has_holes(outline: np.ndarray, count: int) -> bool:
+    """
+    Tell whether a region has holes.
+
+    By Pick's theorem, an outline without a hole encloses as many pixels as the region has.
+
+    :param outline: Its outline, see :func:`outlines_in`.
+    :param count: Its number of pixels.
+    """
+    return count < cv2.contourArea(outline) + len(outline) / 2 + 1
+
+
 def outline_of(mask: np.ndarray) -> Optional[np.ndarray]:
     """Find the largest outline in a mask, shape (n, 1, 2), int32; None where it is empty."""
     outlines = outlines_in(mask)

@@ -27,7 +27,7 @@ from typing import Iterable, List, NamedTuple, Optional, Set
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.limits import Limits
-from camera_to_base.detection.precise.piece import outlines_in
+from camera_to_base.detection.precise.piece import has_holes, outlines_in
 import cv2
 import numpy as np
 
@@ -71,10 +71,10 @@ def find_regions(
     return sorted(found, key=lambda region: -region.strong_area)
 
 
-def filled(outline: np.ndarray, box: Box) -> np.ndarray:
-    """Draw a region's outline, filled: shape (height, width) of a box, uint8, 1 inside."""
+def filled(outline: np.ndarray, box: Box, value: int = 1) -> np.ndarray:
+    """Draw a region's outline, filled: shape (height, width) of a box, uint8, `value` inside."""
     mask = np.zeros((box.height, box.width), np.uint8)
-    return cv2.drawContours(mask, [outline], 0, 1, cv2.FILLED, offset=(-box.x, -box.y))
+    return cv2.drawContours(mask, [outline], 0, value, cv2.FILLED, offset=(-box.x, -box.y))
 
 
 def slices(box: Box) -> tuple:
@@ -124,10 +124,8 @@ def _regions_in(
 
 
 def _is_solid(outline: np.ndarray, weak: np.ndarray, area: int, min_area: float) -> bool:
-    # By Pick's theorem, an outline without a hole encloses as many pixels as are weak.
     count = cv2.countNonZero(weak)
-    return (area >= max(min_area, count / 2)
-            and count >= cv2.contourArea(outline) + len(outline) / 2 + 1)
+    return area >= max(min_area, count / 2) and not has_holes(outline, count)
 
 
 def _region(

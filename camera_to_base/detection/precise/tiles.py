@@ -21,7 +21,7 @@ strips that differ, the levels beyond the strong limit are counted, tile by tile
 done in bytes. Whatever follows works in windows around the tiles that have changed.
 """
 
-from typing import List, Optional, Tuple
+from typing import Iterator, List, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.limits import Limits, Range
@@ -59,13 +59,13 @@ def is_all_changed(frame: np.ndarray, parts: List[Box], limits: Limits) -> bool:
     """
     Tell whether nothing of the background is seen: a covered lens, another scene, no light.
 
-    :param parts: See :func:`changed_parts`; only if one is nearly the whole frame, it is looked at.
+    :param parts: See :func:`changed_parts`; the frame is read only if one is nearly all of it.
     """
     size = frame.shape[0] * frame.shape[1]
     if not any(part.width * part.height > _NEARLY_ALL * size for part in parts):
         return False
     rows, columns = (slice(None, None, max(length // _PLACES, 1)) for length in frame.shape[:2])
-    usual = limits.strong(np.s_[:len(frame), :])
+    usual = limits.strong((slice(0, len(frame)),))
     places = (np.ascontiguousarray(levels[rows, columns]) for levels in (frame, *usual))
     inside = cv2.inRange(*places)
     return cv2.countNonZero(inside) < (1 - _NEARLY_ALL) * inside.size
@@ -88,29 +88,40 @@ def _part(tiles: Tuple[int, int, int, int], frame: np.ndarray) -> Box:
 
 
 def _changed_tiles(frame: np.ndarray, lit: np.ndarray, limits: Limits) -> Optional[np.ndarray]:
-    height, width = frame.shape[:2]
     changed = None
-    step = max(height // _STRIPS // _TILE, 1) * _TILE
-    for start in range(0, height, step):
-        rows = slice(start, min(start + step, height))
-        strip = frame[rows]
-        if limits.has_field or cv2.norm(strip, lit[rows], cv2.NORM_INF) > limits.least:
-            if changed is None:
-                changed = np.zeros((-(-height // _TILE), -(-width // _TILE)), np.uint8)
-            first = start // _TILE
-            changed[first:first - (-len(strip) // _TILE)] = _tiles(
-                strip, limits.strong(np.s_[rows, :]))
+    for rows in _changed_strips(frame, lit, -1 if limits.has_field else limits.least):
+        if changed is None:
+            changed = np.zeros([-(-length // _TILE) for length in frame.shape[:2]], np.uint8)
+        tiles = _tiles(frame[rows], limits.strong((rows,)))
+        first = rows.start // _TILE
+        changed[first:first + len(tiles)] = tiles
     return changed
 
 
-def _tiles(strip: np.ndarray, usual: Range) -> np.ndarray:
+def _changed_strips(frame: np.ndarray, lit: np.ndarray, least: float) -> Iterator[slice]:
+    height = len(frame)
+    step = max(height // _STRIPS // _TILE, 1) * _TILE
+    first = None
+    for start in range(0, height, step):
+        rows = slice(start, start + step)
+        if cv2.norm(frame[rows], lit[rows], cv2.NORM_INF) > least:
+            first = start if first is None else first
+        elif first is not None:
+            yield slice(first, start)
+            first = None
+    if first is not None:
+        yield slice(first, height)
+
+
+def _tiles(frame: np.ndarray, usual: Range) -> np.ndarray:
     # Channel by channel: OpenCV compares single bytes faster than triples.
-    height, width = len(strip), 3 * strip.shape[1]
+    height, width = len(frame), 3 * frame.shape[1]
     rows, columns = -(-height // _TILE), -(-width // (3 * _TILE))
-    inside = np.full((rows * _TILE, columns * 3 * _TILE), 255, np.uint8)
-    cv2.inRange(*(levels.reshape(height, width) for levels in (strip, *usual)),
+    size = rows * _TILE, columns * 3 * _TILE
+    inside = np.empty(size, np.uint8) if size == (height, width) else np.full(size, 255, np.uint8)
+    cv2.inRange(*(levels.reshape(height, width) for levels in (frame, *usual)),
                 dst=inside[:height, :width])
-    lanes = (inside.view(np.uint64) & _ONES).reshape(rows, _TILE, -1).sum(axis=1)
-    thirds = lanes.reshape(rows, columns, 3)
-    calm = (thirds[..., 0] + thirds[..., 1] + thirds[..., 2]) * _ONES >> _TOP_BYTE
+    lanes = np.add.reduce((inside.view(np.uint64) & _ONES).reshape(rows, _TILE, -1), axis=1)
+    lanes = lanes.reshape(rows, columns, 3)
+    calm = (lanes[..., 0] + lanes[..., 1] + lanes[..., 2]) * _ONES >> _TOP_BYTE
     return calm <= _CALM
