@@ -15,11 +15,13 @@
 """Leaves out what belongs to a hand or an arm, or is touched or covered by it."""
 
 from collections import deque
+from functools import reduce
 from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.reaching_in import covers, ReachingIn
+import cv2
 import numpy as np
 
 # So long what appears where something reached in may still belong to it: a hand that is lifted or
@@ -79,7 +81,7 @@ class ArmCheck:
                  taken_at: float) -> List[Optional[Reason]]:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
             self._fills.popleft()
-        recent = np.maximum.reduce([fill, *(mask for _, mask in self._fills)])
+        recent = reduce(cv2.max, (mask for _, mask in self._fills), fill)
         if fill.any():
             self._fills.append((taken_at, fill))
         self._known = [known for known in self._known

@@ -54,15 +54,15 @@ class ReachingIn:
         height, width = background.shape[:2]
         self.scale = max(1, round(max(height, width) / _LONGEST))
         self._size = max(1, width // self.scale), max(1, height // self.scale)
-        self._step = max(1, self.scale // _SAMPLES)
+        self._samples = _SAMPLES if self.scale >= _SAMPLES else min(self.scale, 2)
         small = self._small(background)
-        self._background = np.maximum(small, 1)
-        self._range = (cv2.dilate(small, np.ones((3, 3))) - cv2.erode(small, np.ones((3, 3)))) / 2
+        self._background = np.maximum(small, 1).astype(np.float32)
+        self._range = cv2.morphologyEx(small, cv2.MORPH_GRADIENT, np.ones((3, 3)))
         noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
         self._is_textured = cv2.dilate(
-            (self._range.max(axis=2) > _TEXTURE_LEVELS).astype(np.uint8), np.ones((3, 3)))
+            (self._range.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8), np.ones((3, 3)))
         # Of the mean of a cell; that of a frame and the background's together.
-        self._noise = float(noise) / 0.6745 * self._step / self.scale
+        self._noise = float(noise) / 0.6745 / self._samples
         self._terms = _quadratic_terms(*self._size)
 
     def find(self, frame: np.ndarray, shift_px: float) -> np.ndarray:
@@ -73,40 +73,56 @@ class ReachingIn:
         :returns: Shape (h / scale, w / scale), uint8, 1 where something reaches in.
         """
         picture = self._small(frame)
-        slack = self._range * ((shift_px + _SHIFT_ERROR_PX) / self.scale)
-        ratio = (picture / self._background)[::_GRID_STEP, ::_GRID_STEP]
-        gain = np.median(ratio.reshape(-1, 3), axis=0).astype(np.float32)
-        found = self._connected(picture, gain, slack)
+        ratio = (picture[::_GRID_STEP, ::_GRID_STEP]
+                 / self._background[::_GRID_STEP, ::_GRID_STEP]).reshape(-1, 3)
+        gain = np.median(ratio, axis=0)
+        most = self._most(float(np.median(gain)), shift_px)
+        lit = cv2.multiply(self._background, (*map(float, gain), 0.0), dtype=cv2.CV_8U)
+        found = self._connected(picture, lit, most)
         if _edge_share(found) > _EDGE_SHARE:
-            other = self._connected(picture, self._smooth_light(ratio), slack)
-            found = min(found, other, key=_edge_share)
+            lit = cv2.multiply(self._background, self._smooth_light(ratio), dtype=cv2.CV_8U)
+            found = min(found, self._connected(picture, lit, most), key=_edge_share)
         return found if _edge_share(found) <= _WHOLE_EDGE else np.zeros_like(found)
 
-    def _connected(self, picture: np.ndarray, gain: np.ndarray, slack: np.ndarray) -> np.ndarray:
-        lit = np.minimum(self._background * gain, 255)
-        least = max(_FAINTEST * min(float(np.median(gain)), 1.0), _FAINTEST_IN_THE_DARK,
+    def _most(self, gain: float, shift_px: float) -> np.ndarray:
+        # What the surface itself may differ by; half a level less, as both pictures are rounded.
+        least = max(_FAINTEST * min(gain, 1.0), _FAINTEST_IN_THE_DARK,
                     _NOISE_DEVIATIONS * self._noise)
-        differs = ((np.abs(picture - lit) - slack).max(axis=2) > least).astype(np.uint8)
+        slack = (shift_px + _SHIFT_ERROR_PX) / self.scale / 2
+        return cv2.convertScaleAbs(self._range, alpha=slack, beta=least - 0.5)
+
+    def _connected(self, picture: np.ndarray, lit: np.ndarray, most: np.ndarray) -> np.ndarray:
+        over = cv2.split(cv2.subtract(cv2.absdiff(picture, lit), most))
+        differs = cv2.threshold(
+            cv2.max(cv2.max(over[0], over[1]), over[2]), 0, 1, cv2.THRESH_BINARY)[1]
         differs |= cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
         # Around it is an edge from which all that touches it is filled.
-        framed = np.ones((differs.shape[0] + 2, differs.shape[1] + 2), np.uint8)
-        framed[1:-1, 1:-1] = differs
+        framed = cv2.copyMakeBorder(differs, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
         cv2.floodFill(framed, None, (0, 0), 2, flags=8)
         return (framed[1:-1, 1:-1] == 2).astype(np.uint8)
 
     def _smooth_light(self, ratio: np.ndarray) -> np.ndarray:
         grid = self._terms[::_GRID_STEP, ::_GRID_STEP].reshape(-1, self._terms.shape[2])
-        values, weights = ratio.reshape(-1, 3), np.ones(len(grid))
+        weights = np.ones(len(grid))
         for _ in range(_ROUNDS):
             weighted = grid * weights[:, None]
-            factors = np.linalg.lstsq(weighted.T @ grid, weighted.T @ values, rcond=None)[0]
-            missed = np.abs(grid @ factors - values).max(axis=1)
+            factors = np.linalg.lstsq(weighted.T @ grid, weighted.T @ ratio, rcond=None)[0]
+            missed = np.abs(grid @ factors - ratio).max(axis=1)
             weights = 1 / (1 + (missed / _HALF_WEIGHT) ** 2) ** 2
         return (self._terms @ factors).astype(np.float32)
 
     def _small(self, picture: np.ndarray) -> np.ndarray:
-        return cv2.resize(np.ascontiguousarray(picture[::self._step, ::self._step]), self._size,
-                          interpolation=cv2.INTER_AREA).astype(np.float32)
+        # Halving is several times as fast as other ratios.
+        samples = self._samples
+        while True:
+            size = self._size[0] * samples, self._size[1] * samples
+            halves = picture.shape[:2] == (2 * size[1], 2 * size[0])
+            if picture.shape[1::-1] != size:
+                picture = cv2.resize(picture, size, interpolation=(
+                    cv2.INTER_AREA if halves else cv2.INTER_NEAREST))
+            if samples == 1:
+                return picture
+            samples //= 2
 
 
 def _edge_share(mask: np.ndarray) -> float:
