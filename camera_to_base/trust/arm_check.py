@@ -21,6 +21,7 @@ from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.reaching_in import covers, ReachingIn
+from camera_to_base.trust.rim import Rim, rim_of
 import cv2
 import numpy as np
 
@@ -42,7 +43,8 @@ _WAS_TOUCHED = Reason(
 
 
 class _Known(NamedTuple):
-    detection: Detection
+    found: LocatedObject
+    rim: Rim
     seen_at: float
 
 
@@ -58,27 +60,32 @@ class ArmCheck:
         self._fills: Deque[Tuple[float, np.ndarray]] = deque()
         self._known: List[_Known] = []
 
+    def forget_objects(self) -> None:
+        """Forget which objects are known: their positions were those of other settings."""
+        self._known = []
+
     def check(self, frame: np.ndarray, found: Found, taken_at: Optional[float],
               shift_px: float = 0.0) -> Found:
         """
-        Leave out what is not free.
+        Leave out what is not free, and add known objects that are only shaded.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         :param taken_at: In s; None for a recording, of which each frame stands for itself.
         :param shift_px: How far the view has moved, in px.
         """
         if not found.objects and not found.left_out and not self._fills:
+            self._known = []
             return found
         fill = self._reaching_in.find(frame, shift_px)
         if taken_at is None:
-            reasons = [_TOUCHED if self._is_covered(one, fill) else None
-                       for one in found.objects]
-        else:
-            reasons = self._reasons(found.objects, fill, taken_at)
-        return _divided(found, reasons)
+            return _divided(found, [_TOUCHED if self._is_covered(one, fill) else None
+                                    for one in found.objects])
+        recent = self._recent(fill, taken_at)
+        found = _divided(found, [self._reason(one, frame, fill, recent, taken_at)
+                                 for one in found.objects])
+        return _with(found, self._shaded(frame, recent, taken_at))
 
-    def _reasons(self, objects: Sequence[LocatedObject], fill: np.ndarray,
-                 taken_at: float) -> List[Optional[Reason]]:
+    def _recent(self, fill: np.ndarray, taken_at: float) -> np.ndarray:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
             self._fills.popleft()
         recent = reduce(cv2.max, (mask for _, mask in self._fills), fill)
@@ -86,24 +93,36 @@ class ArmCheck:
             self._fills.append((taken_at, fill))
         self._known = [known for known in self._known
                        if 0 <= taken_at - known.seen_at <= _KNOWN_S]
-        return [self._reason(one, fill, recent, taken_at) for one in objects]
+        return recent
 
-    def _reason(self, one: LocatedObject, fill: np.ndarray, recent: np.ndarray,
-                taken_at: float) -> Optional[Reason]:
+    def _reason(self, one: LocatedObject, frame: np.ndarray, fill: np.ndarray,
+                recent: np.ndarray, taken_at: float) -> Optional[Reason]:
         known = next((known for known in self._known if _is_same(
-            known.detection, one.detection)), None)
+            known.found.detection, one.detection)), None)
         if not self._is_covered(one, recent):
-            self._know(known, one.detection, taken_at)
+            self._know(known, _Known(one, rim_of(frame, one.detection.outline), taken_at))
             return None
         if known is not None:
             # What it looked like when it was free stays the measure.
-            self._know(known, known.detection, taken_at)
+            self._know(known, known._replace(seen_at=taken_at))
             return None
         return _TOUCHED if self._is_covered(one, fill) else _WAS_TOUCHED
 
-    def _know(self, known: Optional[_Known], detection: Detection, taken_at: float) -> None:
-        others = [other for other in self._known if other is not known]
-        self._known = [_Known(detection, taken_at), *others][:_MOST_KNOWN]
+    def _shaded(self, frame: np.ndarray, recent: np.ndarray,
+                taken_at: float) -> List[LocatedObject]:
+        # Known objects that the detector does not tell from an arm and its shadow.
+        shaded = [known for known in self._known if known.seen_at != taken_at
+                  and self._is_covered(known.found, recent) and known.rim.is_in(frame)]
+        for known in shaded:
+            self._know(known, known._replace(seen_at=taken_at))
+        # What is not seen though nothing covers it has gone.
+        self._known = [known for known in self._known if known.seen_at == taken_at
+                       or self._is_covered(known.found, recent)]
+        return [known.found for known in shaded]
+
+    def _know(self, before: Optional[_Known], now: _Known) -> None:
+        others = [other for other in self._known if other is not before]
+        self._known = [now, *others][:_MOST_KNOWN]
 
     def _is_covered(self, one: LocatedObject, mask: np.ndarray) -> bool:
         return covers(mask, one.detection.outline, self._reaching_in.scale)
@@ -119,3 +138,8 @@ def _divided(found: Found, reasons: Sequence[Optional[Reason]]) -> Found:
     pairs = list(zip(found.objects, reasons))
     touched = tuple(LeftOut(one.detection, reason) for one, reason in pairs if reason is not None)
     return Found([one for one, reason in pairs if reason is None], (*found.left_out, *touched))
+
+
+def _with(found: Found, more: Sequence[LocatedObject]) -> Found:
+    objects = sorted([*found.objects, *more], key=lambda one: -one.detection.area)
+    return found._replace(objects=objects) if more else found
