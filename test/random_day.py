@@ -114,16 +114,17 @@ class Watch:
 
 
 def random_day(seed):
-    """Make a day of 5 to 12 events."""
+    """Make a day of 6 to 13 events; the first puts an object on the table."""
     random = np.random.default_rng([seed, 0])
     kinds = list(EVENTS)
     # On most days much is put and moved; a background is not taken all the time.
     share = np.array([{'retake': 0.5, 'put': 3.0, 'hand': 2.0}.get(kind, 1.0) for kind in kinds])
     count = random.integers(5, 13)
     times = np.sort(random.uniform(1.0, LENGTH_S - SILENT_S - 2, count)).round(2)
+    chosen = ['put', *random.choice(kinds, count, p=share / share.sum())]
     return Day(seed, tuple(
-        Event(str(random.choice(kinds, p=share / share.sum())), float(at),
-              int(random.integers(1000000))) for at in times))
+        Event(str(kind), float(at), int(random.integers(1000000)))
+        for kind, at in zip(chosen, [0.5, *times])))
 
 
 def play(day):

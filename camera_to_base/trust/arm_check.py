@@ -20,7 +20,8 @@ from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
 from camera_to_base.reason import Level, Reason
-from camera_to_base.trust.reaching_in import covers, ReachingIn
+from camera_to_base.trust.left_behind import LeftBehind
+from camera_to_base.trust.reaching_in import Changes, covered_share, ReachingIn
 from camera_to_base.trust.rim import Rim, rim_of
 import cv2
 import numpy as np
@@ -33,6 +34,8 @@ _SAME_AREA, _SAME_CENTRE_PX = 0.05, 2.0
 # So long an object is known though it is not seen: something covers it.
 _KNOWN_S = 10.0
 _MOST_KNOWN = 100
+# Of an object at least this share differs from the background.
+_LEAST_CHANGED = 0.3
 
 _TOUCHED = Reason(
     'touched', Level.WARN, 'something that reaches in from the edge of the picture touches, '
@@ -40,6 +43,9 @@ _TOUCHED = Reason(
 _WAS_TOUCHED = Reason(
     'touched', Level.WARN, 'it appeared where something reached in less than a second ago',
     is_passing=True)
+_LEFT = Reason(
+    'taken_away', Level.WARN, 'it cannot be told from the place that an object of the background '
+    'has left: clear the surface, and call ~/capture_background', is_passing=True)
 
 
 class _Known(NamedTuple):
@@ -57,6 +63,7 @@ class ArmCheck:
 
     def __init__(self, background: np.ndarray) -> None:
         self._reaching_in = ReachingIn(background)
+        self._left_behind = LeftBehind(background)
         self._fills: Deque[Tuple[float, np.ndarray]] = deque()
         self._known: List[_Known] = []
 
@@ -76,7 +83,9 @@ class ArmCheck:
         if not found.objects and not found.left_out and not self._fills:
             self._known = []
             return found
-        fill = self._reaching_in.find(frame, shift_px)
+        changes = self._reaching_in.find(frame, shift_px)
+        found = self._without_left(frame, found, changes)
+        fill = changes.reaching_in
         if taken_at is None:
             return _divided(found, [_TOUCHED if self._is_covered(one, fill) else None
                                     for one in found.objects])
@@ -84,6 +93,13 @@ class ArmCheck:
         found = _divided(found, [self._reason(one, frame, fill, recent, taken_at)
                                  for one in found.objects])
         return _with(found, self._shaded(frame, recent, taken_at))
+
+    def _without_left(self, frame: np.ndarray, found: Found, changes: Changes) -> Found:
+        outlines = [one.detection.outline for one in found.objects]
+        return _divided(found, [
+            _LEFT if self._share(outline, changes.differs) < _LEAST_CHANGED
+            or self._left_behind.is_part_of(frame, outline, changes.gain) else None
+            for outline in outlines])
 
     def _recent(self, fill: np.ndarray, taken_at: float) -> np.ndarray:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
@@ -125,7 +141,10 @@ class ArmCheck:
         self._known = [now, *others][:_MOST_KNOWN]
 
     def _is_covered(self, one: LocatedObject, mask: np.ndarray) -> bool:
-        return covers(mask, one.detection.outline, self._reaching_in.scale)
+        return self._share(one.detection.outline, mask) > 0
+
+    def _share(self, outline: np.ndarray, mask: np.ndarray) -> float:
+        return covered_share(mask, outline, self._reaching_in.scale)
 
 
 def _is_same(one: Detection, other: Detection) -> bool:

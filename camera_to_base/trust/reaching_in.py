@@ -14,6 +14,8 @@
 
 """What reaches in from the picture's edge: a hand, a sleeve, an arm, and their shadows."""
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 
@@ -38,6 +40,26 @@ _GRID_STEP = 4
 _TEXTURE_LEVELS, _CLOSING = 2.0, np.ones((5, 5), np.uint8)
 # Of a large picture some pixels are enough: this many along a cell.
 _SAMPLES = 4
+
+
+class Changes(NamedTuple):
+    """
+    Where a frame differs from the background, in cells of some px.
+
+    :param reaching_in: Shape (h / scale, w / scale), uint8, 1 where something reaches in.
+    :param differs: The same, 1 where anything differs.
+    :param gain: How much brighter the frame is.
+    """
+
+    reaching_in: np.ndarray
+    differs: np.ndarray
+    gain: float
+
+    @property
+    def edge_share(self) -> float:
+        """How much of the picture's edge something reaches in from, 0..1."""
+        mask = self.reaching_in
+        return float(np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]]).mean())
 
 
 class ReachingIn:
@@ -65,24 +87,27 @@ class ReachingIn:
         self._noise = float(noise) / 0.6745 / self._samples
         self._terms = _quadratic_terms(*self._size)
 
-    def find(self, frame: np.ndarray, shift_px: float) -> np.ndarray:
+    def find(self, frame: np.ndarray, shift_px: float) -> Changes:
         """
         Find it on a frame of the background's size.
 
         :param shift_px: How far the view has moved, in px: so much blurs the surface's edges.
-        :returns: Shape (h / scale, w / scale), uint8, 1 where something reaches in.
         """
         picture = self._small(frame)
         ratio = (picture[::_GRID_STEP, ::_GRID_STEP]
                  / self._background[::_GRID_STEP, ::_GRID_STEP]).reshape(-1, 3)
-        gain = np.median(ratio, axis=0)
-        most = self._most(float(np.median(gain)), shift_px)
-        lit = cv2.multiply(self._background, (*map(float, gain), 0.0), dtype=cv2.CV_8U)
-        found = self._connected(picture, lit, most)
-        if _edge_share(found) > _EDGE_SHARE:
+        gains = np.median(ratio, axis=0)
+        gain = float(np.median(gains))
+        most = self._most(gain, shift_px)
+        lit = cv2.multiply(self._background, (*map(float, gains), 0.0), dtype=cv2.CV_8U)
+        found = self._changes(picture, lit, most, gain)
+        if found.edge_share > _EDGE_SHARE:
             lit = cv2.multiply(self._background, self._smooth_light(ratio), dtype=cv2.CV_8U)
-            found = min(found, self._connected(picture, lit, most), key=_edge_share)
-        return found if _edge_share(found) <= _WHOLE_EDGE else np.zeros_like(found)
+            other = self._changes(picture, lit, most, gain)
+            found = min(found, other, key=lambda changes: changes.edge_share)
+        if found.edge_share <= _WHOLE_EDGE:
+            return found
+        return found._replace(reaching_in=np.zeros_like(found.reaching_in))
 
     def _most(self, gain: float, shift_px: float) -> np.ndarray:
         # What the surface itself may differ by; half a level less, as both pictures are rounded.
@@ -91,15 +116,17 @@ class ReachingIn:
         slack = (shift_px + _SHIFT_ERROR_PX) / self.scale / 2
         return cv2.convertScaleAbs(self._range, alpha=slack, beta=least - 0.5)
 
-    def _connected(self, picture: np.ndarray, lit: np.ndarray, most: np.ndarray) -> np.ndarray:
+    def _changes(self, picture: np.ndarray, lit: np.ndarray, most: np.ndarray,
+                 gain: float) -> Changes:
         over = cv2.split(cv2.subtract(cv2.absdiff(picture, lit), most))
         differs = cv2.threshold(
             cv2.max(cv2.max(over[0], over[1]), over[2]), 0, 1, cv2.THRESH_BINARY)[1]
-        differs |= cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
+        closed = cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
         # Around it is an edge from which all that touches it is filled.
-        framed = cv2.copyMakeBorder(differs, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
+        framed = cv2.copyMakeBorder(
+            differs | closed, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
         cv2.floodFill(framed, None, (0, 0), 2, flags=8)
-        return (framed[1:-1, 1:-1] == 2).astype(np.uint8)
+        return Changes((framed[1:-1, 1:-1] == 2).astype(np.uint8), differs, gain)
 
     def _smooth_light(self, ratio: np.ndarray) -> np.ndarray:
         grid = self._terms[::_GRID_STEP, ::_GRID_STEP].reshape(-1, self._terms.shape[2])
@@ -125,18 +152,14 @@ class ReachingIn:
             samples //= 2
 
 
-def _edge_share(mask: np.ndarray) -> float:
-    return float(np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]]).mean())
-
-
 def _quadratic_terms(width: int, height: int) -> np.ndarray:
     y, x = np.meshgrid(np.linspace(-1, 1, height), np.linspace(-1, 1, width), indexing='ij')
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
 
 
-def covers(mask: np.ndarray, outline: np.ndarray, scale: int) -> bool:
+def covered_share(mask: np.ndarray, outline: np.ndarray, scale: int) -> float:
     """
-    Tell whether an object overlaps a mask.
+    Tell how much of an object overlaps a mask, 0..1.
 
     :param mask: Shape (h / scale, w / scale), uint8.
     :param outline: Shape (n, 2), int32, columns u and v in px.
@@ -145,7 +168,7 @@ def covers(mask: np.ndarray, outline: np.ndarray, scale: int) -> bool:
     right, bottom = outline.max(axis=0) // scale + 1
     piece = mask[top:bottom, left:right]
     if not piece.any():
-        return False
+        return 0.0
     inside = np.zeros(piece.shape, np.uint8)
     cv2.fillPoly(inside, [(outline // scale - (left, top)).astype(np.int32)], 1)
-    return bool((inside & piece).any())
+    return cv2.countNonZero(inside & piece) / max(cv2.countNonZero(inside), 1)

@@ -131,7 +131,7 @@ class ViewWatch:
                       else self._is_likely(look, view.changed_share))
         if not is_cleared:
             return _unknown(look)
-        self._matrix = look.matrix if view.matrix is None else view.matrix
+        self._matrix = look.matrix if view.matrix is None else np.array(view.matrix)
         return None
 
     def _is_likely(self, look: Look, changed_share: float) -> bool:
