@@ -184,9 +184,7 @@ class _Truth:
         if self._world.is_lost:
             return None
         for kind, row, colour in self._world.damages:
-            if kind == 'size':
-                frame = cv2.resize(frame, (row, colour))
-            elif kind == 'repeated' and frames:
+            if kind == 'repeated' and frames:
                 frame = self._frames[-1] = frames[-1]
             elif kind == 'frozen rows' and frames:
                 frame[row:] = frames[0][row:]
@@ -194,7 +192,8 @@ class _Truth:
                 frame = np.zeros_like(frame)
             elif kind in ('one colour', 'grey'):
                 frame[row:] = colour if kind == 'one colour' else 128
-        return frame
+        sizes = [size for kind, *size in self._world.damages if kind == 'size']
+        return cv2.resize(frame, sizes[0]) if sizes else frame
 
     def judge(self, points, at):
         self._note_background()
