@@ -17,8 +17,8 @@ What a camera that is bumped, and hands that reach in, make the pipeline publish
 Bumps: short days on each surface, on which the camera is bumped or not, with a coin that rests or
 moves, with hands, and with steps of the light. Hands: one to three come, hover and go, beside a
 coin, over it, shading it, or without one; the table's colour differs from theirs by 8 to 150
-levels. Sleeves: the same with arms of the table's own colour, to 5 levels. A frame is stopped where
-the view holds it back though the camera did not move. `attack_days` plays the days,
+levels. Sleeves: the same with arms of the table's own colour, to 5 levels. A frame is stopped
+where the view holds it back though the camera did not move. `attack_days` plays the days,
 `attack_scenes` draws them.
 """
 

@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Days of the attack: what a camera that is bumped, and hands that reach in, make the pipeline publish.
+Days of the attack: what a camera that is bumped, and hands that reach in, make of the positions.
 
-Each day is a short sequence of frames whose truth is known, and gives one row of counts. A point is
-wrong where it is more than 3 mm from the coin. 0.5625 mm are 1 px.
+Each day is a short sequence of frames whose truth is known, and gives one row of counts. A point
+is wrong where it is more than 3 mm from the coin. 0.5625 mm are 1 px.
 """
 
 import time
