@@ -60,8 +60,11 @@ _MOST_EXACT, _MOST_GHOSTS = 100, 4
 _SURROUNDINGS = 14
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
-# A region whose box covers at least this part may go on to the border.
-_FAR = 0.04
+# A faint region whose box covers at least this part may go on to the border; faint is a region of
+# whose box less than this part differs strongly.
+_FAR, _FAINT = 0.04, 0.15
+# What is left over where light was taken out is an object where this part of it differs strongly.
+_MOSTLY = 0.4
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -187,10 +190,12 @@ class PreciseDifferenceDetector:
             return plain, regions
         reference.limits.use_field(field)
         try:
-            return [], find_regions(
+            regions = find_regions(
                 frame, self._changed_parts(frame), reference.limits, self._min_area)
         finally:
             reference.limits.use_field(None)
+        return [], [region for region in regions if touches_edge(region.box, frame)
+                    or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)]
 
     def _field(self, frame: np.ndarray, regions: List[Region]) -> Optional[Range]:
         lit = self._reference.lit
@@ -201,8 +206,9 @@ class PreciseDifferenceDetector:
 
     def _may_reach_border(self, frame: np.ndarray, region: Region) -> bool:
         # A faint shadow is seen to the border less than elsewhere, where a lens is darker.
-        return (touches_edge(region.box, frame)
-                or region.box.width * region.box.height > _FAR * frame[..., 0].size)
+        is_faint = region.strong_area < _FAINT * region.box.width * region.box.height
+        return (touches_edge(region.box, frame) or is_faint
+                and region.box.width * region.box.height > _FAR * frame[..., 0].size)
 
     def _may_be_light(self, frame: np.ndarray, region: Region) -> bool:
         area = cv2.contourArea(region.outline) / frame[..., 0].size

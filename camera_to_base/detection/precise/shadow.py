@@ -94,8 +94,18 @@ def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Opti
         thing = None
     if thing is None and share < 0.5 and not _is_dazzled(piece):
         special = special if spot is None else special | spot & piece.mask
-        thing = _darker_thing(piece, look, core, special, outward)
+        thing = _darker_thing(piece, look, look.ratio, core, special, outward)
+        if thing is None:
+            # An object as dark as its shadow may have another colour.
+            ratio = _clearest_ratio(piece, core)
+            thing = _darker_thing(piece, look, ratio, core, special, outward)
     return thing
+
+
+def _clearest_ratio(piece: Piece, core: np.ndarray) -> np.ndarray:
+    ratio = np.log(np.maximum(piece.frame, _LEAST_LIGHT) / np.maximum(piece.table, _LEAST_LIGHT))
+    ratio = cv2.blur(ratio, (5, 5))
+    return ratio[..., int(np.argmax(cv2.meanStdDev(ratio, mask=core)[1]))]
 
 
 def _is_dazzled(piece: Piece) -> bool:
@@ -160,10 +170,10 @@ def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
 
 
 def _darker_thing(
-    piece: Piece, look: Look, core: np.ndarray, special: np.ndarray,
+    piece: Piece, look: Look, ratio: np.ndarray, core: np.ndarray, special: np.ndarray,
     outward: Tuple[float, float],
 ) -> Optional[Thing]:
-    ratios = look.ratio[(core & (1 - special)) > 0]
+    ratios = ratio[(core & (1 - special)) > 0]
     if len(ratios) < _LEAST_CORE:
         return None
     dark = ratios <= _otsu(ratios)
@@ -172,7 +182,7 @@ def _darker_thing(
     low, high = ratios[dark].mean(), ratios[~dark].mean()
     if high - low < _LEVELS_APART:
         return None
-    darker = piece.mask & (look.ratio <= (low + high) / 2).astype(np.uint8)
+    darker = piece.mask & (ratio <= (low + high) / 2).astype(np.uint8)
     darker |= special
     gap = 9 if special.any() else 3
     thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(gap)))
