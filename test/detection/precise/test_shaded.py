@@ -39,11 +39,11 @@ def whole_objects(surface, colour, coin, tip):
 
 @pytest.mark.parametrize('surface', ['plain', 'wood', 'tiles'])
 @pytest.mark.parametrize('colour', [scenes.SKINS[0], scenes.SKINS[3], (40, 42, 45)])
-@pytest.mark.parametrize('coin', [(20, 24, 28), (40, 60, 200)])
+@pytest.mark.parametrize('coin', [(20, 24, 28), (30, 70, 200)])
 def test_coin_in_the_shadow_of_an_arm_is_found_on_its_own(surface, colour, coin):
     found = whole_objects(surface, colour, coin, (262, 222))
     distances = [math.dist(one.centre, AT) for one in found]
-    assert len(distances) == 1 and distances[0] < 1.5
+    assert len(distances) == 1 and distances[0] < 2
 
 
 @pytest.mark.parametrize('colour', [scenes.SKINS[0], (230, 235, 240), (40, 42, 45)])
