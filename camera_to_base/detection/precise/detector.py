@@ -23,6 +23,7 @@ Each step is a module of its own:
 - `foreign_light`: shade from outside of the picture, which is no object.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
 - `shadow`, `highlight`: what of a region is its object's shade, and what its gloss.
+- `shaded`: what lies in the shade of an arm.
 - `shares`: the object's place, by how much of each pixel it covers.
 - `plain`: the short way for most objects.
 - `touching`: objects that touch, one each.
@@ -46,6 +47,7 @@ from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
 from camera_to_base.detection.precise.plain import find_plain, place_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
+from camera_to_base.detection.precise.shaded import find_shaded
 from camera_to_base.detection.precise.shadow import split_off_shade
 from camera_to_base.detection.precise.shares import place, place_whole, Placed
 from camera_to_base.detection.precise.tiles import (
@@ -232,7 +234,20 @@ class PreciseDifferenceDetector:
         part = slices(window)
         piece = make_piece(
             frame[part], self._reference.light(part), filled(region.outline, window))
-        return self._long_way(frame, piece, window)
+        found = self._long_way(frame, piece, window)
+        if found and found[0].cut_off:
+            found += self._in_shade_of(frame, piece, window)
+        return found
+
+    def _in_shade_of(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
+        found = []
+        for mask in find_shaded(piece, self._min_area):
+            box = grown(Box(*cv2.boundingRect(mask)), _SURROUNDINGS, mask)
+            part = slices(box)
+            one = Piece(piece.frame[part], piece.table[part], mask[part])
+            found += self._placed(
+                place(one), box._replace(x=box.x + window.x, y=box.y + window.y))
+        return found
 
     def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
         height, width = frame.shape[:2]

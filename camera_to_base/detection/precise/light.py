@@ -132,17 +132,3 @@ class GainMeter:
 def _grid(length: int, points: int) -> slice:
     step = max(length // points, 1)
     return slice(step // 2, None, step)
-
-
-def ratio_and_tint(light: np.ndarray, other: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """
-    Compare two pictures in linear light.
-
-    :param light: Shape (..., 3).
-    :param other: Of the same shape.
-    :returns: The largest ratio of a channel, and largest / smallest ratio: 1 where only the
-        brightness differs; shape (...).
-    """
-    ratio = light / np.maximum(other, _LEAST_LIGHT)
-    largest = ratio.max(axis=-1)
-    return largest, largest / np.maximum(ratio.min(axis=-1), _LEAST_LIGHT)

@@ -114,6 +114,23 @@ def look_at(piece: Piece) -> Look:
     return Look(level, level - usual, largest, smallest)
 
 
+def in_clearest_colour(
+    piece: Piece, thing: np.ndarray, rest: np.ndarray
+) -> Tuple[np.ndarray, np.ndarray]:
+    """
+    Give the light and the table's light of the colour in which two parts of a piece differ most.
+
+    :param thing: The one part, shape (h, w), uint8, 1 inside.
+    :param rest: The other.
+    :returns: Two of shape (h, w), smoothed over 3 x 3 px.
+    """
+    ratios = np.divide(*(np.maximum(cv2.mean(piece.frame, part)[:3], _LEAST_LIGHT)
+                         for part in (thing, rest)))
+    channel = int(np.argmax(np.abs(np.log(ratios))))
+    return tuple(cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), _LEAST_LIGHT)
+                 for light in (piece.frame, piece.table))
+
+
 def largest_part(mask: np.ndarray) -> np.ndarray:
     """Keep the largest connected part of a mask of 0 and 1, without its holes."""
     outline = outline_of(mask)

@@ -29,7 +29,7 @@ from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.highlight import find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, largest_part, Look, look_at, outline_of, Piece, quantile,
+    channel_extremes, in_clearest_colour, largest_part, Look, look_at, outline_of, Piece, quantile,
     square)
 import cv2
 import numpy as np
@@ -143,7 +143,7 @@ def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
     rest = cv2.erode(rest, square(3))
     if min(cv2.countNonZero(inside), cv2.countNonZero(rest)) < _LEAST_PART:
         return thing
-    ratio = cv2.divide(*_in_clearest_colour(piece, inside, rest))
+    ratio = cv2.divide(*in_clearest_colour(piece, inside, rest))
     ends = [float(quantile(ratio[part > 0])) for part in (inside, rest)]
     half = sum(ends) / 2
     like = (ratio > half) if ends[0] > ends[1] else (ratio < half)
@@ -270,7 +270,7 @@ def _has_sharp_step(
     thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece, steepest: float
 ) -> bool:
     inner = cv2.erode(piece.mask, square(5))
-    light, usual = _in_clearest_colour(piece, thing & marked & inner, rest & inner)
+    light, usual = in_clearest_colour(piece, thing & marked & inner, rest & inner)
     level = cv2.log(light)
     ratio = level - cv2.log(usual)
     sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
@@ -283,17 +283,6 @@ def _has_sharp_step(
     is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
                and abs(in_ratio) >= _OF_WHOLE * whole)
     return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
-
-
-def _in_clearest_colour(
-    piece: Piece, thing: np.ndarray, rest: np.ndarray
-) -> Tuple[np.ndarray, np.ndarray]:
-    """Give the light and the usual light of the colour in which thing and rest differ most."""
-    ratios = np.divide(*(np.maximum(cv2.mean(piece.frame, part)[:3], _LEAST_LIGHT)
-                         for part in (thing, rest)))
-    channel = int(np.argmax(np.abs(np.log(ratios))))
-    return tuple(cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), _LEAST_LIGHT)
-                 for light in (piece.frame, piece.table))
 
 
 class _Sides(NamedTuple):

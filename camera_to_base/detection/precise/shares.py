@@ -140,7 +140,8 @@ def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray
     total = cv2.scaleAdd(_mean(weighted, _WIDER_WINDOW), _WIDER, _mean(weighted, window))
     anywhere = cv2.mean(values, known)[:3]
     total = cv2.add(total, (*(_ANYWHERE * value for value in anywhere), _ANYWHERE))
-    return total[..., :3] / total[..., 3:]
+    *colours, weight = cv2.split(total)
+    return cv2.merge([colour / weight for colour in colours])
 
 
 def _mean(values: np.ndarray, window: int) -> np.ndarray:
