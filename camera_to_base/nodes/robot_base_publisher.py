@@ -67,6 +67,7 @@ class RobotBasePublisher(Node):
                 self._subscribe(PoseArray, _OBJECTS, self._on_objects),
                 self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point),
                 self._subscribe(Float64MultiArray, _POSITION, self._on_position)]
+            self.get_logger().info(self._settings.calibration)
             self.get_logger().info(f'publishing on {self._topics.name} what comes on '
                                    f'{self.resolve_topic_name(_POSITION)}')
 
