@@ -51,7 +51,7 @@ from camera_to_base.detection.precise.shaded import find_shaded
 from camera_to_base.detection.precise.shadow import split_off_shade
 from camera_to_base.detection.precise.shares import place, place_whole, Placed
 from camera_to_base.detection.precise.tiles import (
-    changed_parts, frame_outline, is_all_changed)
+    changed_parts, changed_strips, frame_outline, is_all_changed)
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
@@ -117,10 +117,13 @@ class PreciseDifferenceDetector:
         frame = np.ascontiguousarray(frame)
         self._reference.follow(frame)
         self._forget_ghosts(frame)
-        parts = self._changed_parts(frame)
-        if is_all_changed(frame, parts, self._reference.limits):
+        lit, limits = self._reference.lit, self._reference.limits
+        strips = changed_strips(frame, lit, limits)
+        if not strips:
+            return []
+        if is_all_changed(frame, lit, strips, limits):
             return _unplaced(frame_outline(frame), frame)
-        plain, regions = self._search(frame, parts)
+        plain, regions = self._search(frame, changed_parts(frame, lit, strips, limits))
         if self._notice_ghosts(frame, regions):
             plain, regions = self._search(frame, self._changed_parts(frame))
         found = [detection for one in plain
@@ -168,7 +171,8 @@ class PreciseDifferenceDetector:
         self._reference.follow(frame)
 
     def _changed_parts(self, frame: np.ndarray) -> List[Box]:
-        return changed_parts(frame, self._reference.lit, self._reference.limits)
+        lit, limits = self._reference.lit, self._reference.limits
+        return changed_parts(frame, lit, changed_strips(frame, lit, limits), limits)
 
     def _search(
         self, frame: np.ndarray, parts: List[Box]

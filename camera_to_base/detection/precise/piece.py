@@ -48,6 +48,18 @@ def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return (cv2.min(cv2.min(blue, green), red), cv2.max(cv2.max(blue, green), red))
 
 
+def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:
+    """
+    Give the value that a share of the values lies below, along the first axis.
+
+    It is one of the values, without interpolation, and much faster than numpy's for few values.
+
+    :param values: Shape (n, ...), n at least 1.
+    """
+    index = int(share * len(values))
+    return np.partition(values, index, axis=0)[index]
+
+
 class Piece(NamedTuple):
     """
     A part of a frame.

@@ -29,7 +29,8 @@ from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.highlight import find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, in_clearest_colour, largest_part, Look, look_at, outline_of, Piece, square)
+    channel_extremes, in_clearest_colour, largest_part, Look, look_at, outline_of, Piece, quantile,
+    square)
 import cv2
 import numpy as np
 
@@ -127,7 +128,7 @@ def _special_thing(
     thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(9)))
     thing = cv2.dilate(thing, square(3)) & piece.mask
     ratios = look.ratio[(thing & core) > 0]
-    light = np.percentile(ratios, 75) if len(ratios) else 0.0
+    light = quantile(ratios, 0.75) if len(ratios) else 0.0
     if light > _MUCH_LIGHTER:
         return _light_thing(piece, look, _END_OF_LIGHT * light)
     if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
@@ -143,7 +144,7 @@ def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
     if min(cv2.countNonZero(inside), cv2.countNonZero(rest)) < _LEAST_PART:
         return thing
     ratio = cv2.divide(*in_clearest_colour(piece, inside, rest))
-    ends = [float(np.median(ratio[part > 0])) for part in (inside, rest)]
+    ends = [float(quantile(ratio[part > 0])) for part in (inside, rest)]
     half = sum(ends) / 2
     like = (ratio > half) if ends[0] > ends[1] else (ratio < half)
     like = cv2.dilate(thing, square(3)) & piece.mask & like.astype(np.uint8)
@@ -163,7 +164,7 @@ def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
             or cv2.countNonZero(rest & shade) < _LEAST_SHADE_BESIDE * cv2.countNonZero(rest)):
         return None
     is_large = cv2.countNonZero(thing) >= _least_area(marked)
-    may_surround = np.median(look.ratio[rest > 0]) > _DEEPEST_AROUND
+    may_surround = quantile(look.ratio[rest > 0]) > _DEEPEST_AROUND
     if not is_large or not (may_surround or _has_free_rim(thing, piece.mask)):
         return None
     return Thing(thing, True)
@@ -309,4 +310,4 @@ def _median(
     values: np.ndarray, side: np.ndarray, distances: np.ndarray, near: float, far: float
 ) -> Optional[float]:
     chosen = values[(side > 0) & (distances > near) & (distances <= far)]
-    return float(np.median(chosen)) if len(chosen) >= _LEAST_RING else None
+    return float(quantile(chosen)) if len(chosen) >= _LEAST_RING else None
