@@ -28,7 +28,7 @@ import numpy as np
 
 POSE_NUMBERS = 6
 # The usual error of a touch, of each coordinate; and how many residuals that is worth.
-_TOUCH_CM, _TOUCH_WORTH = 0.1, 4.0
+_TOUCH_CM, _TOUCH_WORTH = 0.1, 8.0
 # Without a measured covariance: 1 cm, and 1 degree about each axis.
 UNKNOWN_BASE = np.diag([1.0] * 3 + [np.radians(1.0) ** 2] * 3)
 

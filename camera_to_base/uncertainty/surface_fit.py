@@ -72,7 +72,10 @@ def fit_error(
         variance = _left_out_variance(design, residuals, points, precision, expected_px)
     columns = design.reshape(-1, design.shape[2])
     inverse = np.linalg.pinv(columns.T @ columns + precision, hermitian=True)
-    return FitError(variance * inverse[:WARP_NUMBERS, :WARP_NUMBERS], float(np.sqrt(variance)))
+    # What the residuals tell of the lens beyond the fitted model: the fit is off by as much.
+    missed = (inverse @ (columns.T @ residuals.ravel()))[:WARP_NUMBERS]
+    covariance = variance * inverse[:WARP_NUMBERS, :WARP_NUMBERS] + np.outer(missed, missed)
+    return FitError(covariance, float(np.sqrt(variance)))
 
 
 def _precision(size: int, variance: float) -> np.ndarray:
