@@ -30,6 +30,7 @@ from camera_to_base.detection.detection import (
 from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
+from camera_to_base.detection.object_shape import object_shape
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.settings import DetectorSettings
@@ -39,6 +40,6 @@ __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame', 'check_same_size', 'Detection',
     'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'LeftOut', 'locate_on_surface', 'locate_pixel',
-    'LocatedObject', 'mean_blocks', 'ObjectLocator', 'Pixel', 'Point',
+    'LocatedObject', 'mean_blocks', 'object_shape', 'ObjectLocator', 'Pixel', 'Point',
     'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
 ]
