@@ -215,7 +215,7 @@ class Cell:
         """Calibrate the base on touches of points that a surface has located."""
         count = self.random.integers(6, 13)
         pixels = self.random.uniform(40, np.array(SIZE) - 40, (count, 2))
-        touch = math.exp(self.random.uniform(math.log(0.06), math.log(0.16)))
+        touch = math.exp(self.random.uniform(math.log(0.07), math.log(0.14)))
         truth = np.pad(self.surface.locate(pixels), ((0, 0), (0, 1)))
         camera = np.pad(surface.locate(pixels), ((0, 0), (0, 1)))
         rotation = _about_z(self.random.uniform(-np.pi, np.pi)) @ np.diag([1.0, -1, -1])

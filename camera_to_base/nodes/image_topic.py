@@ -30,6 +30,7 @@ from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEve
 from rclpy.node import Node
 from rclpy.qos import qos_policy_name_from_kind, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import CompressedImage, Image
 
 
@@ -37,7 +38,8 @@ class ImageTopic(ReaderStatus):
     """
     Converts the pictures on the topic `image` or `image/compressed` to frames.
 
-    A picture that cannot be used is logged, counted and skipped.
+    A picture that cannot be used is logged, counted and skipped. The subscription is reliable if
+    the driver is, unless the parameters `qos_overrides` choose.
 
     :param node: The node that subscribes and logs.
     :param on_frame: Called with each good frame, shape (h, w, 3), uint8, BGR; its capture time
@@ -65,15 +67,15 @@ class ImageTopic(ReaderStatus):
         self._refused_at = -LOST_AFTER_S
         self._mismatch: Optional[FrameSourceError] = None
         self._last_number: Optional[int] = None
-        # Like the sensor data profile, but with depth 1: only the newest picture is of use.
-        self._subscription = node.create_subscription(
-            CompressedImage if compressed else Image,
-            'image/compressed' if compressed else 'image', self._on_message,
-            QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT),
-            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch),
-            qos_overriding_options=QoSOverridingOptions([QoSPolicyKind.RELIABILITY]))
+        self._is_compressed = compressed
+        # A large picture comes in many packets: on a busy machine most pictures are lost unless
+        # both ends are reliable.
+        self._subscription = self._subscribe(
+            ReliabilityPolicy.BEST_AVAILABLE, QoSOverridingOptions([QoSPolicyKind.RELIABILITY]))
         self.topic_name: str = self._subscription.topic_name
         self.name = self.topic_name
+        reliability = node.get_parameter(f'{self._override_name}.reliability').value
+        self._may_change = reliability == ReliabilityPolicy.BEST_AVAILABLE.name.lower()
 
     @property
     def reader(self) -> ReaderStatus:
@@ -105,6 +107,21 @@ class ImageTopic(ReaderStatus):
     def close(self) -> None:
         """Unsubscribe from the topic."""
         self._node.destroy_subscription(self._subscription)
+
+    @property
+    def _override_name(self) -> str:
+        return f'qos_overrides.{self.topic_name}.subscription'
+
+    def _subscribe(
+        self, reliability: ReliabilityPolicy, options: Optional[QoSOverridingOptions] = None
+    ) -> Subscription:
+        # Depth 1: only the newest picture is of use.
+        return self._node.create_subscription(
+            CompressedImage if self._is_compressed else Image,
+            'image/compressed' if self._is_compressed else 'image', self._on_message,
+            QoSProfile(depth=1, reliability=reliability),
+            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch),
+            qos_overriding_options=options)
 
     def _on_message(self, message: Union[Image, CompressedImage], info: Dict[str, Any]) -> None:
         arrived_at = _arrived_at(info)
@@ -147,10 +164,16 @@ class ImageTopic(ReaderStatus):
         self._node.get_logger().error(str(self._error), throttle_duration_sec=5.0)
 
     def _on_mismatch(self, event: QoSRequestedIncompatibleQoSInfo) -> None:
+        if self._may_change and event.last_policy_kind == QoSPolicyKind.RELIABILITY:
+            # The driver is not reliable, and came after this subscription.
+            self._may_change = False
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = self._subscribe(ReliabilityPolicy.BEST_EFFORT)
+            return
         policy = qos_policy_name_from_kind(event.last_policy_kind).lower()
         self._mismatch = FrameSourceError(
             f'cannot receive what is published on {self.topic_name}: its {policy} does not match; '
-            f'set the parameter qos_overrides.{self.topic_name}.subscription.{policy} as the '
+            f'set the parameter {self._override_name}.{policy} as the '
             f"publisher has it, see 'ros2 topic info -v {self.topic_name}'")
         self._node.get_logger().error(str(self._mismatch))
 

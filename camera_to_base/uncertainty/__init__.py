@@ -14,8 +14,9 @@
 """
 Uncertainty: how far a position may be off, as a covariance.
 
-In: shapes of detected objects in px, a calibration with its covariance, pairs of points. Out:
-covariances of positions, in cm and rad, in the camera frame and in the base frame, and ellipses.
+In: shapes of detected objects in px, a calibration with its covariance, pairs of points.
+Out: covariances of positions, in cm and rad, in the camera frame and in the base frame; ellipses.
+
 Each term has a module of its own: `centre` (detection), `surface_fit` with `picture_warp`, `base`,
 `height`, `view`.
 
@@ -36,6 +37,8 @@ from camera_to_base.uncertainty.specs import (
     CENTRE_FLOOR, checked_covariance, HEIGHT_TOLERANCE, SURFACE_COVARIANCE, surface_covariance,
     UNCERTAINTY_SPECS)
 from camera_to_base.uncertainty.surface_fit import fit_error, FitError
+from camera_to_base.uncertainty.transform import (
+    uncertain_transform, uncertain_transform_of, UncertainTransform)
 from camera_to_base.uncertainty.triangle import symmetric, triangle_length, triangle_of
 from camera_to_base.uncertainty.view import ShiftMean
 
@@ -46,6 +49,6 @@ __all__ = [
     'likely_place', 'plain_lens', 'pose_design', 'POSE_NUMBERS', 'PositionCovariance',
     'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread',
     'SURFACE_COVARIANCE', 'surface_covariance', 'symmetric', 'triangle_length', 'triangle_of',
-    'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS',
-    'yaw_variance',
+    'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS',
+    'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
 ]

@@ -144,12 +144,28 @@ class PositionUncertainty:
             min(yaw_variance(shape, in_picture) + self._rotation_variance, UNKNOWN_ANGLE))
         return found if all(map(math.isfinite, found)) else _UNKNOWN
 
+    def of_pixel(
+        self, pixel: Tuple[float, float], image_size: ImageSize
+    ) -> PositionCovariance:
+        """Return the covariance of the position of a pixel that was not detected but given."""
+        return self.covariance(Shape(pixel, 1.0, Spread(0.0, 0.0, 0.0)), FrameState(image_size))
+
     def in_picture(self, shape: Shape, frame: FrameState) -> Spread:
         """Return the covariance of an object's centre in the picture, with the view's shift."""
         floor_px = self.centre_floor_px
         if self.is_tutorial:
             floor_px = max(floor_px, TUTORIAL_FLOOR_PX)
         return centre_covariance(shape, frame.noise, math.hypot(floor_px, frame.shift_px))
+
+    def pixel_covariance(self, shape: Shape, frame: FrameState) -> Spread:
+        """Return the covariance of a position, mapped back to the picture, in px²."""
+        u, v = shape.pixel
+        place = self._place(frame.image_size, int(u // _CELL_PX), int(v // _CELL_PX))
+        found = self.covariance(shape, frame)
+        x_u, x_v, y_u, y_v = place.scale if place is not None else (1.0, 0.0, 0.0, 1.0)
+        size = x_u * y_v - x_v * y_u or 1.0
+        inverse = y_v / size, -x_v / size, -y_u / size, x_u / size
+        return Spread(*_projected(Spread(found.xx, found.xy, found.yy), inverse))
 
     def at_pixels(self, pixels: np.ndarray, image_size: ImageSize) -> np.ndarray:
         """

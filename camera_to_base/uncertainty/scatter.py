@@ -14,8 +14,7 @@
 
 """The variance of measurements, from few of them."""
 
-# Variances of an error of Student's t distribution exist above 2 degrees of freedom; below 4, the
-# variance says little of its quantiles.
+# With fewer degrees of freedom, no one factor suits the quantiles.
 _LEAST_FREEDOM = 4.0
 
 
@@ -26,7 +25,9 @@ def predictive_variance(
     Return the variance of a further error, whose own variance was estimated.
 
     The estimate is pooled with the value that is expected of such measurements. With few
-    measurements, errors have Student's t distribution: its variance is larger than the estimate.
+    measurements, errors have Student's t distribution, with more large errors than a normal one.
+    A factor of f / (f - 1) on the variance of f degrees of freedom suits the ellipses of 50 to
+    95 % best.
 
     :param squares: The sum of squared residuals, each divided by its own expected square.
     :param freedom: Degrees of freedom of the sum; 0 or less leaves the expected value only.
@@ -37,4 +38,4 @@ def predictive_variance(
     pooled = freedom + expected_freedom
     variance = (squares * (freedom > 0) + expected_freedom * expected ** 2) / pooled
     pooled = max(pooled, _LEAST_FREEDOM)
-    return variance * pooled / (pooled - 2)
+    return variance * pooled / (pooled - 1)

@@ -332,14 +332,42 @@ def test_damaged_jpeg_is_counted_and_never_given(ros, spoil, complaint):
     assert len(received.frames) == good
 
 
-def test_topic_is_remapped_and_asks_for_sensor_data_of_which_only_the_newest_waits(ros):
-    received = Received(ros, '-r', '__ns:=/cell', '-r', 'image:=usb_cam/image_raw')
+@pytest.mark.parametrize('reliability', [
+    ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT])
+@pytest.mark.parametrize('driver_is_first', [True, False])
+def test_subscription_is_as_reliable_as_the_driver(ros, reliability, driver_is_first):
+    def make_driver():
+        return driver(ros, qos=QoSProfile(depth=1, reliability=reliability))
+
+    first = make_driver() if driver_is_first else None
+    received = Received(ros)
+    publisher = first or make_driver()
+    message = image(random_picture())
+    assert send_until(ros, publisher, message, lambda: received.frames)
+    info, = received.node.get_subscriptions_info_by_topic('/image')
+    assert info.qos_profile.reliability == reliability
+    assert not received.has_failed
+
+
+def test_driver_that_is_not_reliable_any_more_is_received_again(ros):
+    received = Received(ros)
+    message = image(random_picture())
+    reliable = driver(ros, qos=QoSProfile(depth=1))
+    assert send_until(ros, reliable, message, lambda: received.frames)
+    ros.node.destroy_publisher(reliable)
+    received.frames.clear()
+    assert send_until(ros, driver(ros), message, lambda: received.frames)
+
+
+def test_topic_is_remapped_and_its_reliability_can_be_chosen(ros):
+    name = 'qos_overrides./cell/usb_cam/image_raw.subscription.reliability'
+    received = Received(ros, '-r', '__ns:=/cell', '-r', 'image:=usb_cam/image_raw',
+                        '-p', f'{name}:=best_effort')
     assert received.topic.topic_name == '/cell/usb_cam/image_raw'
     qos = received.node.get_subscriptions_info_by_topic('/cell/usb_cam/image_raw')[0].qos_profile
     assert qos.reliability == ReliabilityPolicy.BEST_EFFORT
     assert [name for name in received.node.list_parameters([], 0).names
-            if name.startswith('qos_overrides./cell')] == [
-        'qos_overrides./cell/usb_cam/image_raw.subscription.reliability']
+            if name.startswith('qos_overrides./cell')] == [name]
 
 
 def test_closed_topic_gives_no_more_frames(ros):
