@@ -30,7 +30,7 @@ import numpy as np
 
 def calibrate_base(
     pairs: PointPairs, *, source: str, surface_values: Optional[Mapping[str, Any]] = None,
-    base_z: str = 'up',
+    base_z: str = 'up', points_are: str = 'row',
 ) -> Calibration:
     """
     Fit the transform from the camera frame to the base frame.
@@ -39,6 +39,7 @@ def calibrate_base(
     :param surface_values: The parameters of the surface that the camera points were measured
         with, by full name; None if they are not known.
     :param base_z: Direction of the base frame's z at the table: 'up', away from it, or 'down'.
+    :param points_are: The report's word for a pair.
     :raises CameraToBaseError: If the pairs do not determine the transform, no transform fits them,
         or they do not fit the surface.
     """
@@ -56,6 +57,6 @@ def calibrate_base(
     found = {'rotation_deg': list(fit.rotation_deg),
              'displacement_cm': list(fit.displacement_cm)}
     values = {**found, 'base_covariance': triangle_of(transform_error(pairs, fit).covariance)}
-    report = {**origin_fields('rigid', source), **found, **figure_fields(figures, 'row'),
+    report = {**origin_fields('rigid', source), **found, **figure_fields(figures, points_are),
               'warnings': [*warnings(figures), *doubts]}
     return Calibration(report, values)

@@ -75,6 +75,7 @@ class RobotBasePublisher(Node):
             WantedInput(
                 self, heartbeat, lambda: self._topics.wants_ellipses, lambda: self._subscribe(
                     MarkerArray, f'{_OBJECTS}/ellipses', self._on_ellipses))
+            self.get_logger().info(self._settings.calibration)
             self.get_logger().info(f'publishing on {self._topics.name} what comes on '
                                    f'{self.resolve_topic_name(_POSITION)}')
 
