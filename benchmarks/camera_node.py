@@ -36,7 +36,6 @@ from geometry_msgs.msg import PointStamped
 from nodes import cpu_seconds, executable, resident_megabytes
 import numpy as np
 import rclpy
-from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import CompressedImage, Image
 from whole_way import make_frames, table

@@ -23,8 +23,8 @@ from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicType
 from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import (
-    frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderState,
-    ReaderStatus, SilenceLimit, source_reason, stamp_reason)
+    frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderFacts,
+    ReaderState, ReaderStatus, SilenceLimit, source_reason, stamp_reason)
 import numpy as np
 from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -88,14 +88,6 @@ class ImageTopic(ReaderStatus):
         return source_reason(self, self.name)
 
     @property
-    def error(self) -> Optional[FrameSourceError]:
-        """Why no frame has arrived for a while; None while frames arrive."""
-        if self.seconds_without_frame <= self.longest_silence_s:
-            return None
-        refused_lately = time.monotonic() - self._refused_at <= LOST_AFTER_S
-        return self._error if refused_lately else self._cause_of_silence()
-
-    @property
     def longest_silence_s(self) -> float:
         """See :class:`ReaderStatus`; a driver may publish less than one picture a second."""
         return self._silence_limit.seconds
@@ -141,6 +133,13 @@ class ImageTopic(ReaderStatus):
         if damage is None:
             self._on_frame(frame, arrived_at - max(0, age_ns) / 1e9, stamp)
 
+    def _error_of(self, facts: ReaderFacts, silent_s: float) -> Optional[FrameSourceError]:
+        # None while frames arrive.
+        if silent_s <= self.longest_silence_s:
+            return None
+        refused_lately = time.monotonic() - self._refused_at <= LOST_AFTER_S
+        return facts.error if refused_lately else self._cause_of_silence()
+
     def _age_ns(self, stamp: Time, arrived_at: float) -> int:
         # The stamp has the node's clock, which may be a simulation's; the wait is real time.
         waited_ns = int((time.monotonic() - arrived_at) * 1e9)
@@ -160,8 +159,9 @@ class ImageTopic(ReaderStatus):
     def _refuse(self, error: InvalidValueError) -> None:
         self._note_damage(Reason('not_decoded', Level.ERROR, str(error), is_passing=True))
         self._refused_at = time.monotonic()
-        self._error = FrameSourceError(f'cannot use the picture on {self.topic_name}: {error}')
-        self._node.get_logger().error(str(self._error), throttle_duration_sec=5.0)
+        error = FrameSourceError(f'cannot use the picture on {self.topic_name}: {error}')
+        self._note_error(error)
+        self._node.get_logger().error(str(error), throttle_duration_sec=5.0)
 
     def _on_mismatch(self, event: QoSRequestedIncompatibleQoSInfo) -> None:
         if self._may_change and event.last_policy_kind == QoSPolicyKind.RELIABILITY:
