@@ -65,8 +65,20 @@ class DarkSquares:
         """
         start, stop = (rows.start, rows.stop) if rows else (0, len(frame))
         first, last = -(-start // self._step), -(-stop // self._step)
-        runs = self._runs(frame[first * self._step:stop:self._step], self._limits[first:last])
-        if runs is None:
+        if first >= last:
+            return []
+        rows_read = cv2.cvtColor(frame[first * self._step:stop:self._step], cv2.COLOR_BGR2GRAY)
+        dark = (rows_read < self._limits[first:last]).view(np.uint8)
+        count = cv2.countNonZero(dark)
+        if 2 * count > dark.size:  # A search would cost more than it saves.
+            return [self._box((0, 0, dark.shape[1], dark.shape[0]), first)]
+        return self._boxes_of(dark, first) if count else []
+
+    def _boxes_of(self, dark: np.ndarray, first: int) -> List[Region]:
+        # The middle of each run within the picture.
+        runs = cv2.erode(dark, np.ones((1, self._run), np.uint8),
+                         borderType=cv2.BORDER_CONSTANT, borderValue=0)
+        if cv2.countNonZero(runs) == 0:
             return []
         whole = self._box(cv2.boundingRect(runs), first)
         if whole.px < 2 * _BOX_PX:
@@ -77,17 +89,6 @@ class DarkSquares:
             return [whole]
         boxes = [self._box(_bounds(runs, cv2.boundingRect(group)), first) for group in groups]
         return boxes if sum(_BOX_PX + box.px for box in boxes) < whole.px else [whole]
-
-    def _runs(self, rows: np.ndarray, limits: np.ndarray) -> Optional[np.ndarray]:
-        if len(rows) == 0:
-            return None
-        dark = (cv2.cvtColor(rows, cv2.COLOR_BGR2GRAY) < limits).view(np.uint8)
-        if cv2.countNonZero(dark) == 0:
-            return None
-        # The middle of each run within the picture.
-        runs = cv2.erode(dark, np.ones((1, self._run), np.uint8),
-                         borderType=cv2.BORDER_CONSTANT, borderValue=0)
-        return runs if cv2.countNonZero(runs) else None
 
     def _box(self, bounds: Tuple[int, int, int, int], first: int) -> Region:
         left, top, width, height = bounds
