@@ -21,14 +21,16 @@ of `surface.*` or of the transform, their errors in mm, and a picture of them.
 Callers: `commands`. The nodes do not import it.
 """
 
-from camera_to_base.calibration.board import find_board
-from camera_to_base.calibration.board_frame import board_points
-from camera_to_base.calibration.calibration import (
-    add_camera_pose, calibrate_base, calibrate_surface, Calibration, check_surface)
+from camera_to_base.calibration.base_calibration import calibrate_base
+from camera_to_base.calibration.boards.board import find_board
+from camera_to_base.calibration.boards.board_frame import board_points
+from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.report_text import Report, report_lines
-from camera_to_base.calibration.sheet import has_one_origin, PAPERS, sheet_content
+from camera_to_base.calibration.result import Calibration
 from camera_to_base.calibration.status import file_status, without_base
+from camera_to_base.calibration.surface_calibration import (
+    add_camera_pose, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
 
 __all__ = [

@@ -26,10 +26,11 @@ from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetec
 from camera_to_base.detection.areas import Area, Areas, read_areas
 from camera_to_base.detection.background_taker import BackgroundTaker
 from camera_to_base.detection.detection import (
-    Box, check_frame, check_same_size, Detection, locate_on_surface, Pixel, touches_edge)
+    Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
 from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
+from camera_to_base.detection.on_surface import object_on_surface
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.settings import DetectorSettings
@@ -38,7 +39,7 @@ from camera_to_base.detection.specs import AREA_SPECS, BACKGROUND_SPECS, DETECTO
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame', 'check_same_size', 'Detection',
-    'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'LeftOut', 'locate_on_surface', 'locate_pixel',
-    'LocatedObject', 'mean_blocks', 'ObjectLocator', 'Pixel', 'Point',
+    'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'LeftOut', 'locate_pixel',
+    'LocatedObject', 'mean_blocks', 'object_on_surface', 'ObjectLocator', 'Pixel', 'Point',
     'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
 ]

@@ -23,7 +23,8 @@ Callers: all rooms below. It does not import OpenCV: the transform node starts w
 """
 
 from camera_to_base.parameters.file import (
-    load_yaml, node_namespaces, parameter_text, read_node_parameters, read_parameter_file)
+    load_yaml, node_namespaces, parameter_text, read_node_parameters, read_parameter_file,
+    read_sections)
 from camera_to_base.parameters.given import (
     file_warnings, given_warnings, gives_other_values, value_in_files)
 from camera_to_base.parameters.names import (
@@ -38,7 +39,7 @@ __all__ = [
     'all_names', 'CAMERA_FRAME_SPEC', 'checked_values', 'default_values', 'file_warnings',
     'given_warnings', 'gives_other_values', 'grouped', 'load_yaml', 'misspelt_name',
     'name_warnings', 'node_namespaces', 'parameter_text', 'ParameterSpec', 'PLACEMENT_SPECS',
-    'read_node_parameters', 'read_parameter_file', 'transform_node_settings', 'transform_settings',
-    'TRANSFORM_SETUP_SPECS', 'TRANSFORM_SPECS', 'TransformSettings', 'unknown_name_text',
-    'value_in_files', 'Values', 'with_new_names',
+    'read_node_parameters', 'read_parameter_file', 'read_sections', 'transform_node_settings',
+    'transform_settings', 'TRANSFORM_SETUP_SPECS', 'TRANSFORM_SPECS', 'TransformSettings',
+    'unknown_name_text', 'value_in_files', 'Values', 'with_new_names',
 ]

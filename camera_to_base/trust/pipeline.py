@@ -86,6 +86,8 @@ class CameraPipeline:
         if (surface, detector) != (self._surface, self._detector):
             self._surface, self._detector = surface, detector
             self._locator = None
+            if self._view is not None:
+                self._arms.forget_objects()
         if limits != self._limits:
             self._limits = limits
             self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)

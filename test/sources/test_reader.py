@@ -190,7 +190,7 @@ def test_damaged_frame_is_counted_and_never_given(read):
         taken = []
         assert wait_until(lambda: taken.append(reader.take()) or taken[-1] is not None)
         assert taken[-1].image[0, 0, 0] % 2 == 0
-    assert reader.counts.damaged >= 9 and reader.last_damage is ODD
+    assert reader.counts.damaged >= 9 and reader.snapshot().last_damage is ODD
 
 
 def test_consumer_is_told_of_each_frame(read):
@@ -228,3 +228,19 @@ def test_process_ends_cleanly_while_the_camera_hangs(protocol, wait):
     assert child.returncode == 0, child.stderr
     assert 'closed True' in child.stdout
     assert float(child.stdout.split()[-1]) < 2.0
+
+
+def test_snapshot_is_of_one_moment_and_stays_as_it_was(read):
+    reader = read(Numbers(), damage=lambda frame: ODD)
+    snapshots = []
+
+    def is_long():
+        snapshots.append(reader.snapshot())
+        return snapshots[-1].damaged_in_a_row >= 5
+
+    assert wait_until(is_long)
+    reader.close()
+    for seen in snapshots:
+        assert (seen.last_damage is ODD) == (seen.damaged_in_a_row > 0)
+        assert seen.counts.damaged in (seen.damaged_in_a_row, seen.damaged_in_a_row - 1)
+    assert snapshots[0].damaged_in_a_row < snapshots[-1].damaged_in_a_row

@@ -17,7 +17,7 @@ from pathlib import Path
 import sys
 import time
 
-from camera_to_base.trust import Limits, ViewWatch
+from camera_to_base.trust import Limits, ViewCheck, ViewWatch
 import numpy as np
 import pytest
 
@@ -61,12 +61,12 @@ def test_coins_hands_and_steps_of_the_light_are_no_bump(name):
 
 
 @pytest.mark.parametrize('name', ['wood', 'four marks'])
-def test_nearly_all_frames_of_an_untouched_camera_are_cleared_by_the_quick_look(name):
+def test_frames_of_an_untouched_camera_are_cleared_by_the_quick_look(name, monkeypatch):
     surface = table(name)
     view = watch(surface)
+    monkeypatch.delattr(ViewCheck, 'compare')
     for number in range(20):
         view.reason(surface.shoot(draw=[scenes.coin((60 + 25 * number, 200))]))
-    assert view.full_count == 0
 
 
 def test_drift_within_the_limit_is_told_and_goes_on():

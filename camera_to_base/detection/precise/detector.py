@@ -32,20 +32,24 @@ object of the background has left, for as long as it is away. Noise and that apa
 the same result whatever came before.
 """
 
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 from camera_to_base.checks import finite_number
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
-from camera_to_base.detection.precise.foreign_light import find_field, looks_like_light
+from camera_to_base.detection.precise.foreign_light import (
+    field_of_bands, find_bands, find_field, looks_like_light)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.highlight import close_around_highlights
+from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
-from camera_to_base.detection.precise.plain import place_plain
+from camera_to_base.detection.precise.plain import find_plain, place_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
 from camera_to_base.detection.precise.shadow import split_off_shade
 from camera_to_base.detection.precise.shares import place, place_whole, Placed
+from camera_to_base.detection.precise.tiles import (
+    changed_parts, frame_outline, is_all_changed)
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
@@ -56,6 +60,11 @@ _MOST_EXACT, _MOST_GHOSTS = 100, 4
 _SURROUNDINGS = 14
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
+# A faint region whose box covers at least this part may go on to the border; faint is a region of
+# whose box less than this part differs strongly.
+_FAR, _FAINT = 0.04, 0.15
+# What is left over where light was taken out is an object where this part of it differs strongly.
+_MOSTLY = 0.4
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -106,11 +115,16 @@ class PreciseDifferenceDetector:
         frame = np.ascontiguousarray(frame)
         self._reference.follow(frame)
         self._forget_ghosts(frame)
-        regions = self._regions(frame)
+        parts = self._changed_parts(frame)
+        if is_all_changed(frame, parts, self._reference.limits):
+            return _unplaced(frame_outline(frame), frame)
+        plain, regions = self._search(frame, parts)
         if self._notice_ghosts(frame, regions):
-            regions = self._regions(frame)
-        found = [detection for index, region in enumerate(regions)
-                 for detection in self._detections(frame, region, index < _MOST_EXACT)]
+            plain, regions = self._search(frame, self._changed_parts(frame))
+        found = [detection for one in plain
+                 for detection in self._placed(one.placed, one.window)]
+        found += [detection for index, region in enumerate(regions)
+                  for detection in self._detections(frame, region, index < _MOST_EXACT)]
         return sorted(found, key=lambda detection: -detection.area)
 
     @property
@@ -151,23 +165,50 @@ class PreciseDifferenceDetector:
         self._reference = Reference(picture, self._faintest)
         self._reference.follow(frame)
 
-    def _regions(self, frame: np.ndarray) -> List[Region]:
-        reference = self._reference
-        rows = reference.changed_rows(frame)
-        if rows is None:
-            return []
-        regions = find_regions(frame, rows, reference.limits, self._min_area)
-        if not any(self._may_be_light(frame, region) for region in regions):
-            return regions
-        reference.limits.use_field(find_field(frame, reference.lit))
+    def _changed_parts(self, frame: np.ndarray) -> List[Box]:
+        return changed_parts(frame, self._reference.lit, self._reference.limits)
+
+    def _search(
+        self, frame: np.ndarray, parts: List[Box]
+    ) -> Tuple[List[Plain], List[Region]]:
+        reference, plain, others = self._reference, [], []
+        for part in parts:
+            one = find_plain(frame, part, reference)
+            if one is None:
+                others.append(part)
+            else:
+                plain.append(one)
+        regions = find_regions(frame, others, reference.limits, self._min_area)
+        if not any(self._may_reach_border(frame, region) for region in regions):
+            return plain, regions
+        field = self._field(frame, regions)
+        if field is None:
+            return plain, regions
+        reference.limits.use_field(field)
         try:
-            return find_regions(frame, slice(0, len(frame)), reference.limits, self._min_area)
+            regions = find_regions(
+                frame, self._changed_parts(frame), reference.limits, self._min_area)
         finally:
             reference.limits.use_field(None)
+        return [], [region for region in regions if touches_edge(region.box, frame)
+                    or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)]
+
+    def _field(self, frame: np.ndarray, regions: List[Region]) -> Optional[Range]:
+        lit = self._reference.lit
+        bands = find_bands(frame, lit)
+        if any(self._may_be_light(frame, region) for region in regions):
+            return find_field(frame, lit, bands)
+        return None if bands is None else field_of_bands(bands, frame)
+
+    def _may_reach_border(self, frame: np.ndarray, region: Region) -> bool:
+        # A faint shadow is seen to the border less than elsewhere, where a lens is darker.
+        is_faint = region.strong_area < _FAINT * region.box.width * region.box.height
+        return (touches_edge(region.box, frame) or is_faint
+                and region.box.width * region.box.height > _FAR * frame[..., 0].size)
 
     def _may_be_light(self, frame: np.ndarray, region: Region) -> bool:
-        area = region.strong_area / frame[..., 0].size
-        if not _LEAST_LIGHT < area < _MOST_LIGHT or not touches_edge(region.box, frame):
+        area = cv2.contourArea(region.outline) / frame[..., 0].size
+        if not _LEAST_LIGHT < area < _MOST_LIGHT or not self._may_reach_border(frame, region):
             return False
         part = slices(region.box)
         return looks_like_light(
@@ -177,23 +218,26 @@ class PreciseDifferenceDetector:
         is_at_edge = touches_edge(region.box, frame)
         if not exact or is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return _unplaced(region.outline, frame)
-        window = grown(region.box, _SURROUNDINGS, frame)
-        part = slices(window)
-        levels = np.ascontiguousarray(frame[part])
-        piece = make_piece(
-            levels, self._reference.light(part), filled(region.outline, window))
         if not is_at_edge:
-            placed = place_plain(levels, piece, self._reference.mean_noise)
+            window = grown(region.box, 1, frame)
+            placed = place_plain(frame, window, filled(region.outline, window, 255),
+                                 region.outline, self._reference)
             if placed is not None:
                 return self._placed(placed, window)
+        window = grown(region.box, _SURROUNDINGS, frame)
+        part = slices(window)
+        piece = make_piece(
+            frame[part], self._reference.light(part), filled(region.outline, window))
         return self._long_way(frame, piece, window)
 
     def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
         height, width = frame.shape[:2]
         outward = (window.x + (window.width - width) / 2, window.y + (window.height - height) / 2)
         thing = split_off_shade(piece, outward)
-        piece = piece._replace(
-            mask=close_around_highlights(piece) if thing is None else thing.mask)
+        if thing is not None:
+            piece = piece._replace(mask=thing.mask)
+        if thing is None or not thing.is_light:
+            piece = piece._replace(mask=close_around_highlights(piece))
         outline = outline_of(piece.mask)
         if outline is None:
             return []
@@ -213,7 +257,8 @@ class PreciseDifferenceDetector:
 
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:
-    moments, outline = placed.moments(window.x, window.y), outline_of(placed.mask)
+    moments = placed.moments(window.x, window.y)
+    outline = outline_of(placed.mask) if placed.outline is None else placed.outline
     if not moments['m00'] or outline is None:
         return []
     outline = outline + np.int32([window.x, window.y])

@@ -17,6 +17,7 @@ Light and shade that come from outside of the picture: a cloud, a person who sta
 
 They change a part of the picture that reaches its border, smoothly or with an edge, and by about
 one factor for all colours. What is small beside a median filter's window is no such light.
+A lamp that flickers makes bands of rows.
 """
 
 from typing import Optional
@@ -38,6 +39,9 @@ _POWER = 1 / 2.2
 # Shade takes this much light at most, and colours it little.
 _DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
 _LEAST_MARKED = 0.1
+# Bands of rows: how far they are apart from one another at least, and from the picture's light at
+# most, logarithms; the rows of a mean; the part of all rows that must tell their light.
+_LEAST_BAND, _STRONGEST_BAND, _BAND_WINDOW, _LEAST_ROWS = 0.03, 0.25, 5, 0.4
 
 
 def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray) -> bool:
@@ -57,27 +61,68 @@ def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray
     return bool(len(is_light) and is_light.mean() > _LEAST_SHARE)
 
 
-def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
+def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray]:
+    """
+    Find the bands of a lamp that flickers: each row is read at its own moment, and its own light.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :returns: Logarithm of the light's factor, shape (h / 4, 1), float32; None without bands.
+    """
+    step = np.s_[::_SHRINK, ::_SHRINK]
+    ratio = _log_ratio(frame[step], background[step])
+    thirds = np.array([np.median(part, axis=1) for part in np.array_split(ratio, 3, axis=1)])
+    bands = np.median(thirds, axis=0)
+    # A band goes from side to side; an object or a shadow does not. There, the rows beside count.
+    is_light = (np.abs(bands) < _STRONGEST_BAND) & (np.ptp(thirds, axis=0) < 2 * _LEAST_BAND)
+    if is_light.mean() < _LEAST_ROWS:
+        return None
+    rows = np.arange(len(bands))
+    bands = np.interp(rows, rows[is_light], bands[is_light])
+    bands = cv2.blur(bands.astype(np.float32)[:, None], (1, _BAND_WINDOW))
+    rows = max(frame.shape[0] // _SHRINK, 1)
+    return bands[:rows] if np.ptp(bands) > _LEAST_BAND else None
+
+
+def find_field(
+    frame: np.ndarray, background: np.ndarray, bands: Optional[np.ndarray] = None
+) -> Optional[Range]:
     """
     Find light that comes from outside of the picture.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param background: Of the same shape, at the frame's light.
+    :param bands: See :func:`find_bands`; they are a part of the result.
     :returns: Factors on the background's grey levels, times 128; None where there is none.
     """
-    field = _smooth_ratio(frame, background)
+    bands = np.float32(0) if bands is None else bands
+    field = _smooth_ratio(frame, background, bands)
     field[~_reaches_border(np.abs(field) > _LEAST_CHANGE)] = 0
-    if not field.any():
+    if not field.any() and not np.any(bands):
         return None
     size = frame.shape[1], frame.shape[0]
-    return Range(_factors(cv2.erode(field, _EDGE), size), _factors(cv2.dilate(field, _EDGE), size))
+    return Range(_factors(cv2.erode(field, _EDGE) + bands, size),
+                 _factors(cv2.dilate(field, _EDGE) + bands, size))
 
 
-def _smooth_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+def field_of_bands(bands: np.ndarray, frame: np.ndarray) -> Range:
+    """Give the field of bands alone, see :func:`find_bands`."""
+    factors = _factors(bands, (1, frame.shape[0]))
+    factors = np.ascontiguousarray(np.broadcast_to(factors, frame.shape))
+    return Range(factors, factors)
+
+
+def _log_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    light, usual = (LINEAR[picture].sum(axis=2) for picture in (frame, background))
+    return np.log(np.maximum(light, 1e-3) / np.maximum(usual, 1e-3))
+
+
+def _smooth_ratio(
+    frame: np.ndarray, background: np.ndarray, bands: np.ndarray
+) -> np.ndarray:
     size = tuple(max(length // _SHRINK, 1) for length in frame.shape[1::-1])
-    light, usual = (LINEAR[cv2.resize(picture, size, interpolation=cv2.INTER_AREA)].sum(axis=2)
-                    for picture in (frame, background))
-    ratio = np.log(np.maximum(light, 1e-3) / np.maximum(usual, 1e-3))
+    ratio = _log_ratio(*(cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+                         for picture in (frame, background))) - bands
     steps = np.clip(np.rint(128 + _STEPS * ratio), 0, 255).astype(np.uint8)
     return (cv2.medianBlur(steps, _WINDOW).astype(np.float32) - 128) / _STEPS
 

@@ -15,8 +15,9 @@
 """The camera's curve, and the light of a frame beside the background's."""
 
 import math
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Optional, Tuple
 
+import cv2
 import numpy as np
 
 # The gain is rounded to this many steps per factor e: the limits are seldom made anew.
@@ -25,7 +26,9 @@ _POINTS_PER_SIDE = 24
 # Darker levels are mostly noise, lighter ones may be cut off.
 _DARKEST, _LIGHTEST = 8, 247
 _LEAST_LIGHT = 1e-3
-_DARKEST_GAIN = 0.06
+_LEAST_USABLE = 1 / 12
+_ONE_LEVEL = (1, 1, 1, 0)
+_DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
 
 
 def _linear_levels() -> np.ndarray:
@@ -72,43 +75,63 @@ NO_GAIN = Gain(0, 0, 0)
 
 class GainMeter:
     """
-    Measures a frame's gain: the median of frame / background over a coarse grid.
+    Follows the frames' gain: the median of frame / background over a coarse grid.
 
-    It is that of the surface as long as objects cover less than half of it.
+    It is that of the surface as long as objects cover less than half of it. A gain stays in use
+    until the median is more than a grey level off: a new one costs time.
 
     :param background: Shape (h, w, 3), uint8, BGR.
     """
 
     def __init__(self, background: np.ndarray) -> None:
-        self._places = np.stack([_usable_places(background, channel) for channel in range(3)])
-        light = LINEAR[background.reshape(-1)[self._places]]
-        self._inverse = 1 / np.maximum(light, _LEAST_LIGHT)
+        self._grid = tuple(_grid(length) for length in background.shape[:2])
+        levels = background[self._grid]
+        usable = (levels >= _DARKEST) & (levels <= _LIGHTEST)
+        # In a channel without enough such places all are used.
+        self._usable = usable | (usable.mean(axis=(0, 1)) < _LEAST_USABLE)
+        self._usable_share = self._usable.mean(axis=(0, 1)).tolist()
+        self._light = np.maximum(LINEAR[levels], _LEAST_LIGHT)
+        self._gain: Optional[Gain] = None
 
-    def measure(self, frame: np.ndarray) -> Gain:
-        """Measure the gain of a frame of the background's shape."""
-        ratios = LINEAR[frame.reshape(-1)[self._places]] * self._inverse
-        middle = ratios.shape[1] // 2
-        ratios.partition(middle, axis=1)
-        medians = ratios[:, middle].tolist()
-        if min(medians) < _DARKEST_GAIN:
-            # The surface cannot be seen: all of it is covered, or it is dark.
-            return NO_GAIN
-        return Gain(*(round(_STEPS * math.log(median)) for median in medians))
+    def follow(self, frame: np.ndarray) -> Gain:
+        """Give the gain of a frame of the background's shape."""
+        levels = np.ascontiguousarray(frame[self._grid])
+        if self._gain is None or not self._holds(levels):
+            self._gain = self._measured(levels)
+            lit = np.rint(_coded(self._light * self._gain.factors)).astype(np.uint8)
+            lowest, highest = (np.where(self._usable, lit, end).astype(np.uint8)
+                               for end in (0, 255))
+            self._darker = lowest, cv2.subtract(lowest, _ONE_LEVEL)
+            self._lighter = highest, cv2.add(highest, _ONE_LEVEL)
+        return self._gain
+
+    def _holds(self, levels: np.ndarray) -> bool:
+        # The median of whole levels, as in grouped data: half of those at a limit lie beyond it.
+        darker, lighter = self._darker, self._lighter
+        beyond = (((levels < darker[0]).view(np.uint8) + (levels < darker[1])),
+                  ((levels > lighter[0]).view(np.uint8) + (levels > lighter[1])))
+        return not any(share > two_halves for counts in beyond
+                       for share, two_halves in zip(cv2.mean(counts), self._usable_share))
+
+    def _measured(self, levels: np.ndarray) -> Gain:
+        ratios = LINEAR[levels] / self._light
+        steps = []
+        for channel in range(3):
+            chosen = ratios[..., channel][self._usable[..., channel]]
+            median = float(np.median(chosen))
+            alike = np.abs(chosen - median) < _ALIKE * median
+            if median < _DARKEST_GAIN or alike.mean() < _LEAST_ALIKE:
+                # The surface cannot be seen: all of it is covered, or it is dark.
+                return NO_GAIN
+            # Whole levels make the median jump; the mean around it does not.
+            near = chosen[np.abs(chosen - median) < _NEAR * median]
+            steps.append(round(_STEPS * math.log(near.mean())))
+        return Gain(*steps)
 
 
-def _usable_places(background: np.ndarray, channel: int) -> np.ndarray:
-    height, width = background.shape[:2]
-    rows, columns = (_grid(length) for length in (height, width))
-    places = ((rows[:, None] * width + columns) * 3 + channel).ravel()
-    levels = background.reshape(-1)[places]
-    usable = places[(levels >= _DARKEST) & (levels <= _LIGHTEST)]
-    # All channels have as many places, so that one array holds them.
-    return np.resize(usable, len(places)) if len(usable) > len(places) // 12 else places
-
-
-def _grid(length: int) -> np.ndarray:
+def _grid(length: int) -> slice:
     step = max(length // _POINTS_PER_SIDE, 1)
-    return np.arange(step // 2, length, step)
+    return slice(step // 2, None, step)
 
 
 def ratio_and_tint(light: np.ndarray, other: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

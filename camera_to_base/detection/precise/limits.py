@@ -22,6 +22,7 @@ import numpy as np
 
 # A camera that trembles shows at a place what lies beside it on the background.
 _TREMBLE = np.ones((3, 3), np.uint8)
+_STRIP = 16
 # Grey levels beyond the background's own range, and deviations of the noise: where an object's
 # rim still counts, and what an object must have somewhere.
 WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
@@ -47,23 +48,25 @@ class Limits:
     """
 
     def __init__(self, background: np.ndarray, faintest: float) -> None:
-        self._range = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
+        usual = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
+        self._strong, self._weak = _LitRange(usual), _LitRange(usual)
         self._faintest = faintest
         self._field: Optional[Range] = None
+        self.least = faintest
 
     def set_light(self, gain: Gain, noise: np.ndarray) -> None:
         """
         Follow the light and the noise, see :func:`measure_noise`.
 
-        The range that an object must leave somewhere is made at once for the whole picture.
+        `least` is how much a level at least differs that is beyond the strong range.
         """
         levels = gain.coded_levels
         noise = np.take_along_axis(noise, np.rint(levels).astype(int), axis=0)
         weak = np.maximum(min(WEAK_LEVELS, self._faintest), _WEAK_DEVIATIONS * noise)
         strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
-        self._weak = _table(levels - weak), _table(levels + weak)
-        self._strong = Range(cv2.LUT(self._range.darkest, _table(levels - strong)),
-                             cv2.LUT(self._range.lightest, _table(levels + strong)))
+        self.least = max(float(strong.min()) - 1, 0.0)
+        self._weak.set_levels(levels - weak, levels + weak)
+        self._strong.set_levels(levels - strong, levels + strong)
 
     def use_field(self, field: Optional[Range]) -> None:
         """
@@ -73,15 +76,18 @@ class Limits:
         """
         self._field = field
 
+    @property
+    def has_field(self) -> bool:
+        """Whether light of a part of the picture is taken into account."""
+        return self._field is not None
+
     def strong(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
-        return self._lit(Range(*(bound[part] for bound in self._strong)), part)
+        return self._lit(self._strong.part(part), part)
 
     def weak(self, part: tuple) -> Range:
         """Give the range that each pixel of an object leaves, for a part of the picture."""
-        darkest, lightest = (bound[part] for bound in self._range)
-        return self._lit(
-            Range(cv2.LUT(darkest, self._weak[0]), cv2.LUT(lightest, self._weak[1])), part)
+        return self._lit(self._weak.part(part), part)
 
     def _lit(self, levels: Range, part: tuple) -> Range:
         if self._field is None:
@@ -90,5 +96,29 @@ class Limits:
                        for bound, factor in zip(levels, self._field)))
 
 
-def _table(levels: np.ndarray) -> np.ndarray:
-    return np.clip(np.rint(levels), 0, 255).astype(np.uint8)[:, None]
+class _LitRange:
+    # A range at the frame's light: made strip by strip, where it is asked for.
+
+    def __init__(self, usual: Range) -> None:
+        self._usual = usual
+        self._lit = Range(*(np.empty_like(bound) for bound in usual))
+        self._ready = bytearray(-(-len(usual.darkest) // _STRIP))
+        self._tables = np.empty(0), np.empty(0)
+
+    def set_levels(self, darkest: np.ndarray, lightest: np.ndarray) -> None:
+        tables = tuple(np.clip(np.rint(levels), 0, 255).astype(np.uint8)[:, None]
+                       for levels in (darkest, lightest))
+        if not all(map(np.array_equal, tables, self._tables)):
+            self._tables, self._ready = tables, bytearray(len(self._ready))
+
+    def part(self, part: tuple) -> Range:
+        rows = part[0]
+        first, last = (rows.start or 0) // _STRIP, -(-rows.stop // _STRIP)
+        strip = self._ready.find(0, first, last)
+        while strip >= 0:
+            strip_rows = slice(strip * _STRIP, (strip + 1) * _STRIP)
+            for usual, table, lit in zip(self._usual, self._tables, self._lit):
+                cv2.LUT(usual[strip_rows], table, dst=lit[strip_rows])
+            self._ready[strip] = 1
+            strip = self._ready.find(0, first, last)
+        return Range(self._lit.darkest[part], self._lit.lightest[part])

@@ -15,7 +15,7 @@
 """A region and its surroundings, in linear light: what the long way works on."""
 
 from functools import lru_cache
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.precise.light import LINEAR
 import cv2
@@ -109,7 +109,24 @@ def largest_part(mask: np.ndarray) -> np.ndarray:
     return kept if outline is None else cv2.drawContours(kept, [outline], 0, 1, cv2.FILLED)
 
 
+def outlines_in(mask: np.ndarray) -> Sequence[np.ndarray]:
+    """Find the outer outlines in a mask, each of shape (n, 1, 2), int32."""
+    return cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]
+
+
+def has_holes(outline: np.ndarray, count: int) -> bool:
+    """
+    Tell whether a region has holes.
+
+    By Pick's theorem, an outline without a hole encloses as many pixels as the region has.
+
+    :param outline: Its outline, see :func:`outlines_in`.
+    :param count: Its number of pixels.
+    """
+    return count < cv2.contourArea(outline) + len(outline) / 2 + 1
+
+
 def outline_of(mask: np.ndarray) -> Optional[np.ndarray]:
     """Find the largest outline in a mask, shape (n, 1, 2), int32; None where it is empty."""
-    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    outlines = outlines_in(mask)
     return max(outlines, key=cv2.contourArea) if outlines else None

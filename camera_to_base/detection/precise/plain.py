@@ -12,66 +12,144 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
 """
 The short way for plain objects: of one colour, with a sharp rim, on a table without shade.
 
-An object is plain where its inside is as even as noise allows, and where few pixels lie between
-its colour and the table's: a shadow or a highlight would be among them. Its place then follows
-from one projection, without a look at its surroundings. On a plain object both ways give the same
-place, see `shares`.
+Most objects are plain, and their place follows from one projection, without a look at their
+surroundings, in a window that is hardly larger than the object. What decides between the ways:
+
+- what differs from the background is one region that lies within the picture,
+- its inside is wide enough to be judged, and as even as noise allows: one level, no highlight,
+- it differs from the table by at least twice what an object must, all along its rim by a part of
+  that: it is not faint,
+- few pixels lie between its colour and the table's: shade and blurred rims would be among them,
+- what is covered is one part without a hole,
+- where the background has edges, the background around it has another colour: it is no ghost.
+
+Everything else goes the long way, see `shares`. On a plain object both ways give the same place.
 """
 
-from typing import Optional
+import math
+import operator
+from typing import List, NamedTuple, Optional
 
-from camera_to_base.detection.precise.piece import largest_part, Piece, square
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.piece import has_holes, outlines_in, square
+from camera_to_base.detection.precise.reference import Reference
+from camera_to_base.detection.precise.regions import slices
 from camera_to_base.detection.precise.shares import Placed
 import cv2
 import numpy as np
 
-_LEAST_CORE = 20
-# Deviation inside of the object, in grey levels and in deviations of the noise.
-_EVEN_LEVELS, _EVEN_DEVIATIONS = 4.0, 2.5
-# Pixels between the object's colour and the table's, for each pixel of the core's outline.
-_COVERED, _WIDEST_RIM = 0.8, 2.6
-_LEAST_CONTRAST = 0.02
+_DEPTH, _LEAST_CORE = 3, 20
+_EVEN_LEVELS, _EVEN_DEVIATIONS, _CLEAR = 4.0, 2.5, 2.0
+_COVERED, _HALF, _WIDEST_RIM = 0.8 * 255, 127, 2.6
+_LEAST_SPAN, _SURELY_OTHER = 0.12, 0.5
+_DIAGONAL = math.sqrt(2) - 1
+_LINEAR = LINEAR.tolist()
 
 
-def place_plain(frame: np.ndarray, piece: Piece, noise: float) -> Optional[Placed]:
+class Plain(NamedTuple):
+    """
+    A plain object.
+
+    :param placed: Its place in its window.
+    :param window: The window on the picture.
+    """
+
+    placed: Placed
+    window: Box
+
+
+def find_plain(frame: np.ndarray, part: Box, reference: Reference) -> Optional[Plain]:
+    """
+    Find a plain object.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param part: What has changed, see `tiles`.
+    :param reference: The background at the frame's light.
+    :returns: None where there is something else than one plain object.
+    """
+    place = slices(part)
+    weak = reference.limits.weak(place).outside(frame[place])
+    outlines = outlines_in(weak)
+    if len(outlines) != 1:
+        return None
+    x, y, width, height = cv2.boundingRect(outlines[0])
+    if x == 0 or y == 0 or x + width == part.width or y + height == part.height:
+        return None
+    mask = weak[y - 1:y + height + 1, x - 1:x + width + 1]
+    window = Box(part.x + x - 1, part.y + y - 1, width + 2, height + 2)
+    placed = place_plain(frame, window, mask, outlines[0], reference)
+    return None if placed is None else Plain(placed, window)
+
+
+def place_plain(
+    frame: np.ndarray, window: Box, mask: np.ndarray, outline: np.ndarray, reference: Reference
+) -> Optional[Placed]:
     """
     Place a plain object.
 
-    :param frame: The piece's frame, shape (h, w, 3), uint8, BGR.
-    :param noise: Deviation of the noise, in grey levels.
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param window: The box around the object, 1 px larger to each side.
+    :param mask: What differs in the window, shape (height, width), uint8, 255 there.
+    :param outline: The mask's outline, shape (n, 1, 2), int32.
+    :param reference: The background at the frame's light.
     :returns: None where the object is not plain.
     """
-    core = cv2.erode(piece.mask, square(7))
+    place = slices(window)
+    seen, table = frame[place], reference.lit[place]
+    core = cv2.erode(mask, square(2 * _DEPTH + 1))
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
-    _, deviation = cv2.meanStdDev(frame, mask=core)
-    if deviation.max() > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * noise):
+    level, deviation = (values.ravel().tolist() for values in cv2.meanStdDev(
+        seen[::2], mask=core[::2]))  # every second row tells as much
+    usual = cv2.mean(table)[:3]
+    if (max(deviation) > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
+            or max(map(abs, map(operator.sub, usual, level))) < _CLEAR * reference.limits.least):
         return None
-    shares = _shares(piece, core)
+    shares = _shares(seen, table, mask, [_light(value) for value in level],
+                     [_light(value) for value in usual], reference.has_edges(place))
     if shares is None:
         return None
-    between = piece.mask & (shares < _COVERED).astype(np.uint8)
-    outline = core & (1 - cv2.erode(core, square(3)))
-    if cv2.countNonZero(between) > _WIDEST_RIM * cv2.countNonZero(outline):
-        return None
-    shares = np.maximum(np.clip(shares, 0, 1) * cv2.dilate(piece.mask, square(3)), core)
-    covered = (shares > 0.5).astype(np.uint8)
-    # Several parts are more than one plain object.
-    is_one = cv2.countNonZero(covered & (1 - largest_part(covered))) == 0
-    return Placed(shares, covered) if is_one else None
+    shares = cv2.max(shares, core)
+    between = cv2.countNonZero(mask) - cv2.countNonZero((shares > _COVERED).view(np.uint8))
+    return _whole(shares) if between <= _WIDEST_RIM * _length(outline) else None
 
 
-def _shares(piece: Piece, core: np.ndarray) -> Optional[np.ndarray]:
-    thing = np.float32(cv2.mean(piece.frame, core)[:3])
-    contrast = np.float32(cv2.mean(piece.table, piece.mask)[:3]) - thing
-    if np.abs(contrast).max() < _LEAST_CONTRAST:
+def _shares(
+    seen: np.ndarray, table: np.ndarray, mask: np.ndarray, thing: List[float],
+    usual: List[float], has_edges: bool
+) -> Optional[np.ndarray]:
+    # In 255ths: 255 where all is object, `span` is what is seen where all is table.
+    contrast = list(map(operator.sub, usual, thing))
+    power = sum(map(operator.mul, contrast, contrast))
+    from_thing = np.float32([[*contrast, -sum(map(operator.mul, contrast, thing))]])
+    excess, span = (cv2.transform(cv2.LUT(levels, LINEAR), from_thing) for levels in (seen, table))
+    near = cv2.dilate(mask, square(3))
+    if (cv2.minMaxLoc(span, near)[0] < _LEAST_SPAN * power or has_edges
+            and cv2.mean(span, cv2.bitwise_not(near))[0] < _SURELY_OTHER * power):
         return None
-    weights = contrast.reshape(1, 3)
-    table, frame = (cv2.transform(light, weights) for light in (piece.table, piece.frame))
-    span = table - float(contrast @ thing)
-    if span.min() < 0.3 * float(contrast @ contrast):
+    free = cv2.divide(excess, span, scale=255, dtype=cv2.CV_8U)
+    return cv2.copyTo(cv2.bitwise_not(free), near)
+
+
+def _whole(shares: np.ndarray) -> Optional[Placed]:
+    covered = (shares > _HALF).view(np.uint8)
+    outlines = outlines_in(covered)
+    if len(outlines) != 1 or has_holes(outlines[0], cv2.countNonZero(covered)):
         return None
-    return (table - frame) / span
+    return Placed(shares * np.float32(1 / 255), covered, outlines[0])
+
+
+def _light(level: float) -> float:
+    lower = min(int(level), 254)
+    return _LINEAR[lower] + (level - lower) * (_LINEAR[lower + 1] - _LINEAR[lower])
+
+
+def _length(outline: np.ndarray) -> float:
+    # Of the core's outline, pixel by pixel with common sides; of a convex region's.
+    diagonal = (cv2.arcLength(outline, True) - len(outline)) / _DIAGONAL
+    return len(outline) + diagonal - 8 * _DEPTH

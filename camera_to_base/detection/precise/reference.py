@@ -16,8 +16,7 @@
 
 from typing import Optional
 
-from camera_to_base.detection.background import changed_rows
-from camera_to_base.detection.precise.light import Gain, GainMeter
+from camera_to_base.detection.precise.light import Gain, GainMeter, NO_GAIN
 from camera_to_base.detection.precise.limits import Limits
 from camera_to_base.detection.precise.noise import measure_noise
 import cv2
@@ -49,34 +48,32 @@ class Reference:
 
     def follow(self, frame: np.ndarray) -> None:
         """Take a frame's light, and now and then its noise, for this and the next frames."""
-        gain = self._meter.measure(frame)
+        gain = self._meter.follow(frame)
         self._frame_count += 1
         count = self._frame_count
         is_noise_due = count & (count - 1) == 0 or count % _NOISE_PERIOD == 0
-        if gain == self._gain and not is_noise_due:
+        if gain is self._gain and not is_noise_due:
             return
         if gain != self._gain:
-            self._gain = gain
-            self._linear_levels = gain.linear_levels
-            self._levels = np.rint(gain.coded_levels).astype(np.uint8)[:, None]
-            self.lit = self.at_this_light(self.picture)
+            self._use_gain(gain)
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
             self.mean_noise = float(self.noise[self._usual_level].mean())
         self.limits.set_light(gain, self.noise)
 
+    def _use_gain(self, gain: Gain) -> None:
+        self._gain = gain
+        self._linear_levels = gain.linear_levels
+        self._levels = np.rint(gain.coded_levels).astype(np.uint8)[:, None]
+        self.lit = self.picture if gain == NO_GAIN else cv2.LUT(self.picture, self._levels)
+
     def has_edges(self, part: tuple) -> bool:
         """Tell whether a part of the background changes by as much as an object within 5 px."""
         if self._edges is None:
             size = np.ones((5, 5), np.uint8)
-            gradient = cv2.morphologyEx(
-                cv2.blur(self.picture, (3, 3)), cv2.MORPH_GRADIENT, size).max(axis=2)
-            self._edges = gradient > self._faintest
-        return bool(self._edges[part].any())
-
-    def changed_rows(self, frame: np.ndarray) -> Optional[slice]:
-        """Tell between which rows any level differs by as much as an object; None for none."""
-        return changed_rows(frame, self.lit, self._faintest, exact=False)
+            gradient = cv2.morphologyEx(cv2.blur(self.picture, (3, 3)), cv2.MORPH_GRADIENT, size)
+            self._edges = cv2.bitwise_not(cv2.inRange(gradient, 0, (self._faintest,) * 3))
+        return cv2.countNonZero(self._edges[part]) > 0
 
     def at_this_light(self, picture: np.ndarray) -> np.ndarray:
         """Give a picture of the background's shape as it looks at the frame's light."""

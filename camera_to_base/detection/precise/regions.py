@@ -19,25 +19,20 @@ A region is where pixels beyond the weak limit are connected, and enough of them
 strong one (hysteresis): noise stays below the strong limit, and the rim of an object is still seen
 by the weak one. Holes belong to their region.
 
-The whole frame is read once, against the strong limit, in tiles; everything else is done in
-windows around the tiles in which something has changed.
+All of this is done in windows around the parts that have changed, see `tiles`. Most windows show
+one region without a hole; there a few steps are enough, and the others are left out.
 """
 
-from typing import Iterator, List, NamedTuple, Optional, Set
+from typing import Iterable, List, NamedTuple, Optional, Set
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.limits import Limits
+from camera_to_base.detection.precise.piece import has_holes, outlines_in
 import cv2
 import numpy as np
 
-_TILE = 8
-# A tile whose mean is less has some bytes that are outside of the limits.
-_CALM_TILE = 251
-_CLOSE, _NEXT_TILES = np.ones((3, 3), np.uint8), np.ones((3, 3), np.uint8)
-# How far around the changed tiles a region is looked for at first, in px, and by what factor
-# farther where it goes on.
-_FIRST_MARGIN, _FARTHER = 4, 4
-# A shorter outline encloses less than the smallest object.
+_CLOSE = np.ones((3, 3), np.uint8)
+_FARTHER = 16
 _SHORTEST_OUTLINE = 12
 
 
@@ -56,19 +51,19 @@ class Region(NamedTuple):
 
 
 def find_regions(
-    frame: np.ndarray, rows: slice, limits: Limits, min_area: float
+    frame: np.ndarray, parts: Iterable[Box], limits: Limits, min_area: float
 ) -> List[Region]:
     """
     Find the regions of a frame.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
-    :param rows: Where to look.
+    :param parts: Where to look.
     :param min_area: How large a region's strong part must be, in px².
     :returns: The largest first.
     """
     found: List[Region] = []
     seen: Set[Box] = set()
-    for part in _changed_parts(frame, rows, limits):
+    for part in parts:
         for region in _regions_around(frame, part, limits, min_area):
             if region.box not in seen:
                 seen.add(region.box)
@@ -76,10 +71,10 @@ def find_regions(
     return sorted(found, key=lambda region: -region.strong_area)
 
 
-def filled(outline: np.ndarray, box: Box) -> np.ndarray:
-    """Draw a region's outline, filled: shape (height, width) of a box, uint8, 1 inside."""
+def filled(outline: np.ndarray, box: Box, value: int = 1) -> np.ndarray:
+    """Draw a region's outline, filled: shape (height, width) of a box, uint8, `value` inside."""
     mask = np.zeros((box.height, box.width), np.uint8)
-    return cv2.drawContours(mask, [outline], 0, 1, cv2.FILLED, offset=(-box.x, -box.y))
+    return cv2.drawContours(mask, [outline], 0, value, cv2.FILLED, offset=(-box.x, -box.y))
 
 
 def slices(box: Box) -> tuple:
@@ -96,55 +91,41 @@ def grown(box: Box, margin: int, picture: np.ndarray) -> Box:
     return Box(left, top, right - left, bottom - top)
 
 
-def _changed_parts(frame: np.ndarray, rows: slice, limits: Limits) -> Iterator[Box]:
-    # Channel by channel: OpenCV compares single bytes faster than triples.
-    band = frame[rows]
-    strong = limits.strong(np.s_[rows])
-    width = 3 * frame.shape[1]
-    inside = cv2.inRange(*(picture.reshape(-1, width) for picture in (band, *strong)))
-    size = max(frame.shape[1] // _TILE, 1), max(len(band) // _TILE, 1)
-    tiles = cv2.resize(inside, size, interpolation=cv2.INTER_AREA)
-    _, changed = cv2.threshold(tiles, _CALM_TILE, 255, cv2.THRESH_BINARY_INV)
-    if not cv2.countNonZero(changed):
-        return
-    # The last tile may be larger than the others.
-    scale_x, scale_y = frame.shape[1] / size[0], len(band) / size[1]
-    outlines, _ = cv2.findContours(
-        cv2.dilate(changed, _NEXT_TILES), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-    for outline in outlines:
-        x, y, width, height = cv2.boundingRect(outline)
-        left, top = int(x * scale_x), int(y * scale_y)
-        yield Box(left, rows.start + top, int(np.ceil((x + width) * scale_x)) - left,
-                  int(np.ceil((y + height) * scale_y)) - top)
-
-
 def _regions_around(
     frame: np.ndarray, part: Box, limits: Limits, min_area: float
 ) -> List[Region]:
     # A region that reaches the window's border is looked at again in a larger window.
-    margin = _FIRST_MARGIN
+    window, margin = part, _FARTHER
     while True:
-        window = grown(part, margin, frame)
         found = _regions_in(frame, window, limits, min_area)
         if not any(_goes_on(region.box, window, frame) for region in found):
             return found
-        margin *= _FARTHER
+        window, margin = grown(part, margin, frame), margin * 4
 
 
 def _regions_in(
     frame: np.ndarray, window: Box, limits: Limits, min_area: float
 ) -> List[Region]:
     part = slices(window)
-    piece = np.ascontiguousarray(frame[part])
-    strong = limits.strong(part).outside(piece)
-    if cv2.countNonZero(strong) < min_area / 2:
+    levels = frame[part]
+    strong = limits.strong(part).outside(levels)
+    area = cv2.countNonZero(strong)
+    if area < min_area / 2:
         return []
-    strong, weak = (cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE)
-                    for mask in (strong, limits.weak(part).outside(piece)))
-    outlines, _ = cv2.findContours(weak, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    regions = (_region(outline, strong, window, min_area) for outline in outlines
+    weak = limits.weak(part).outside(levels)
+    outlines = outlines_in(weak)
+    if len(outlines) == 1 and _is_solid(outlines[0], weak, area, min_area):
+        return [_moved(outlines[0], area, window)]
+    strong, weak = (
+        cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE) for mask in (strong, weak))
+    regions = (_region(outline, strong, window, min_area) for outline in outlines_in(weak)
                if len(outline) >= _SHORTEST_OUTLINE)
     return [region for region in regions if region is not None]
+
+
+def _is_solid(outline: np.ndarray, weak: np.ndarray, area: int, min_area: float) -> bool:
+    count = cv2.countNonZero(weak)
+    return area >= max(min_area, count / 2) and not has_holes(outline, count)
 
 
 def _region(
@@ -159,8 +140,12 @@ def _region(
         area = _largest_area(marked)
     if area < min_area:
         return None
-    corner = np.int32([window.x, window.y])
-    return Region(outline + corner, box._replace(x=box.x + window.x, y=box.y + window.y), area)
+    return _moved(outline, area, window)
+
+
+def _moved(outline: np.ndarray, area: int, window: Box) -> Region:
+    outline = outline + np.int32([window.x, window.y])
+    return Region(outline, Box(*cv2.boundingRect(outline)), area)
 
 
 def _largest_area(mask: np.ndarray) -> int:

@@ -27,6 +27,7 @@ it points somewhere else. Such a pair stays together.
 
 from typing import NamedTuple, Optional, Tuple
 
+from camera_to_base.detection.precise.highlight import find_highlight
 from camera_to_base.detection.precise.piece import (
     channel_extremes, largest_part, Look, look_at, outline_of, Piece, square)
 import cv2
@@ -41,16 +42,23 @@ _LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
 _MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
 _LEAST_CORE, _LEAST_PART, _LEAST_THING, _LEAST_RING = 20, 8, 16, 4
 _SATURATED, _MOST_SATURATED = 0.97, 0.02
-_LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.25, 0.25
+_LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.15, 0.25
+# A highlight on glass lies inside of the rim; an object's rim is free where no shadow lies.
+_LEAST_FREE_RIM_OF_SPOT = 0.45
 _LEAST_SHADE, _LEAST_DULL, _LEAST_LUMP, _LEAST_SHADE_BESIDE = 0.8, 0.6, 0.6, 0.15
 # Two levels are apart by this much; the step between them is at least this high, is this part of
 # the whole difference, and the object hardly changes on the way to it.
 _LEVELS_APART, _LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _STEEPEST = 0.15, 0.12, 0.4, 0.35, 0.2
+# JPEG and a sensor's colour filter make a step between colours less sharp.
+_STEEPEST_COLOUR = 0.35
 _NEAR, _CLOSE, _FARTHER = (1.5, 4.0), (3.0, 5.0), (6.0, 9.0)
 _STEPS, _LOWEST = 80, -3.0
 # Cosine of the angle between a wall and the way out of the picture, and how much more convex a
 # top is.
-_OUTWARD, _MORE_CONVEX = 0.8, 0.04
+_OUTWARD, _MORE_CONVEX = 0.8, 0.2
+_LEAST_LIGHT = 1e-3
+# A thing is of one colour where this part of it has that colour.
+_MOSTLY = 0.7
 # A shadow's median ratio, where it surrounds a light thing.
 _DEEPEST_AROUND = -1.0
 
@@ -77,36 +85,69 @@ def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Opti
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
     look = look_at(piece)
-    special = _special(look, core)
-    share = cv2.countNonZero(special) / cv2.countNonZero(core)
+    special = _special(look, piece.mask)
+    share = cv2.countNonZero(special & core) / cv2.countNonZero(core)
+    spot = find_highlight(piece)
     thing = _special_thing(piece, look, core, special) if share > _LEAST_SPECIAL else None
+    if thing is not None and spot is not None and not _has_free_rim(
+            thing.mask, piece.mask, _LEAST_FREE_RIM_OF_SPOT):
+        thing = None
     if thing is None and share < 0.5 and not _is_dazzled(piece):
-        thing = _darker_thing(piece, look, core, outward)
+        special = special if spot is None else special | spot & piece.mask
+        thing = _darker_thing(piece, look, look.ratio, core, special, outward)
+        if thing is None:
+            # An object as dark as its shadow may have another colour.
+            ratio = _clearest_ratio(piece, core)
+            thing = _darker_thing(piece, look, ratio, core, special, outward)
     return thing
+
+
+def _clearest_ratio(piece: Piece, core: np.ndarray) -> np.ndarray:
+    ratio = np.log(np.maximum(piece.frame, _LEAST_LIGHT) / np.maximum(piece.table, _LEAST_LIGHT))
+    ratio = cv2.blur(ratio, (5, 5))
+    return ratio[..., int(np.argmax(cv2.meanStdDev(ratio, mask=core)[1]))]
 
 
 def _is_dazzled(piece: Piece) -> bool:
     # Beside a lamp's mirror image on the table, ratios tell nothing of shade.
     around = cv2.dilate(piece.mask, square(9))
     bright = (channel_extremes(piece.table)[1] > _SATURATED).astype(np.uint8)
-    return cv2.countNonZero(around & bright) > _MOST_SATURATED * cv2.countNonZero(around)
+    share = cv2.countNonZero(around & bright) / cv2.countNonZero(around)
+    return _MOST_SATURATED < share < 1 - _MOST_SATURATED
 
 
-def _special(look: Look, core: np.ndarray) -> np.ndarray:
+def _special(look: Look, mask: np.ndarray) -> np.ndarray:
     special = ((look.largest > _LIGHT) | (look.tint > _COLOURED)).astype(np.uint8)
-    return cv2.morphologyEx(core & special, cv2.MORPH_OPEN, square(3))
+    return cv2.morphologyEx(mask & special, cv2.MORPH_OPEN, square(3))
 
 
 def _special_thing(
     piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
 ) -> Optional[Thing]:
-    thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(7)))
-    thing = cv2.dilate(thing, square(5)) & piece.mask
+    thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(9)))
+    thing = cv2.dilate(thing, square(3)) & piece.mask
     ratios = look.ratio[(thing & core) > 0]
     light = np.percentile(ratios, 75) if len(ratios) else 0.0
     if light > _MUCH_LIGHTER:
         return _light_thing(piece, look, _END_OF_LIGHT * light)
-    return Thing(thing, False) if _is_thing_and_shade(thing, piece.mask, look) else None
+    if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
+        thing = _up_to_half(thing, piece)
+    is_thing = _is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
+    return Thing(thing, False) if is_thing else None
+
+
+def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
+    """Move the rim of a coloured thing to where half of its colour is seen."""
+    inside, rest = cv2.erode(thing, square(5)), piece.mask & (1 - cv2.dilate(thing, square(3)))
+    rest = cv2.erode(rest, square(3))
+    if min(cv2.countNonZero(inside), cv2.countNonZero(rest)) < _LEAST_PART:
+        return thing
+    ratio = cv2.divide(*_in_clearest_colour(piece, inside, rest))
+    ends = [float(np.median(ratio[part > 0])) for part in (inside, rest)]
+    half = sum(ends) / 2
+    like = (ratio > half) if ends[0] > ends[1] else (ratio < half)
+    like = cv2.dilate(thing, square(3)) & piece.mask & like.astype(np.uint8)
+    return largest_part(cv2.morphologyEx(like, cv2.MORPH_CLOSE, square(9))) & piece.mask
 
 
 def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
@@ -129,29 +170,42 @@ def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
 
 
 def _darker_thing(
-    piece: Piece, look: Look, core: np.ndarray, outward: Tuple[float, float]
+    piece: Piece, look: Look, ratio: np.ndarray, core: np.ndarray, special: np.ndarray,
+    outward: Tuple[float, float],
 ) -> Optional[Thing]:
-    ratios = look.ratio[core > 0]
+    ratios = ratio[(core & (1 - special)) > 0]
+    if len(ratios) < _LEAST_CORE:
+        return None
     dark = ratios <= _otsu(ratios)
     if not _LEAST_PART < dark.sum() < len(dark) - _LEAST_PART:
         return None
     low, high = ratios[dark].mean(), ratios[~dark].mean()
     if high - low < _LEVELS_APART:
         return None
-    darker = piece.mask & (look.ratio <= (low + high) / 2).astype(np.uint8)
-    thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(3)))
-    if not _is_thing_and_shade(thing, piece.mask, look) or _is_wall(thing, piece.mask, outward):
-        return None
-    return Thing(thing, False)
+    darker = piece.mask & (ratio <= (low + high) / 2).astype(np.uint8)
+    darker |= special
+    gap = 9 if special.any() else 3
+    thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(gap)))
+    rest = _lighter_side(thing, piece.mask)
+    if not special.any() and _solidity(rest) > _solidity(thing) + _MORE_CONVEX:
+        # A shadow is what its object leaves of it, a crescent.
+        if _is_wall(thing, rest, outward):
+            return None
+        thing = darker = rest
+    return Thing(thing, False) if _is_thing_and_shade(thing, darker, piece, look) else None
 
 
-def _is_wall(dark: np.ndarray, mask: np.ndarray, outward: Tuple[float, float]) -> bool:
-    rest = cv2.morphologyEx(mask & (1 - dark), cv2.MORPH_OPEN, square(3))
+def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    # Without the rim, which is lighter on all sides.
+    rest = cv2.erode(mask, square(5)) & (1 - dark)
+    rest = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
+    return cv2.dilate(rest, square(5)) & mask & (1 - dark)
+
+
+def _is_wall(dark: np.ndarray, rest: np.ndarray, outward: Tuple[float, float]) -> bool:
     away = np.subtract(_centroid(dark), _centroid(rest))
     length = np.hypot(*away) * np.hypot(*outward)
-    if length == 0 or away @ outward < _OUTWARD * length:
-        return False
-    return _solidity(rest) > _solidity(dark) + _MORE_CONVEX
+    return bool(length == 0 or away @ outward >= _OUTWARD * length)
 
 
 def _centroid(mask: np.ndarray) -> Tuple[float, float]:
@@ -174,12 +228,17 @@ def _otsu(ratios: np.ndarray) -> float:
     return level / _STEPS + _LOWEST
 
 
-def _is_thing_and_shade(thing: np.ndarray, mask: np.ndarray, look: Look) -> bool:
+def _is_thing_and_shade(
+    thing: np.ndarray, marked: np.ndarray, piece: Piece, look: Look,
+    steepest: float = _STEEPEST,
+) -> bool:
+    # `marked` is `thing` without its holes.
+    mask = piece.mask
     rest = mask & (1 - cv2.dilate(thing, square(3)))
     return (cv2.countNonZero(thing) >= _least_area(mask)
             and _is_lump_of_shade(cv2.erode(rest, square(3)), look)
             and _has_free_rim(thing, mask)
-            and _has_sharp_step(thing, rest, cv2.erode(mask, square(5)), look))
+            and _has_sharp_step(thing, marked, rest, piece, steepest))
 
 
 def _least_area(mask: np.ndarray) -> float:
@@ -197,25 +256,43 @@ def _is_lump_of_shade(rest: np.ndarray, look: Look) -> bool:
     return max(areas) > _LEAST_LUMP * sum(areas)
 
 
-def _has_free_rim(thing: np.ndarray, mask: np.ndarray) -> bool:
+def _has_free_rim(
+    thing: np.ndarray, mask: np.ndarray, least: float = _LEAST_FREE_RIM
+) -> bool:
     # A shadow lies to one side of its object; a highlight or a print is surrounded.
     rim = thing & (1 - cv2.erode(thing, square(3)))
     free = rim & (1 - cv2.erode(mask, square(9)))
-    return cv2.countNonZero(free) >= _LEAST_FREE_RIM * cv2.countNonZero(rim)
+    return cv2.countNonZero(free) >= least * cv2.countNonZero(rim)
 
 
 def _has_sharp_step(
-    thing: np.ndarray, rest: np.ndarray, inner: np.ndarray, look: Look
+    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece, steepest: float
 ) -> bool:
-    sides = _Sides(thing & inner, rest & inner, cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
+    inner = cv2.erode(piece.mask, square(5))
+    light, usual = _in_clearest_colour(piece, thing & marked & inner, rest & inner)
+    level = cv2.log(light)
+    ratio = level - cv2.log(usual)
+    sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
+                   cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
                    cv2.distanceTransform(1 - thing, cv2.DIST_L2, 3))
-    in_frame, in_ratio = sides.step(look.level, *_NEAR), sides.step(look.ratio, *_NEAR)
+    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
     if in_frame is None:
         return False
-    whole = abs(sides.step(look.ratio, 0.0, np.inf))
+    whole = abs(sides.step(ratio, 0.0, np.inf))
     is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
                and abs(in_ratio) >= _OF_WHOLE * whole)
-    return bool(is_step and sides.slope(look.level) <= _STEEPEST * abs(in_frame))
+    return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
+
+
+def _in_clearest_colour(
+    piece: Piece, thing: np.ndarray, rest: np.ndarray
+) -> Tuple[np.ndarray, np.ndarray]:
+    """Give the light and the usual light of the colour in which thing and rest differ most."""
+    ratios = np.divide(*(np.maximum(cv2.mean(piece.frame, part)[:3], _LEAST_LIGHT)
+                         for part in (thing, rest)))
+    channel = int(np.argmax(np.abs(np.log(ratios))))
+    return tuple(cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), _LEAST_LIGHT)
+                 for light in (piece.frame, piece.table))
 
 
 class _Sides(NamedTuple):

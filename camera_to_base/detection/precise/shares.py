@@ -21,7 +21,7 @@ inside; the share follows by projection, from all three colours. The pixels of w
 is covered make the next, better mask: three turns are enough.
 """
 
-from typing import Dict, NamedTuple
+from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
 from camera_to_base.detection.precise.piece import channel_sum, disc, largest_part, Piece, square
@@ -49,10 +49,12 @@ class Placed(NamedTuple):
 
     :param shares: How much of each pixel it covers, shape (h, w), float32.
     :param mask: The pixels of which it covers more than half, without holes, uint8.
+    :param outline: The mask's outline, shape (n, 1, 2), int32; None if it is not known yet.
     """
 
     shares: np.ndarray
     mask: np.ndarray
+    outline: Optional[np.ndarray] = None
 
     def moments(self, left: int, top: int) -> Dict[str, float]:
         """Give the moments of what is covered, as cv2.moments, in px of the picture."""

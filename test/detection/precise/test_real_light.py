@@ -19,12 +19,8 @@ from pathlib import Path
 import sys
 
 from camera_to_base.detection import PreciseDifferenceDetector
-from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.piece import make_piece
-from camera_to_base.detection.precise.plain import place_plain
-from camera_to_base.detection.precise.shares import place
+from camera_to_base.detection.precise import detector as detector_module
 from camera_to_base.detection.settings import DetectorSettings
-import cv2
 import numpy as np
 import pytest
 
@@ -59,7 +55,8 @@ def test_object_is_found_once_and_placed(conditions, most_px):
 
 
 @pytest.mark.parametrize('conditions', [
-    Conditions(shade=0.5), Conditions(flicker=0.2), Conditions(pattern='grain', tremble=1)])
+    Conditions(shade=0.5), Conditions(shade=0.1), Conditions(flicker=0.2),
+    Conditions(pattern='grain', tremble=1)])
 def test_light_and_tremble_are_no_objects(conditions):
     camera = Photographer(conditions, 5)
     detector = PreciseDifferenceDetector(camera.background())
@@ -69,24 +66,39 @@ def test_light_and_tremble_are_no_objects(conditions):
         assert len(found) == 1 and math.dist(found[0].centre, truth) < 1.5
 
 
-def test_short_way_and_long_way_give_the_same_place():
-    camera = Photographer(Conditions(), 3, SMALL)
+@pytest.mark.parametrize('strength', [0.04, 0.1])
+def test_bands_of_a_flickering_lamp_are_no_objects_and_hide_none(strength):
+    camera = Photographer(Conditions(), 5)
+    detector = PreciseDifferenceDetector(camera.background())
+    for number in range(6):
+        frame, truth = camera.frame()
+        light = 1 + strength * np.sin(np.arange(len(frame)) / (30 + 20 * number) + number)
+        frame = np.clip(np.rint(frame * light[:, None, None]), 0, 255).astype(np.uint8)
+        found = [one for one in detector.detect(frame) if not one.cut_off]
+        assert len(found) == 1 and math.dist(found[0].centre, truth) < 0.5
+
+
+@pytest.mark.parametrize('conditions, most_px', [
+    (Conditions(electrons=1e6, quality=0), 0.03),
+    (Conditions(electrons=1e6, quality=0, colour=(0.9,)), 0.05),
+    (Conditions(electrons=1e6, quality=0, colour=(0.05, 0.1, 0.6)), 0.03),
+    (Conditions(electrons=1e6, quality=0, shape='block'), 0.03),
+    (Conditions(electrons=1e6, quality=0, shape='bar', radius=24), 0.03),
+    (Conditions(electrons=1e6, quality=0, pattern='grain'), 0.05),
+    (Conditions(), 0.06), (Conditions(electrons=900), 0.06), (Conditions(flicker=0.2), 0.06)])
+def test_short_way_and_long_way_give_the_same_result(conditions, most_px, monkeypatch):
+    camera = Photographer(conditions, 3, SMALL)
     background = camera.background()
-    detector = PreciseDifferenceDetector(background)
-    for _ in range(6):
-        frame, _ = camera.frame()
-        found, = detector.detect(frame)
-        box = Box(found.box.x - 14, found.box.y - 14, found.box.width + 28, found.box.height + 28)
-        mask = np.zeros((box.height, box.width), np.uint8)
-        cv2.fillPoly(mask, [found.outline - [box.x, box.y]], 1)
-        part = np.s_[box.y:box.y + box.height, box.x:box.x + box.width]
-        levels = np.ascontiguousarray(frame[part])
-        piece = make_piece(levels, detector._reference.light(part),
-                           cv2.dilate(mask, np.ones((3, 3), np.uint8)))
-        short, long = place_plain(levels, piece, 1.5), place(piece)
-        places = [(moments['m10'] / moments['m00'], moments['m01'] / moments['m00'])
-                  for moments in (short.moments(0, 0), long.moments(0, 0))]
-        assert math.dist(*places) < 0.05
+    frames = [camera.frame()[0] for _ in range(6)]
+    short = [PreciseDifferenceDetector(background).detect(frame) for frame in frames]
+    for way in 'find_plain', 'place_plain':
+        monkeypatch.setattr(detector_module, way, lambda *_: None)
+    long = [PreciseDifferenceDetector(background).detect(frame) for frame in frames]
+    assert sum(one != other for one, other in zip(short, long)) >= 4  # two ways, indeed
+    for (one,), (other,) in zip(short, long):
+        assert math.dist(one.centre, other.centre) < most_px
+        assert one.area == pytest.approx(other.area, rel=0.02)
+        assert one.cut_off == other.cut_off
 
 
 def test_noise_is_measured_and_told():

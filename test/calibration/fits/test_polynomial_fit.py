@@ -15,7 +15,7 @@
 """The tutorial's tilted camera, from a table."""
 
 from camera_to_base.calibration.figures import left_out_errors
-from camera_to_base.calibration.polynomial_fit import fit_polynomial
+from camera_to_base.calibration.fits.polynomial_fit import fit_polynomial
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.models import PolynomialSurface

@@ -16,8 +16,8 @@
 
 from typing import List, Optional, Sequence
 
+from camera_to_base.calibration.checks.outliers import find_outlier
 from camera_to_base.calibration.figures import MM_PER_CM, surface_errors
-from camera_to_base.calibration.outliers import find_outlier
 from camera_to_base.errors import CalibrationError, HorizonError
 from camera_to_base.surface import HomographySurface, Hull, ImageSize, MatchedPoints, Surface
 import numpy as np

@@ -16,7 +16,7 @@
 
 from typing import Any, List, Mapping
 
-from camera_to_base.calibration.rigid_fit import PAIRS_TO_TELL_A_BAD_ONE, RigidFit, spread
+from camera_to_base.calibration.fits.rigid_fit import PAIRS_TO_TELL_A_BAD_ONE, RigidFit, spread
 from camera_to_base.errors import CalibrationError, HorizonError
 from camera_to_base.surface import (
     Hull, make_hull, make_surface, PointPairs, Surface, SURFACE_DEFAULTS)

@@ -12,56 +12,36 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Computes the parameters of a surface from matched points, and reports the errors."""
 
-"""Computes the nodes' parameters from matched points, and reports the errors."""
+from dataclasses import replace
+from typing import Any, Dict, Mapping, Optional, Sequence
 
-from dataclasses import asdict, dataclass, replace
-from datetime import datetime
-from typing import Any, Dict, Mapping, Optional, Sequence, Union
-
-from camera_to_base.calibration.base_checks import (
-    check_pairs, check_with_surface, check_without_surface)
+from camera_to_base.calibration.checks.surface_checks import check_fit, refuse_outlier
 from camera_to_base.calibration.figures import (
-    coverage, error_figures, ErrorFigures, left_out_errors, surface_errors, tilt, warnings)
-from camera_to_base.calibration.homography_fit import fit_homography, POINTS_FOR_DISTORTION
-from camera_to_base.calibration.polynomial_fit import fit_polynomial
+    coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
+from camera_to_base.calibration.fits.homography_fit import fit_homography, POINTS_FOR_DISTORTION
+from camera_to_base.calibration.fits.polynomial_fit import fit_polynomial
 from camera_to_base.calibration.report_drawing import report_picture
 from camera_to_base.calibration.report_text import figure_lines, Report
-from camera_to_base.calibration.rigid_fit import fit_rigid
-from camera_to_base.calibration.surface_checks import check_fit, refuse_outlier
+from camera_to_base.calibration.result import (
+    Calibration, figure_fields, origin_fields, refuse_too_many)
 from camera_to_base.calibration.tables import refuse_other_size
-from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values
 from camera_to_base.surface import (
     camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
-    PointPairs, sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
+    sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
 import numpy as np
 
 # Corners are found to 0.1 to 0.2 px; the right intrinsics reproduce them to the same accuracy.
 LARGEST_POSE_RMS_PX = 1.0
-# The fit is repeated without each point: a thousand points take a minute, ten thousand hours.
-_MOST_POINTS = 1000
-
-
-@dataclass(frozen=True)
-class Calibration:
-    """
-    The result of a calibration.
-
-    :param report: The report that `calibrate --json` prints.
-    :param values: The nodes' parameters, by full name.
-    :param picture: The report picture, shape (h, w, 3), uint8; None if there is none.
-    """
-
-    report: Report
-    values: Mapping[str, Any]
-    picture: Optional[np.ndarray] = None
 
 
 def calibrate_surface(
     matched: MatchedPoints, image_size: ImageSize, *, source: str, model: str = 'homography',
     points_are: str = 'row', image: Optional[np.ndarray] = None,
-    lattice: Optional[np.ndarray] = None,
+    lattice: Optional[np.ndarray] = None, further: Sequence[MatchedPoints] = (),
 ) -> Calibration:
     """
     Fit the surface.
@@ -72,11 +52,13 @@ def calibrate_surface(
     :param points_are: The report's word for a point.
     :param image: The background of the report picture; see :func:`report_picture`.
     :param lattice: The grid to draw; see :func:`report_picture`.
+    :param further: Points of further placements of a board, see :func:`fit_homography`.
     :raises CameraToBaseError: If the points do not determine the surface.
     """
-    _refuse_too_many(matched)
+    refuse_too_many(len(matched) + sum(map(len, further)))
     if model == 'homography':
-        fit = fit_homography(matched, image_size)
+        fit = fit_homography(matched, image_size, further)
+        matched = _together([matched, *further], fit.points)
         found = {'distortion_coefficient': fit.surface.distortion.coefficient,
                  'distortion_centre': list(fit.surface.distortion.centre),
                  'points_for_distortion': POINTS_FOR_DISTORTION,
@@ -92,8 +74,8 @@ def calibrate_surface(
     covered = coverage(hull, image_size)
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
                             left_out_errors(fit.without, matched))
-    report = {**_origin(model, source), 'image_size': list(image_size), **found,
-              **_axes(fit.surface, matched), **_figures(figures, points_are),
+    report = {**origin_fields(model, source), 'image_size': list(image_size), **found,
+              **_axes(fit.surface, matched), **figure_fields(figures, points_are),
               'coverage': covered, 'warnings': [*warnings(figures, covered), *doubts]}
     picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
                              lines=figure_lines(report))
@@ -128,38 +110,6 @@ def add_camera_pose(
                 **{f'surface.{name}': value for name, value in found.items()}})
 
 
-def calibrate_base(
-    pairs: PointPairs, *, source: str, surface_values: Optional[Mapping[str, Any]] = None,
-    base_z: str = 'up',
-) -> Calibration:
-    """
-    Fit the transform from the camera frame to the base frame.
-
-    :param source: The pairs' origin, for the report.
-    :param surface_values: The parameters of the surface that the camera points were measured
-        with, by full name; None if they are not known.
-    :param base_z: Direction of the base frame's z at the table: 'up', away from it, or 'down'.
-    :raises CameraToBaseError: If the pairs do not determine the transform, no transform fits them,
-        or they do not fit the surface.
-    """
-    _refuse_too_many(pairs)
-    fit = fit_rigid(pairs)
-    doubts = check_pairs(pairs, fit)
-    if surface_values is None:
-        doubts += check_without_surface(pairs)
-    else:
-        doubts += check_with_surface(pairs, fit, surface_values, base_z)
-    left_out = fit.left_out_residuals
-    figures = error_figures(
-        np.linalg.norm(fit.residuals, axis=1), pairs.rows,
-        None if left_out is None else np.linalg.norm(left_out, axis=1))
-    values = {'rotation_deg': list(fit.rotation_deg),
-              'displacement_cm': list(fit.displacement_cm)}
-    report = {**_origin('rigid', source), **values, **_figures(figures, 'row'),
-              'warnings': [*warnings(figures), *doubts]}
-    return Calibration(report, values)
-
-
 def check_surface(
     values: Mapping[str, Any], matched: MatchedPoints, table_size: Optional[ImageSize] = None
 ) -> Report:
@@ -181,8 +131,15 @@ def check_surface(
     refuse_other_size(table_size, values['surface.image_size'])
     figures = error_figures(surface_errors(surface, matched), matched.rows)
     outside = 0 if hull is None else sum(not hull.contains(pixel) for pixel in matched.pixels)
-    return {'model': values['surface.model'], **_figures(figures, 'row'),
+    return {'model': values['surface.model'], **figure_fields(figures, 'row'),
             'outside_hull': outside, 'warnings': []}
+
+
+def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> MatchedPoints:
+    """Return the points of all placements, where the fit has put them in the camera frame."""
+    if len(placements) == 1:
+        return placements[0]
+    return MatchedPoints(points, np.concatenate([placement.pixels for placement in placements]))
 
 
 def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:
@@ -190,13 +147,6 @@ def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]
         raise InvalidValueError(
             'the intrinsics are for pictures of {} x {} px, but this one has {} x {} px: use '
             'those of its size'.format(*intrinsics_size, *image_size))
-
-
-def _refuse_too_many(points: Union[MatchedPoints, PointPairs]) -> None:
-    if len(points) > _MOST_POINTS:
-        raise CalibrationError(
-            f'{len(points)} points are too many to leave out each of them once: give '
-            f'{_MOST_POINTS} at most, spread over the working area')
 
 
 def _axes(surface: Surface, matched: MatchedPoints) -> Dict[str, Any]:
@@ -209,12 +159,3 @@ def _axes(surface: Surface, matched: MatchedPoints) -> Dict[str, Any]:
     clockwise = sees_y_clockwise(matched)
     return {'origin_px': origin, 'x_towards_px': x_end, 'y_towards_px': y_end,
             'z_points': 'into the surface' if clockwise else 'towards the camera'}
-
-
-def _origin(model: str, source: str) -> Report:
-    return {'model': model, 'source': source,
-            'date': datetime.now().astimezone().isoformat(timespec='seconds')}
-
-
-def _figures(figures: ErrorFigures, points_are: str) -> Report:
-    return {**asdict(figures), 'points_are': points_are}

@@ -15,10 +15,10 @@
 """Find a chessboard's inner corners, in a reproducible order."""
 
 from dataclasses import dataclass
-from typing import Optional
 
-from camera_to_base.calibration.squares import (
-    count_beyond, edges_reached, is_board, is_pattern, square_contrast)
+from camera_to_base.calibration.boards.board_search import (
+    other_counts, search, SMALLEST_SQUARE_PX, why_not_found)
+from camera_to_base.calibration.boards.squares import count_beyond, square_contrast
 from camera_to_base.checks import whole_number
 from camera_to_base.detection import check_frame
 from camera_to_base.errors import CalibrationError, InvalidValueError
@@ -29,15 +29,6 @@ import numpy as np
 # Half the side of the window in which a corner is refined, as a share of the distance to its
 # nearest neighbour. 0.25 to 0.3 measured best; at 0.4 the window contains neighbouring edges.
 WINDOW_SHARE = 0.3
-
-# Finders need a few pixels for a square.
-SMALLEST_SQUARE_PX = 4
-
-# Of a board that is cut off so many parts are searched, to say so.
-MOST_PARTS = 12
-
-# Pictures are searched at this width first: fast, and the finder copes better with few pixels.
-SEARCH_WIDTH = 1000
 
 
 @dataclass(frozen=True)
@@ -78,11 +69,11 @@ def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
     grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     corners = search(grey, columns, rows)
     if corners is None:
-        raise CalibrationError(_why_not_found(grey, columns, rows))
+        raise CalibrationError(why_not_found(grey, columns, rows))
     more_columns, more_rows = count_beyond(grey, corners)
     if more_columns or more_rows:
         raise CalibrationError(
-            _other_counts(columns, rows, columns + more_columns, rows + more_rows))
+            other_counts(columns, rows, columns + more_columns, rows + more_rows))
     other = search(_without(grey, corners), columns, rows, thorough=False)
     if other is not None and _area(other) > _area(corners):
         corners = other
@@ -135,36 +126,6 @@ def refine(grey: np.ndarray, corners: np.ndarray) -> np.ndarray:
     return refined
 
 
-def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True
-           ) -> Optional[np.ndarray]:
-    """
-    Find corners to a pixel: first in a reduced picture if it is large, then in the full one.
-
-    :param grey: Shape (h, w), uint8.
-    :param thorough: False looks at the reduced picture only, which takes a tenth of the time.
-    :returns: Shape (rows, columns, 2), in px, or None.
-    """
-    scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
-    for factor in ([scale, 1.0] if thorough and scale < 1 else [scale]):
-        reduced = cv2.resize(grey, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
-        corners = _search_once(reduced, columns, rows)
-        if corners is not None:
-            return (corners + 0.5) / factor - 0.5
-    return None
-
-
-def _search_once(grey, columns, rows):
-    """Search with the finder that measured better, then with the one for blurred pictures."""
-    flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
-    found, corners = cv2.findChessboardCorners(grey, (columns, rows), flags=flags)
-    if not found or not is_board(grey, corners.reshape(rows, columns, 2)):
-        flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
-        found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
-    if not found or not is_board(grey, corners.reshape(rows, columns, 2)):
-        return None
-    return corners.reshape(rows, columns, 2).astype(float)
-
-
 def _spacing(corners):
     """Return each corner's distance to its nearest neighbour, shape (rows, columns), in px."""
     along_x = np.linalg.norm(np.diff(corners, axis=1), axis=2)
@@ -208,57 +169,3 @@ def _check_size(image, columns, rows):
         raise InvalidValueError(
             f'the picture of {width} x {height} px is too small to show {columns + 1} x '
             f'{rows + 1} squares: use a larger one')
-
-
-def _why_not_found(grey, columns, rows):
-    """Look for a board of nearly these counts or a part of one, to say so if there is one."""
-    scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
-    grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
-    for other in _nearby_counts(columns, rows):
-        found, corners = cv2.findChessboardCorners(grey, other, flags=flags)
-        if found:
-            corners = corners.reshape(other[1], other[0], 2).astype(float)
-            if is_board(grey, corners):
-                more_columns, more_rows = count_beyond(grey, corners)
-                return _other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows,
-                                     edges_reached(grey, corners))
-    edges = _cut_off_at(grey, columns, rows)
-    if edges:
-        return f'{_cut_off_text(edges)}: the whole board must be in it, with a white margin'
-    return (
-        f'no chessboard with {columns} x {rows} inner corners found: the whole board must be in '
-        'the picture with a white margin, evenly lit and sharp, and its inner corners counted '
-        'where four squares meet (one less than the squares in each direction)')
-
-
-def _cut_off_at(grey, columns, rows):
-    """Name the picture's edges that cut a board off, as far as a part of it can be found."""
-    parts = [*((fewer, rows) for fewer in range(columns - 1, 2, -1)),
-             *((columns, fewer) for fewer in range(rows - 1, 2, -1))]
-    for counts in parts[:MOST_PARTS]:
-        found, corners = cv2.findChessboardCornersSB(
-            grey, counts, flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
-        if found:
-            part = corners.reshape(counts[1], counts[0], 2).astype(float)
-            edges = edges_reached(grey, part) if is_pattern(grey, part) else []
-            if edges:
-                return edges
-    return []
-
-
-def _nearby_counts(columns, rows):
-    near = [(columns + x, rows + y) for x in range(-2, 3) for y in range(-2, 3) if x or y]
-    near = [counts for counts in near if min(counts) >= 3]
-    return sorted(near, key=lambda counts: abs(counts[0] - columns) + abs(counts[1] - rows))
-
-
-def _other_counts(columns, rows, found_columns, found_rows, edges=()):
-    cut_off = f'{_cut_off_text(edges)}, or ' if edges else ''
-    return (
-        f'the board in the picture has {found_columns} x {found_rows} inner corners, not '
-        f'{columns} x {rows}: {cut_off}give --corners {found_columns}x{found_rows}')
-
-
-def _cut_off_text(edges):
-    return f'the board is cut off by the {" and the ".join(edges)} edge of the picture'

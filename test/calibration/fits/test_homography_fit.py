@@ -15,7 +15,7 @@
 """The homography fit, against closed-form truth."""
 
 from camera_to_base.calibration.figures import left_out_errors, surface_errors
-from camera_to_base.calibration.homography_fit import fit_homography
+from camera_to_base.calibration.fits.homography_fit import fit_homography
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.models import HomographySurface

@@ -14,8 +14,8 @@
 
 """Chessboards that the tests render themselves."""
 
-from camera_to_base.calibration.board import find_board
-from camera_to_base.calibration.board_frame import board_points
+from camera_to_base.calibration.boards.board import find_board
+from camera_to_base.calibration.boards.board_frame import board_points
 from camera_to_base.errors import CalibrationError, InvalidValueError
 import cv2
 import numpy as np

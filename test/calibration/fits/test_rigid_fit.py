@@ -16,7 +16,7 @@
 
 import re
 
-from camera_to_base.calibration.rigid_fit import align, fit_rigid, rotation_deg
+from camera_to_base.calibration.fits.rigid_fit import align, fit_rigid, rotation_deg
 from camera_to_base.coordinate_transform import rotation_matrix
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface.matched_points import PointPairs

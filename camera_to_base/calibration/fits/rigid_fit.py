@@ -17,8 +17,8 @@
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
+from camera_to_base.calibration.checks.outliers import find_outlier
 from camera_to_base.calibration.figures import leave_one_out
-from camera_to_base.calibration.outliers import find_outlier
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface import on_one_line, PointPairs
 import numpy as np
