@@ -15,7 +15,7 @@
 """The camera's curve, and the light of a frame beside the background's."""
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional
 
 import cv2
 import numpy as np
