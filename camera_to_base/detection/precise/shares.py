@@ -25,11 +25,13 @@ from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_sum, chosen, disc, largest_part, Piece, quantile, square)
+    channel_extremes, channel_sum, chosen, disc, largest_part, Piece, quantile, square)
 import cv2
 import numpy as np
 
 _TURNS = 3
+# Ratios of light that no shade has, and of the largest to the smallest colour's.
+_LIGHT, _COLOURED = 1.2, 1.8
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
 # which part of that way is still to go.
 _STEEPEST = 0.3
@@ -71,8 +73,9 @@ class Placed(NamedTuple):
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
     highlight, mask, ratio = find_highlight(piece), piece.mask, _ratio(piece)
+    sure = _no_shade(ratio, mask)
     for _ in range(_TURNS):
-        shares = _shares(piece, mask, ratio)
+        shares = np.maximum(_shares(piece, mask, ratio), sure)
         covered = (shares > 0.5).view(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
         if cv2.countNonZero(covered) < _SMALLEST or np.array_equal(covered, mask):
@@ -89,6 +92,15 @@ def place_whole(piece: Piece) -> Placed:
     shares = np.maximum(
         _shares(piece, piece.mask, _ratio(piece)), cv2.erode(piece.mask, square(3)))
     return Placed(shares.astype(np.float32), piece.mask)
+
+
+def _no_shade(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    # Inside of the region, what is lighter than the table or of another colour is the object,
+    # whatever it looks like elsewhere.
+    smallest, largest = channel_extremes(ratio)
+    other = (largest > _LIGHT) | (largest > _COLOURED * smallest)
+    return cv2.morphologyEx(cv2.erode(mask, square(7)) & other.view(np.uint8),
+                            cv2.MORPH_OPEN, square(3))
 
 
 def _ratio(piece: Piece) -> np.ndarray:

@@ -85,7 +85,7 @@ def test_bands_of_a_flickering_lamp_are_no_objects_and_hide_none(strength):
     (Conditions(electrons=1e6, quality=0, shape='block'), 0.03),
     (Conditions(electrons=1e6, quality=0, shape='bar', radius=24), 0.03),
     (Conditions(electrons=1e6, quality=0, pattern='grain'), 0.05),
-    (Conditions(), 0.06), (Conditions(electrons=900), 0.06), (Conditions(flicker=0.2), 0.06)])
+    (Conditions(), 0.07), (Conditions(electrons=900), 0.07), (Conditions(flicker=0.2), 0.07)])
 def test_short_way_and_long_way_give_the_same_result(conditions, most_px, monkeypatch):
     camera = Photographer(conditions, 3, SMALL)
     background = camera.background()
