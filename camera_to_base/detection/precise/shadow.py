@@ -167,7 +167,7 @@ def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
     may_surround = quantile(look.ratio[rest > 0]) > _DEEPEST_AROUND
     if not is_large or not (may_surround or _has_free_rim(thing, piece.mask)):
         return None
-    return Thing(thing, True)
+    return Thing(thing, True) if _has_step(thing, thing, rest, piece) else None
 
 
 def _darker_thing(
@@ -269,13 +269,7 @@ def _has_free_rim(
 def _has_sharp_step(
     thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece, steepest: float
 ) -> bool:
-    inner = cv2.erode(piece.mask, square(5))
-    light, usual = in_clearest_colour(piece, thing & marked & inner, rest & inner)
-    level = cv2.log(light)
-    ratio = level - cv2.log(usual)
-    sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
-                   cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
-                   cv2.distanceTransform(1 - thing, cv2.DIST_L2, 3))
+    sides, light, level, ratio = _sides(thing, marked, rest, piece)
     in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
     if in_frame is None:
         return False
@@ -283,6 +277,27 @@ def _has_sharp_step(
     is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
                and abs(in_ratio) >= _OF_WHOLE * whole)
     return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
+
+
+def _has_step(
+    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
+) -> bool:
+    # Where only the ratio has a step, the table has it: nothing ends there.
+    sides, _, level, ratio = _sides(thing, marked, rest, piece)
+    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
+    return in_frame is None or abs(in_frame) >= _FRAME_STEP * abs(in_ratio)
+
+
+def _sides(
+    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
+) -> Tuple['_Sides', np.ndarray, np.ndarray, np.ndarray]:
+    inner = cv2.erode(piece.mask, square(5))
+    light, usual = in_clearest_colour(piece, thing & marked & inner, rest & inner)
+    level = cv2.log(light)
+    sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
+                   cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
+                   cv2.distanceTransform(1 - thing, cv2.DIST_L2, 3))
+    return sides, light, level, level - cv2.log(usual)
 
 
 class _Sides(NamedTuple):
