@@ -27,6 +27,7 @@ Each step is a module of its own:
 - `shares`: the object's place, by how much of each pixel it covers.
 - `plain`: the short way for most objects.
 - `touching`: objects that touch, one each.
+- `ranking`: the largest first, shadows alone last.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
 object of the background has left, for as long as it is away. Noise and that apart, a frame gives
@@ -45,6 +46,7 @@ from camera_to_base.detection.precise.highlight import close_around_highlights
 from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
 from camera_to_base.detection.precise.plain import find_plain, place_plain, Plain
+from camera_to_base.detection.precise.ranking import ranked
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
 from camera_to_base.detection.precise.shaded import find_shaded
@@ -109,7 +111,7 @@ class PreciseDifferenceDetector:
         Find the objects on a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :returns: The largest first; none is [].
+        :returns: The largest first, what looks like a shadow alone last; none is [].
         :raises FrameSizeError: If the frame's size is not the background's.
         :raises InvalidValueError: If it is not a colour picture.
         """
@@ -130,7 +132,7 @@ class PreciseDifferenceDetector:
                  for detection in self._placed(one.placed, one.window)]
         found += [detection for index, region in enumerate(regions)
                   for detection in self._detections(frame, region, index < _MOST_EXACT)]
-        return sorted(found, key=lambda detection: -detection.area)
+        return ranked(found, frame, lit)
 
     @property
     def taken_away(self) -> List[Detection]:
