@@ -69,6 +69,15 @@ class Gain(NamedTuple):
         """Grey levels that the background's levels have at this gain, shape (256, 3)."""
         return _coded(self.linear_levels[:, 0])
 
+    def lit(self, picture: np.ndarray) -> np.ndarray:
+        """Give a picture, shape (h, w, 3), uint8, BGR, as it looks at this gain."""
+        if self == NO_GAIN:
+            return picture
+        # Above its first ten levels, the curve is a power: there a gain is a straight line.
+        slopes = self.factors ** (1 / 2.4)
+        line = np.column_stack([np.diag(slopes), 255 * 0.055 * (slopes - 1)])
+        return cv2.transform(picture, line.astype(np.float32))
+
 
 NO_GAIN = Gain(0, 0, 0)
 

@@ -15,8 +15,8 @@
 """
 Ranks detections: the largest first, and last what looks like a shadow alone.
 
-The first one is what an arm goes to. A shadow whose object is cut off, or is as light as the table,
-may be found without it. It takes light in all colours alike, and it is a crescent, or its rim is
+The first one is what an arm goes to. A shadow may be found without its object, which is cut off or
+as light as the table. It takes light in all colours alike, and it is a crescent, or its rim is
 soft. A grey object is neither.
 """
 

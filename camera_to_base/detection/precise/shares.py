@@ -25,7 +25,7 @@ from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_sum, disc, largest_part, Piece, quantile, square)
+    channel_extremes, channel_sum, chosen, disc, largest_part, Piece, quantile, square)
 import cv2
 import numpy as np
 
@@ -44,6 +44,9 @@ _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
 _LEAST_CORE, _SMALLEST = 6, 6
+# From four channels, three colours and a count, to the colours and to the count three times.
+_COLOURS = np.eye(3, 4, dtype=np.float32)
+_COUNT = np.float32([[0, 0, 0, 1]] * 3)
 
 
 class Placed(NamedTuple):
@@ -107,7 +110,7 @@ def _ratio(piece: Piece) -> np.ndarray:
 def _shares(piece: Piece, mask: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     core = _core(mask)
     table = piece.table * _light_at_rim(ratio, mask)
-    usual = (*quantile(piece.frame[core > 0]).tolist(), 0)
+    usual = (*quantile(chosen(piece.frame, core)).tolist(), 0)
     usual_contrast = cv2.subtract(table, usual)
     usual_power = _dot(usual_contrast, usual_contrast)
     # A part of another colour counts with its own, small differences are noise.
@@ -133,7 +136,8 @@ def _core(mask: np.ndarray) -> np.ndarray:
 
 def _light_at_rim(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
     # Seen 2 px outside of the rim and 4 px: what changes in between goes on towards the rim.
-    near, farther = 1 - cv2.dilate(mask, disc(5)), 1 - cv2.dilate(mask, disc(9))
+    covered = cv2.dilate(mask, disc(5))
+    near, farther = 1 - covered, 1 - cv2.dilate(covered, disc(5))
     if not near.any():
         return np.ones_like(ratio)
     light = _continued(ratio, near, _TABLE_WINDOW)
@@ -152,8 +156,7 @@ def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray
     total = cv2.scaleAdd(_mean(weighted, _WIDER_WINDOW), _WIDER, _mean(weighted, window))
     anywhere = cv2.mean(values, known)[:3]
     total = cv2.add(total, (*(_ANYWHERE * value for value in anywhere), _ANYWHERE))
-    *colours, weight = cv2.split(total)
-    return cv2.merge([colour / weight for colour in colours])
+    return cv2.transform(total, _COLOURS) / cv2.transform(total, _COUNT)
 
 
 def _mean(values: np.ndarray, window: int) -> np.ndarray:
