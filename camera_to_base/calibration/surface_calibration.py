@@ -72,7 +72,7 @@ def calibrate_surface(
         refuse_outlier(fit.surface, fit.without, matched)
     doubts = [] if not further else check_placements(
         fit.surface, _parts(matched, [first, *further]), image_size)
-    doubts += check_fit(fit.surface, matched, image_size)
+    doubts += check_fit(fit.surface, matched, image_size, are_clicks=points_are == 'row')
     hull = Hull(matched.pixels)
     covered = coverage(hull, image_size)
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
