@@ -19,6 +19,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 from camera_to_base.calibration.checks.surface_checks import (
     check_fit, check_placements, refuse_outlier)
+from camera_to_base.calibration.covariances import surface_error
 from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.calibration.fits.homography_fit import fit_homography, POINTS_FOR_DISTORTION
@@ -33,6 +34,7 @@ from camera_to_base.parameters import checked_values
 from camera_to_base.surface import (
     camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
     sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
+from camera_to_base.uncertainty import SURFACE_COVARIANCE, triangle_of
 import numpy as np
 
 # Corners are found to 0.1 to 0.2 px; the right intrinsics reproduce them to the same accuracy.
@@ -56,10 +58,11 @@ def calibrate_surface(
     :param further: Points of further placements of a board, see :func:`fit_homography`.
     :raises CameraToBaseError: If the points do not determine the surface.
     """
-    refuse_too_many(len(matched) + sum(map(len, further)))
+    counts = [len(matched), *map(len, further)]
+    refuse_too_many(sum(counts))
     if model == 'homography':
         fit = fit_homography(matched, image_size, further)
-        first, matched = matched, _together([matched, *further], fit.points)
+        matched = _together([matched, *further], fit.points)
         found = {'distortion_coefficient': fit.surface.distortion.coefficient,
                  'distortion_centre': list(fit.surface.distortion.centre),
                  'points_for_distortion': POINTS_FOR_DISTORTION,
@@ -71,7 +74,7 @@ def calibrate_surface(
     if points_are == 'row' and model == 'homography':
         refuse_outlier(fit.surface, fit.without, matched)
     doubts = [] if not further else check_placements(
-        fit.surface, _parts(matched, [first, *further]), image_size)
+        fit.surface, _parts(matched, counts), image_size)
     doubts += check_fit(fit.surface, matched, image_size, are_clicks=points_are == 'row')
     hull = Hull(matched.pixels)
     covered = coverage(hull, image_size)
@@ -82,7 +85,10 @@ def calibrate_surface(
               'coverage': covered, 'warnings': [*warnings(figures, covered), *doubts]}
     picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
                              lines=figure_lines(report))
-    return Calibration(report, surface_values(fit.surface, hull), picture)
+    error = surface_error(fit.surface, matched, image_size, points_are, counts)
+    values = {**surface_values(fit.surface, hull),
+              SURFACE_COVARIANCE: triangle_of(error.covariance)}
+    return Calibration(report, values, picture)
 
 
 def add_camera_pose(
@@ -145,13 +151,10 @@ def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> Matche
     return MatchedPoints(points, np.concatenate([placement.pixels for placement in placements]))
 
 
-def _parts(
-    matched: MatchedPoints, placements: Sequence[MatchedPoints]
-) -> List[MatchedPoints]:
+def _parts(matched: MatchedPoints, counts: Sequence[int]) -> List[MatchedPoints]:
     """Divide the points of all placements into those of each."""
-    ends = np.cumsum([len(placement) for placement in placements])
-    return [matched.take(np.arange(end - len(placement), end))
-            for end, placement in zip(ends, placements)]
+    return [matched.take(np.arange(end - count, end))
+            for count, end in zip(counts, np.cumsum(counts))]
 
 
 def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:

@@ -118,10 +118,11 @@ class CameraPublisher(Node):
         sighting = self._own_camera.judge(
             self._pipeline.process(frame, taken_at), self._pipeline.background,
             settings.calibrated_for.is_strict)
-        self._positions.publish_sighting(header, sighting, settings)
+        uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
+        self._positions.publish_sighting(header, sighting, settings, uncertainty)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting), settings.debug_label,
-            settings.area_overlay)
+            settings.area_overlay, uncertainty)
         self._background_keeper.keep()
         self._background_service.notice_frame()
 
@@ -131,7 +132,10 @@ class CameraPublisher(Node):
         except CameraToBaseError as error:
             self.get_logger().error(f'no position taken: {error}', throttle_duration_sec=5.0)
             return
-        self._positions.publish(self._header(stamp), [Pose(*point, 0.0, 0.0)])
+        settings = self._settings
+        self._positions.publish(
+            self._header(stamp), [Pose(*point, 0.0, 0.0)],
+            lambda _: settings.uncertainty.of_pixel(pixel, settings.image_size))
 
     def _note(self, sighting: Sighting) -> str:
         if sighting.reason is not None:

@@ -52,6 +52,11 @@ TRANSFORM_SPECS = [
                   "The stamped topics' name for the robot's base frame.",
                   constraints='a frame name without a leading /'),
     CAMERA_FRAME_SPEC,
+    ParameterSpec('base_covariance', [],
+                  'How uncertain rotation_deg and displacement_cm are: the upper triangle of the '
+                  "covariance of the camera frame's origin, in cm, and of the rotation, in rad, "
+                  'in the base frame; `calibrate base` writes it. Empty for not known: 1 cm and '
+                  '1 degree.', lengths=(0, 21)),
     *RECORD_SPECS,
 ]
 
@@ -69,6 +74,7 @@ class TransformSettings:
     base_frame_id: str
     camera_frame_id: str
     calibration: str = ''
+    base_covariance: Tuple[float, ...] = ()
 
     def check_frame(self, name: str) -> None:
         """
@@ -116,7 +122,8 @@ def transform_node_settings(values: Values) -> TransformSettings:
     return TransformSettings(
         transform_settings(values), values['reach_cm'],
         frame_id('base_frame_id', values['base_frame_id']),
-        frame_id('camera_frame_id', values['camera_frame_id']), calibration_summary(values))
+        frame_id('camera_frame_id', values['camera_frame_id']), calibration_summary(values),
+        tuple(values['base_covariance']))
 
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:

@@ -27,9 +27,11 @@ from camera_to_base.image_size import ImageSize
 from camera_to_base.parameters import (
     calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS, ParameterSpec,
     PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
+from camera_to_base.settings.uncertainty import position_uncertainty
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
 from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, read_thumbnail
+from camera_to_base.uncertainty import PositionUncertainty, UNCERTAINTY_SPECS
 
 
 class CalibratedFor(NamedTuple):
@@ -71,6 +73,7 @@ class CameraSettings:
     detector: DetectorSettings
     surface: Surface
     hull: Optional[Hull]
+    uncertainty: PositionUncertainty
     simulated: SimulationSettings
     debug_label: Label
     area_overlay: AreaOverlay
@@ -127,15 +130,16 @@ _OUTPUT_SPECS = [
 ]
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
-    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS,
-    *RECORD_SPECS, *OWN_CAMERA_SPECS]
+    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *UNCERTAINTY_SPECS,
+    *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
 
 
 # Parameters that can be set without setting up a camera or a robot.
 _NOT_OF_A_SETUP = (
     'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'background_file',
     'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
-_NOT_OF_A_CALIBRATION = ('surface.image_size', 'surface.reject_outside_hull')
+_NOT_OF_A_CALIBRATION = (
+    'surface.image_size', 'surface.reject_outside_hull', 'surface.covariance')
 
 
 def camera_settings(values: Values) -> CameraSettings:
@@ -165,6 +169,7 @@ def camera_settings(values: Values) -> CameraSettings:
             area=hull if values['surface.reject_outside_hull'] else None, areas=areas),
         surface=surface,
         hull=hull,
+        uncertainty=position_uncertainty(values, surface),
         simulated=simulation_settings(**grouped(values, 'simulated.')),
         debug_label=_debug_label(values),
         area_overlay=AreaOverlay(surface, areas),
