@@ -15,9 +15,10 @@
 """Computes the parameters of a surface from matched points, and reports the errors."""
 
 from dataclasses import replace
-from typing import Any, Dict, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
-from camera_to_base.calibration.checks.surface_checks import check_fit, refuse_outlier
+from camera_to_base.calibration.checks.surface_checks import (
+    check_fit, check_placements, refuse_outlier)
 from camera_to_base.calibration.covariances import surface_error
 from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
@@ -72,7 +73,9 @@ def calibrate_surface(
                  'r_squared': [fit.y_r_squared, fit.px_per_cm_r_squared]}
     if points_are == 'row' and model == 'homography':
         refuse_outlier(fit.surface, fit.without, matched)
-    doubts = check_fit(fit.surface, matched, image_size)
+    doubts = [] if not further else check_placements(
+        fit.surface, _parts(matched, counts), image_size)
+    doubts += check_fit(fit.surface, matched, image_size, are_clicks=points_are == 'row')
     hull = Hull(matched.pixels)
     covered = coverage(hull, image_size)
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
@@ -146,6 +149,12 @@ def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> Matche
     if len(placements) == 1:
         return placements[0]
     return MatchedPoints(points, np.concatenate([placement.pixels for placement in placements]))
+
+
+def _parts(matched: MatchedPoints, counts: Sequence[int]) -> List[MatchedPoints]:
+    """Divide the points of all placements into those of each."""
+    return [matched.take(np.arange(end - count, end))
+            for count, end in zip(counts, np.cumsum(counts))]
 
 
 def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:
