@@ -31,7 +31,7 @@ import numpy as np
 SIZE = 640, 480
 _CENTRE = np.array([319.5, 239.5])
 # Deviations of what the fitted lens does not describe, see :class:`WarpedSurface`.
-_LENS = 0.05, 0.007, 0.007
+_LENS = 0.04, 0.006, 0.006
 TERMS = 'detection', 'surface', 'base', 'height', 'view', 'all'
 
 
@@ -73,7 +73,8 @@ class WarpedSurface:
         there = self._surface.pixels(points)
         found = there
         for _ in range(20):
-            found = there - self._warp(found)
+            # What lies far outside of the picture has no pixel.
+            found = np.clip(there - self._warp(found), -1000, 2000)
         return found
 
     def for_image_size(self, image_size: Tuple[int, int]) -> 'WarpedSurface':
