@@ -24,6 +24,7 @@ Callers: `commands`. The nodes do not import it.
 from camera_to_base.calibration.base_calibration import calibrate_base
 from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.calibration.boards.board_frame import board_points
+from camera_to_base.calibration.boards.charuco import find_charuco
 from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.cell_file import (
@@ -41,8 +42,8 @@ from camera_to_base.calibration.touched_place import FRAMES, measured_place, Pla
 
 __all__ = [
     'add_camera_pose', 'BASE', 'board_points', 'calibrate_base', 'calibrate_surface',
-    'Calibration', 'check_surface', 'covered_shares', 'file_status', 'find_board', 'FRAMES',
-    'grown', 'has_one_origin', 'map_lines', 'measured_place', 'PAPERS', 'parts_of',
+    'Calibration', 'check_surface', 'covered_shares', 'file_status', 'find_board', 'find_charuco',
+    'FRAMES', 'grown', 'has_one_origin', 'map_lines', 'measured_place', 'PAPERS', 'parts_of',
     'parts_to_lose', 'Place', 'read_camera_info', 'read_pairs', 'read_points',
     'read_typed_position', 'refuse_other_size', 'Report', 'report_lines', 'sheet_content',
     'suggested_places', 'Suggestion', 'SURFACE', 'uncovered', 'without_base',

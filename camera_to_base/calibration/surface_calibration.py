@@ -15,9 +15,10 @@
 """Computes the parameters of a surface from matched points, and reports the errors."""
 
 from dataclasses import replace
-from typing import Any, Dict, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
-from camera_to_base.calibration.checks.surface_checks import check_fit, refuse_outlier
+from camera_to_base.calibration.checks.surface_checks import (
+    check_fit, check_placements, refuse_outlier)
 from camera_to_base.calibration.covariances import surface_error
 from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
@@ -61,7 +62,7 @@ def calibrate_surface(
     refuse_too_many(sum(counts))
     if model == 'homography':
         fit = fit_homography(matched, image_size, further)
-        matched = _together([matched, *further], fit.points)
+        first, matched = matched, _together([matched, *further], fit.points)
         found = {'distortion_coefficient': fit.surface.distortion.coefficient,
                  'distortion_centre': list(fit.surface.distortion.centre),
                  'points_for_distortion': POINTS_FOR_DISTORTION,
@@ -72,7 +73,9 @@ def calibrate_surface(
                  'r_squared': [fit.y_r_squared, fit.px_per_cm_r_squared]}
     if points_are == 'row' and model == 'homography':
         refuse_outlier(fit.surface, fit.without, matched)
-    doubts = check_fit(fit.surface, matched, image_size)
+    doubts = [] if not further else check_placements(
+        fit.surface, _parts(matched, [first, *further]), image_size)
+    doubts += check_fit(fit.surface, matched, image_size)
     hull = Hull(matched.pixels)
     covered = coverage(hull, image_size)
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
@@ -146,6 +149,15 @@ def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> Matche
     if len(placements) == 1:
         return placements[0]
     return MatchedPoints(points, np.concatenate([placement.pixels for placement in placements]))
+
+
+def _parts(
+    matched: MatchedPoints, placements: Sequence[MatchedPoints]
+) -> List[MatchedPoints]:
+    """Divide the points of all placements into those of each."""
+    ends = np.cumsum([len(placement) for placement in placements])
+    return [matched.take(np.arange(end - len(placement), end))
+            for end, placement in zip(ends, placements)]
 
 
 def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:

@@ -58,8 +58,9 @@ def _run_sheet(options: argparse.Namespace) -> Report:
     if ending not in ('.pdf', '.svg', '.png'):
         raise InvalidValueError(
             f"a sheet's name must end in .pdf, .svg or .png, got '{output}'")
-    content = sheet_content(options.paper, columns, rows, options.square_mm, ending[1:])
-    doubts = [] if has_one_origin(columns, rows) else [
+    content = sheet_content(options.paper, columns, rows, options.square_mm, ending[1:],
+                            with_markers=options.charuco)
+    doubts = [] if options.charuco or has_one_origin(columns, rows) else [
         f'a board of {columns} x {rows} inner corners looks the same when it is turned: where the '
         'camera frame starts depends on how it lies; with one even and one odd count it does not']
     kept = write_files({output: content}, keep_old=True)

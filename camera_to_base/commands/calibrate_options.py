@@ -49,6 +49,9 @@ def _check_board_source(options: argparse.Namespace) -> None:
             'or calibrate board --camera 0 -o cell.yaml')
     if options.placements < 1 or options.placements > 20:
         raise InvalidValueError(f'--placements must be 1..20, got {options.placements}')
+    if options.charuco and options.camera == 'simulated':
+        raise InvalidValueError(
+            'the simulated camera shows a chessboard without markers: leave out --charuco')
     if options.placements > 1 and options.camera is None:
         raise InvalidValueError(
             '--placements needs --camera: of pictures, give one for each place')
@@ -97,6 +100,8 @@ def _add_sheet(sheet: argparse.ArgumentParser) -> None:
                             'give the board one origin (default: %(default)s)')
     sheet.add_argument('--square-mm', type=float, default=25.0, metavar='25',
                        help="a square's edge (default: %(default)g)")
+    sheet.add_argument('--charuco', action='store_true',
+                       help='with markers in the white squares: a part of the board is enough')
     sheet.add_argument('-o', '--output', required=True, metavar='FILE',
                        help='the file to write: .pdf, .svg or .png')
     sheet.add_argument('--force', action='store_true', help='overwrite a file')
@@ -118,6 +123,9 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--square-mm', type=float, default=25.0, metavar='25',
                        help="a square's edge as printed: measure it (default: %(default)g, as "
                             'calibrate sheet prints it)')
+    board.add_argument('--charuco', action='store_true',
+                       help='the board has markers, as calibrate sheet --charuco prints it; it '
+                            "may be partly covered, or cut off by the picture's edge")
     board.add_argument('--origin-corner', type=int, default=0, metavar='0..3',
                        help='which of the four outermost corners is the origin, clockwise from '
                             'the first (default: %(default)s)')

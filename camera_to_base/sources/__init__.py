@@ -44,7 +44,7 @@ __all__ = [
     'first_camera', 'FirstCamera', 'frame_from_compressed_message', 'frame_from_image_message',
     'FrameReader', 'FrameSource', 'is_other_camera', 'is_reader_hanging', 'kind_of',
     'lasting_name', 'LiveRecording', 'LOST_AFTER_S', 'median_frame', 'open_frame_source',
-    'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot',
-    'ReaderState', 'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason',
-    'SourceKind', 'stamp_reason', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
+    'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot', 'ReaderState',
+    'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason', 'SourceKind',
+    'stamp_reason', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

@@ -32,6 +32,9 @@ SMALLEST_COVERAGE = 0.005
 # Usual sizes of a table. Another size is reported: the unit may be wrong.
 SMALLEST_EXTENT_CM = 3.0
 LARGEST_EXTENT_CM = 300.0
+# Corners are found to 0.1 to 0.2 px in pictures of this width, and a lens's model fits to about as
+# much; a camera that was moved by 1 px between two placements gives 0.3 px and more.
+_USUAL_WIDTH, _DOUBTFUL_MISFIT_PX, _LARGEST_MISFIT_PX = 640, 0.6, 1.5
 # The smallest error of a click.
 _FLOOR_PX = 0.3
 # Number of parameters of a homography, and of the lens.
@@ -65,6 +68,28 @@ def check_fit(surface: Surface, matched: MatchedPoints, image_size: ImageSize) -
     if SMALLEST_EXTENT_CM <= extent <= LARGEST_EXTENT_CM:
         return []
     return [f'the points span {extent:.3g} cm, which is an unusual table: are all numbers in cm?']
+
+
+def check_placements(
+    surface: HomographySurface, placements: Sequence[MatchedPoints], image_size: ImageSize
+) -> List[str]:
+    """
+    Check that one surface fits all placements of a board: the camera must not move between them.
+
+    :param placements: The points of each, in the camera frame.
+    :returns: Sentences about what is doubtful.
+    :raises CalibrationError: If a placement does not fit.
+    """
+    errors = [float(np.sqrt(np.mean(np.sum(
+        (surface.pixels(one.points) - one.pixels) ** 2, axis=1)))) for one in placements]
+    worst = int(np.argmax(errors))
+    scale = image_size[0] / _USUAL_WIDTH
+    text = (f'the placements of the board do not fit each other: number {worst + 1} is off by '
+            f'{errors[worst]:.1f} px rms: was the camera moved between the pictures, or is the '
+            'board bent, or not flat on the table? Take all pictures again')
+    if errors[worst] > _LARGEST_MISFIT_PX * scale:
+        raise CalibrationError(text)
+    return [text] if errors[worst] > _DOUBTFUL_MISFIT_PX * scale else []
 
 
 def refuse_outlier(
