@@ -25,7 +25,7 @@ _RIM_PX = 4
 _SECTORS, _LEAST_PIXELS = 8, 12
 # Shade takes a part of the light: correlation and gain of a sector. An edge of a shadow that
 # crosses a sector leaves this much.
-_LEAST_CORRELATION, _LEAST_MEAN_CORRELATION, _GAINS = 0.6, 0.8, (0.2, 1.3)
+_LEAST_CORRELATION, _LEAST_MEAN_CORRELATION, _GAINS = 0.7, 0.85, (0.2, 1.3)
 
 
 class Rim(NamedTuple):

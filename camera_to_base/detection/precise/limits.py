@@ -58,13 +58,13 @@ class Limits:
         """
         Follow the light and the noise, see :func:`measure_noise`.
 
-        `least` is how much a level at least differs that is beyond the strong range.
+        A level that is beyond the strong range differs by more than `least` from the background.
         """
         levels = gain.coded_levels
         noise = np.take_along_axis(noise, np.rint(levels).astype(int), axis=0)
         weak = np.maximum(min(WEAK_LEVELS, self._faintest), _WEAK_DEVIATIONS * noise)
         strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
-        self.least = max(float(strong.min()) - 1, 0.0)
+        self.least = max(float(strong.min()) - 0.01, 0.0)
         self._weak.set_levels(levels - weak, levels + weak)
         self._strong.set_levels(levels - strong, levels + strong)
 
