@@ -29,17 +29,15 @@ where the two results differ by more than the threshold. Four facts make most of
    [p - n//2, p + n - 1 - n//2] and ignore what is outside the picture; the median of m reads m//2
    to both sides and repeats the picture's rim. One after the other they read [p - before, p +
    after], see `__init__`. So if all pixels that differ by more than the threshold lie in columns
-   [x0, x1), objects can only be in [x0 - after, x1 + before). Only this piece is processed,
-   enlarged by what the steps read. The same holds for rows.
+   [x0, x1), objects can only be in [x0 - after, x1 + before). The same holds for rows.
 3. *The background's result is known.* An object is where the frame's median lies below one limit
-   (darker than the background) or above another one (lighter): `median_limit`. Where all limits
-   to the lighter side are 255, as on a light table, nothing is lighter.
-4. *Something darker contains dark squares of the kernel's size*, and only they count: the closed
-   picture is below a limit exactly where such a square is below it. If some boxes contain all dark
-   squares, what is outside a box can be painted white, and the box is closed alone. `dark_squares`
-   finds the boxes in few rows of the frame.
+   (darker than the background) or above another one (lighter): `median_limit`. Nothing is above
+   255, so nothing is lighter than a light table.
+4. *A dark object contains dark squares of the kernel's size*: the closed picture is below a limit
+   exactly where such a square is. If some boxes contain all dark squares, each box can be closed
+   alone, as if all around it were white. `dark_squares` finds them in few rows of the frame.
 
-So a frame that is nowhere lighter than the background (`light_blocks`) takes the short way: its
+A frame that is nowhere lighter than the background (`light_blocks`) takes the short way: its
 boxes. Any other frame is processed as a whole between its first and its last change. On a
 background with much contrast, the frame is compared with it first.
 
@@ -178,10 +176,11 @@ class AbsoluteDifferenceDetector:
         for band in bands:
             self._mask[band] = 0
         for box, place in zip(boxes, places):
-            self._grey[place] = 255
+            if box != place:
+                self._grey[place] = 255
             cv2.cvtColor(frame[box], cv2.COLOR_BGR2GRAY, dst=self._grey[box])
             if place == self._everywhere and self._grey.max() < self._darker.least:
-                self._mask[place] = 1  # All is dark: no step makes a pixel lighter than all.
+                self._mask[place] = 1  # No step makes a pixel lighter than all pixels.
             else:
                 self._mark(self._darker, self._close(self._grey[place]), place)
         return bands

@@ -65,43 +65,46 @@ class DarkSquares:
         """
         start, stop = (rows.start, rows.stop) if rows else (0, len(frame))
         first, last = -(-start // self._step), -(-stop // self._step)
-        runs = self._runs(frame[first * self._step:stop:self._step], self._limits[first:last])
-        if runs is None:
+        if first >= last:
             return []
-        whole = self._box(cv2.boundingRect(runs), first)
+        rows_read = cv2.cvtColor(frame[first * self._step:stop:self._step], cv2.COLOR_BGR2GRAY)
+        dark = (rows_read < self._limits[first:last]).view(np.uint8)
+        count = cv2.countNonZero(dark)
+        if 2 * count > dark.size:  # A search would cost more than it saves.
+            return [self._box(slice(0, dark.shape[0]), slice(0, dark.shape[1]), first)]
+        return self._boxes_of(dark, first) if count else []
+
+    def _boxes_of(self, dark: np.ndarray, first: int) -> List[Region]:
+        # The middle of each run within the picture.
+        runs = cv2.erode(dark, np.ones((1, self._run), np.uint8),
+                         borderType=cv2.BORDER_CONSTANT, borderValue=0)
+        if cv2.countNonZero(runs) == 0:
+            return []
+        whole = self._box(*_bounds(runs, (0, 0, *runs.shape[::-1])), first)
         if whole.px < 2 * _BOX_PX:
             return [whole]
         groups, _ = cv2.findContours(
             cv2.dilate(runs, self._join), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
         if len(groups) * _BOX_PX > whole.px:
             return [whole]
-        boxes = [self._box(_bounds(runs, cv2.boundingRect(group)), first) for group in groups]
+        boxes = [self._box(*_bounds(runs, cv2.boundingRect(group)), first) for group in groups]
         return boxes if sum(_BOX_PX + box.px for box in boxes) < whole.px else [whole]
 
-    def _runs(self, rows: np.ndarray, limits: np.ndarray) -> Optional[np.ndarray]:
-        if len(rows) == 0:
-            return None
-        dark = (cv2.cvtColor(rows, cv2.COLOR_BGR2GRAY) < limits).view(np.uint8)
-        if cv2.countNonZero(dark) == 0:
-            return None
-        # The middle of each run within the picture.
-        runs = cv2.erode(dark, np.ones((1, self._run), np.uint8),
-                         borderType=cv2.BORDER_CONSTANT, borderValue=0)
-        return runs if cv2.countNonZero(runs) else None
-
-    def _box(self, bounds: Tuple[int, int, int, int], first: int) -> Region:
-        left, top, width, height = bounds
-        top, bottom = (first + top) * self._step, (first + top + height - 1) * self._step
+    def _box(self, rows: slice, columns: slice, first: int) -> Region:
+        top, bottom = (first + rows.start) * self._step, (first + rows.stop - 1) * self._step
         return Region(
             grow(slice(top, bottom + 1), self._step - 1, self._step - 1, self._shape[0]),
-            grow(slice(left, left + width), self._run // 2, self._run - 1 - self._run // 2,
-                 self._shape[1]))
+            grow(columns, self._run // 2, self._run - 1 - self._run // 2, self._shape[1]))
 
 
-def _bounds(
-    runs: np.ndarray, part: Tuple[int, int, int, int]
-) -> Tuple[int, int, int, int]:
-    """Return the bounding rectangle (left, top, width, height) of the runs in a part."""
+def _bounds(runs: np.ndarray, part: Tuple[int, int, int, int]) -> Tuple[slice, slice]:
+    """
+    Return the rows and the columns of the runs in a part (left, top, width, height).
+
+    OpenCV 4.6's boundingRect is wrong for some masks whose rows are not aligned.
+    """
     left, top, width, height = part
-    x, y, width, height = cv2.boundingRect(runs[top:top + height, left:left + width])
-    return left + x, top + y, width, height
+    marked = runs[top:top + height, left:left + width]
+    rows, columns = np.flatnonzero(marked.max(axis=1)), np.flatnonzero(marked.max(axis=0))
+    return (slice(top + int(rows[0]), top + int(rows[-1]) + 1),
+            slice(left + int(columns[0]), left + int(columns[-1]) + 1))

@@ -63,24 +63,29 @@ class MedianLimit:
         :param place: Where the piece lies.
         :returns: Shape (h', w'), uint8, 1 where it does; None if that is nowhere.
         """
-        possibly, surely = self._possibly[place], self._surely[place]
-        np.less(picture, self._highest[place], out=possibly.view(bool))
+        possibly = self._marked(picture, self._highest, self._possibly, place)
         possible_count = cv2.countNonZero(possibly)
         if possible_count == 0:
             return None
-        np.less(picture, self._lowest[place], out=surely.view(bool))
+        surely = self._marked(picture, self._lowest, self._surely, place)
         unsure_count = possible_count - cv2.countNonZero(surely)
-        # From here on, and at the second place, one median of all costs less than many windows.
-        if unsure_count * self._area > picture.size // 4:
+        # Here and below: one median of all costs less than counting twice and many windows.
+        if unsure_count * self._area > picture.size // 16:
             return (self._median(picture) < self._limits[place]).view(np.uint8)
         below = self._most(surely)
         if unsure_count:
-            undecided = cv2.findNonZero(cv2.subtract(self._most(possibly), below))
-            if undecided is not None:
-                columns, rows = undecided.reshape(-1, 2).T
-                below[rows, columns] = self._medians_below(
-                    picture, self._limits[place], (rows, columns))
+            undecided = np.flatnonzero(cv2.subtract(self._most(possibly), below).view(bool))
+            if len(undecided):
+                pixels = np.divmod(undecided, picture.shape[1])
+                below[pixels] = self._medians_below(picture, self._limits[place], pixels)
         return below
+
+    @staticmethod
+    def _marked(
+        picture: np.ndarray, limits: np.ndarray, memory: np.ndarray, place: Region
+    ) -> np.ndarray:
+        np.less(picture, limits[place], out=memory[place].view(bool))
+        return memory[place]
 
     def _most(self, marked: np.ndarray) -> np.ndarray:
         counts = cv2.boxFilter(marked, self._depth, (self._size, self._size), normalize=False,
@@ -90,13 +95,14 @@ class MedianLimit:
     def _medians_below(
         self, picture: np.ndarray, limits: np.ndarray, pixels: Tuple[np.ndarray, np.ndarray]
     ) -> np.ndarray:
-        if len(pixels[0]) * self._area > picture.size // 10:
+        if len(pixels[0]) * self._area > picture.size // 6:
             return (self._median(picture) < limits)[pixels]
-        around = np.arange(self._size) - self._size // 2
-        rows, columns = (np.clip(index[:, None] + around, 0, length - 1)
-                         for index, length in zip(pixels, picture.shape))
-        windows = picture[rows[:, :, None], columns[:, None, :]]
-        return (windows < limits[pixels][:, None, None]).sum(axis=(1, 2)) > self._area // 2
+        reach = self._size // 2
+        padded = cv2.copyMakeBorder(picture, *[reach] * 4, cv2.BORDER_REPLICATE)
+        width = padded.shape[1]
+        window = np.add.outer(width * np.arange(self._size), np.arange(self._size)).ravel()
+        windows = padded.ravel().take(np.add.outer(width * pixels[0] + pixels[1], window))
+        return np.count_nonzero(windows < limits[pixels][:, None], axis=1) > self._area // 2
 
     def _median(self, picture: np.ndarray) -> np.ndarray:
         # OpenCV's median is up to ten times slower where the width is below 68 or (before OpenCV

@@ -115,7 +115,7 @@ def test_known_coin_at_rest_stays_published_in_a_shadow_and_a_new_one_does_not()
 
 
 def beside(at=COIN):
-    """A palm whose shadow falls on the coin, and which does not cover it."""
+    """Give the cover of a palm whose shadow falls on the coin, and which does not cover it."""
     return scenes.arm_cover((at[0] - 90, -80), np.subtract(at, (62, 50)), 60)
 
 

@@ -185,6 +185,9 @@ class PreciseDifferenceDetector:
             else:
                 plain.append(one)
         regions = find_regions(frame, others, reference.limits, self._min_area)
+        # A window that grew may hold a plain object of another part.
+        regions = [region for region in regions
+                   if not any(_is_inside(region.box, one.window) for one in plain)]
         if not any(self._may_reach_border(frame, region) for region in regions):
             return plain, regions
         field = self._field(frame, regions)
@@ -273,6 +276,11 @@ class PreciseDifferenceDetector:
         nearest = nearest_part(parts)
         return [detection for index, part in enumerate(parts) for detection in _detection(
             Placed(placed.shares * (nearest == index), part), window)]
+
+
+def _is_inside(box: Box, window: Box) -> bool:
+    return (window.x <= box.x and box.x + box.width <= window.x + window.width
+            and window.y <= box.y and box.y + box.height <= window.y + window.height)
 
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:

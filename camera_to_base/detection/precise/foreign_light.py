@@ -41,8 +41,10 @@ _POWER = 1 / 2.2
 _DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
 _LEAST_MARKED, _LEAST_LIGHT = 0.1, 1e-3
 # Bands of rows: how far they are apart from one another at least, and from the picture's light at
-# most, logarithms; the rows of a mean; the part of all rows that must tell their light.
+# most, logarithms; the rows of a mean; the part of all rows that must tell their light; how much
+# larger they are than what is left.
 _LEAST_BAND, _STRONGEST_BAND, _BAND_WINDOW, _LEAST_ROWS = 0.03, 0.25, 5, 0.4
+_SMOOTH = 8
 
 
 def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray) -> bool:
@@ -80,9 +82,11 @@ def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray
         return None
     rows = np.arange(len(bands))
     bands = np.interp(rows, rows[is_light], bands[is_light])
-    bands = cv2.blur(bands.astype(np.float32)[:, None], (1, _BAND_WINDOW))
-    rows = max(frame.shape[0] // _SHRINK, 1)
-    return bands[:rows] if np.ptp(bands) > _LEAST_BAND else None
+    bands = bands.astype(np.float32)[:, None]
+    smooth = cv2.blur(cv2.blur(bands, (1, _BAND_WINDOW)), (1, _BAND_WINDOW))
+    # A camera that trembles over a grain changes rows, too, but not smoothly.
+    is_smooth = np.ptp(smooth) > max(_LEAST_BAND, _SMOOTH * np.abs(bands - smooth).mean())
+    return smooth[:max(frame.shape[0] // _SHRINK, 1)] if is_smooth else None
 
 
 def find_field(

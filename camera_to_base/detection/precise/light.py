@@ -15,7 +15,7 @@
 """The camera's curve, and the light of a frame beside the background's."""
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional
 
 import cv2
 import numpy as np
@@ -68,6 +68,15 @@ class Gain(NamedTuple):
     def coded_levels(self) -> np.ndarray:
         """Grey levels that the background's levels have at this gain, shape (256, 3)."""
         return _coded(self.linear_levels[:, 0])
+
+    def lit(self, picture: np.ndarray) -> np.ndarray:
+        """Give a picture, shape (h, w, 3), uint8, BGR, as it looks at this gain."""
+        if self == NO_GAIN:
+            return picture
+        # Above its first ten levels, the curve is a power: there a gain is a straight line.
+        slopes = self.factors ** (1 / 2.4)
+        line = np.column_stack([np.diag(slopes), 255 * 0.055 * (slopes - 1)])
+        return cv2.transform(picture, line.astype(np.float32))
 
 
 NO_GAIN = Gain(0, 0, 0)

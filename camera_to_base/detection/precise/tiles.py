@@ -118,7 +118,8 @@ def _changed_tiles(
         if np.count_nonzero(changed) < _FEW * changed.size:
             return changed
     # Edges of a table whose picture trembles: the limits at each place know them.
-    inside = cv2.inRange(*map(_by_row, (frame[rows], *limits.strong((rows,)))))
+    usual = limits.strong((rows, slice(0, frame.shape[1])))
+    inside = cv2.inRange(*map(_by_row, (frame[rows], *usual)))
     return _with_most(cv2.bitwise_not(inside) & 1)
 
 
