@@ -111,12 +111,12 @@ def day_with_bumps(table, random, count=48):
     watcher, most, (kind, share) = Watcher(table), bump(random), course(random, count)
     way = _way(random, count)
     light = random.choice([1, random.uniform(0.3, 1.5)])
-    tip, dark = random.uniform((150, 120), (490, 360)), np.maximum(table.colour - 75, 5)
+    tip, coin_colour = random.uniform((150, 120), (490, 360)), table.unlike(random)
     edge, width, spread, colour = random_arm(table, random, tip)
     has_arm = random.random() < 0.4
     row = {'frames': 0, 'wrong': 0, 'at rest': 0, 'stopped': 0}
     for number, at in enumerate(way):
-        draw = [scenes.coin(at, colour=dark)]
+        draw = [scenes.coin(at, colour=coin_colour)]
         if has_arm and 10 < number < 34:
             reach = min(1, (number - 10) / 6, (34 - number) / 6)
             cover = scenes.arm_cover(edge, edge + reach * (tip - edge), width, spread)
@@ -153,12 +153,12 @@ def day_with_hand(table, random, mode=None, levels=None, count=48):
     arms = [random_arm(table, random, None, levels) for _ in range(
         1 if mode[0] == 's' else random.choice([1, 1, 2, 3]))]
     tips = [_tip(random, mode, at, arm, radius) for arm in arms]
-    dark = np.maximum(np.minimum(table.colour - 70, random.uniform(10, 60)), 5)
+    coin_colour = table.unlike(random)
     near = cv2.circle(np.zeros(scenes.SHAPE, np.uint8), tuple(
         int(x + scenes.MARGIN) for x in at), int(radius) + 4, 1, -1) > 0
     row = {'frames': 0, 'wrong': 0, 'free': 0, 'free seen': 0, 'shaded': 0, 'shaded seen': 0}
     for number in range(count):
-        draw = [] if mode == 'no coin' else [scenes.coin(at, radius, dark)]
+        draw = [] if mode == 'no coin' else [scenes.coin(at, radius, coin_colour)]
         covers = []
         for index, ((edge, width, spread, colour), tip) in enumerate(zip(arms, tips)):
             reach = float(np.clip(min((number - 6 - 4 * index) / 10, (34 - number) / 10), 0, 1))

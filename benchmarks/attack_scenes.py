@@ -152,6 +152,13 @@ class Table:
                         * np.float32(random.uniform(1, 2.5)) for _ in range(3)]
         self._random = random
 
+    def unlike(self, random):
+        """Choose a colour that hardly any of the table has: an object's, BGR."""
+        pixels = self.canvas[::8, ::8].reshape(-1, 1, 3)
+        colours = random.uniform(10, 245, (24, 3))
+        apart = np.abs(pixels - colours).max(axis=2)
+        return colours[np.percentile(apart, 1, axis=0).argmax()]
+
     def shoot(self, move=(0, 0, 0, 0), draw=(), light=1.0):
         """
         Take a picture.

@@ -42,6 +42,11 @@ def figure_lines(report: Mapping[str, Any]) -> List[str]:
     if 'coverage' in report:
         lines.append(f'the points cover {100 * report["coverage"]:.0f} % of the picture: outside '
                      'of them these figures do not hold')
+    if report.get('not_covered'):
+        lines += ['the ninths of the picture that the board covered (# covered, + in part):',
+                  *(f'  {line}' for line in report['covered_map']),
+                  f'not covered: {", ".join(report["not_covered"])}: lay the board there, too, if '
+                  'you work there (several pictures, or --placements)']
     if report.get('outside_hull'):
         lines.append(f'{report["outside_hull"]} of the points lie outside the area that the '
                      'calibration was measured in')
@@ -103,6 +108,7 @@ def _sheet(report: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _status(report: Mapping[str, Any]) -> Iterator[str]:
+    yield report['summary']
     yield from report['holds']
     yield from (f'not in the file: {part}' for part in report['lacks'])
     yield f'next: {report["next"]}'

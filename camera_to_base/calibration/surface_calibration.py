@@ -18,6 +18,7 @@ from dataclasses import replace
 from typing import Any, Dict, Mapping, Optional, Sequence
 
 from camera_to_base.calibration.checks.surface_checks import check_fit, refuse_outlier
+from camera_to_base.calibration.covariances import surface_error
 from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.calibration.fits.homography_fit import fit_homography, POINTS_FOR_DISTORTION
@@ -32,6 +33,7 @@ from camera_to_base.parameters import checked_values
 from camera_to_base.surface import (
     camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
     sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
+from camera_to_base.uncertainty import SURFACE_COVARIANCE, triangle_of
 import numpy as np
 
 # Corners are found to 0.1 to 0.2 px; the right intrinsics reproduce them to the same accuracy.
@@ -55,7 +57,8 @@ def calibrate_surface(
     :param further: Points of further placements of a board, see :func:`fit_homography`.
     :raises CameraToBaseError: If the points do not determine the surface.
     """
-    refuse_too_many(len(matched) + sum(map(len, further)))
+    counts = [len(matched), *map(len, further)]
+    refuse_too_many(sum(counts))
     if model == 'homography':
         fit = fit_homography(matched, image_size, further)
         matched = _together([matched, *further], fit.points)
@@ -79,7 +82,10 @@ def calibrate_surface(
               'coverage': covered, 'warnings': [*warnings(figures, covered), *doubts]}
     picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
                              lines=figure_lines(report))
-    return Calibration(report, surface_values(fit.surface, hull), picture)
+    error = surface_error(fit.surface, matched, image_size, points_are, counts)
+    values = {**surface_values(fit.surface, hull),
+              SURFACE_COVARIANCE: triangle_of(error.covariance)}
+    return Calibration(report, values, picture)
 
 
 def add_camera_pose(

@@ -14,7 +14,7 @@
 
 """Tells whether an object that was known still lies where it was, though a shadow falls on it."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 import cv2
 import numpy as np
@@ -23,9 +23,11 @@ import numpy as np
 _RIM_PX = 4
 # The rim is compared piece by piece: what covers or replaces a part of it is seen there.
 _SECTORS, _LEAST_PIXELS = 8, 12
-# Shade takes a part of the light: correlation and gain of a sector. An edge of a shadow that
-# crosses a sector leaves this much.
-_LEAST_CORRELATION, _LEAST_MEAN_CORRELATION, _GAINS = 0.6, 0.8, (0.2, 1.3)
+# Shade takes a part of the light, the same of an object and of the surface beside it: least and
+# mean correlation of the sectors, their means, and their contrasts beside their means. An edge of
+# a shadow that crosses a sector leaves this much.
+_LEAST_CORRELATION, _LEAST_MEAN_CORRELATION = 0.7, 0.85
+_LIGHTS, _CONTRASTS = (0.2, 1.3), (0.6, 1.6)
 
 
 class Rim(NamedTuple):
@@ -37,7 +39,7 @@ class Rim(NamedTuple):
     :param outline: Shape (n, 2), int32, columns u and v in px of the window.
     """
 
-    corner: tuple
+    corner: Tuple[int, int]
     picture: np.ndarray
     outline: np.ndarray
 
@@ -90,11 +92,17 @@ def _all_agree(before: np.ndarray, now: np.ndarray, sectors: np.ndarray) -> bool
     def mean(values: np.ndarray) -> np.ndarray:
         return np.bincount(sectors, values, _SECTORS)[is_full] / count[is_full]
 
-    spread = mean(before * before) - mean(before) ** 2
-    spread_now = mean(now * now) - mean(now) ** 2
-    common = mean(before * now) - mean(before) * mean(now)
+    level, level_now = mean(before), mean(now)
+    spread = mean(before * before) - level ** 2
+    spread_now = mean(now * now) - level_now ** 2
+    common = mean(before * now) - level * level_now
     correlations = common / np.sqrt(np.maximum(spread * spread_now, 1e-6))
-    gains = common / np.maximum(spread, 1e-6)
+    lights = level_now / np.maximum(level, 1.0)
+    contrasts = common / np.maximum(spread, 1e-6) / np.maximum(lights, 1e-6)
     return bool(correlations.min() >= _LEAST_CORRELATION
                 and correlations.mean() >= _LEAST_MEAN_CORRELATION
-                and gains.min() >= _GAINS[0] and gains.max() <= _GAINS[1])
+                and _lie_within(lights, _LIGHTS) and _lie_within(contrasts, _CONTRASTS))
+
+
+def _lie_within(values: np.ndarray, limits: Tuple[float, float]) -> bool:
+    return bool(limits[0] <= values.min() and values.max() <= limits[1])

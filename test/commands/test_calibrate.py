@@ -263,7 +263,8 @@ def test_one_file_can_serve_both_nodes(report):
     found = report('base', 'pairs.csv', '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
     assert found['warnings'] == []
     both = read_parameter_file('cell.yaml')
-    assert set(both.values) == {*surface.values, 'rotation_deg', 'displacement_cm'}
+    assert set(both.values) == {
+        *surface.values, 'rotation_deg', 'displacement_cm', 'calibration.base'}
     assert all(both.values[name] == value for name, value in surface.values.items())
     assert set(surface.comments) <= set(both.comments)
 
@@ -354,7 +355,8 @@ BAD_INPUTS = {
     'missing camera': (lambda: ('board', '--camera', '/dev/video99', *BOARD),
                        'cannot open camera'),
     'missing video': (lambda: ('board', '--camera', 'none.avi', *BOARD), 'there is no such file'),
-    'neither picture nor camera': (lambda: ('board', *BOARD), 'PICTURE --camera is required'),
+    'neither picture nor camera': (lambda: ('board', *BOARD),
+                                   'expected pictures of the board, or --camera'),
     'missing intrinsics': (lambda: ('board', board_picture(), *BOARD, '--intrinsics', 'none.yaml'),
                            "cannot read the camera_info file 'none.yaml'"),
     'intrinsics of another size': (
@@ -570,7 +572,7 @@ def test_status_tells_the_way_from_a_surface_to_a_cell(run):
     code, output, error = run('status', 'cell.yaml')
     assert (code, error) == (0, '')
     assert 'surface: homography for pictures of 640 x 480 px, from points.csv, 20' in output
-    assert 'next: calibrate base PAIRS.csv --surface cell.yaml -o cell.yaml --force\n' in output
+    assert 'next: calibrate base --live cell.yaml\n' in output
     for _ in range(2):
         code, *_ = run('base', touched(), '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
         assert code == 0

@@ -18,6 +18,7 @@ import sys
 import time
 
 from camera_to_base.trust import Limits, ViewCheck, ViewWatch
+import cv2
 import numpy as np
 import pytest
 
@@ -156,3 +157,14 @@ def test_quick_look_costs_a_few_milliseconds_at_most():
         view.reason(frame)
         times.append(time.perf_counter() - begin)
     assert min(times) < 0.005
+
+
+@pytest.mark.parametrize('move', [(12, 9, 0, 0), (40, 5, 0, 0), (-30, 60, 2, 0)])
+@pytest.mark.parametrize('levels', [-60, 25, 60])
+def test_moved_view_of_nothing_but_a_plain_box_is_held_back(levels, move):
+    surface = table('plain')
+    colour = tuple(map(float, surface.colour + levels))
+    cv2.rectangle(surface.canvas, (250, 200), (420, 330), colour, -1)
+    view = watch(surface)
+    assert view.reason(surface.shoot()) is None
+    assert view.reason(surface.shoot(move)) is not None

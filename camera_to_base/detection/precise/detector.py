@@ -23,6 +23,7 @@ Each step is a module of its own:
 - `foreign_light`: shade from outside of the picture, which is no object.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
 - `shadow`, `highlight`: what of a region is its object's shade, and what its gloss.
+- `shaded`: what lies in the shade of an arm.
 - `shares`: the object's place, by how much of each pixel it covers.
 - `plain`: the short way for most objects.
 - `touching`: objects that touch, one each.
@@ -46,10 +47,11 @@ from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
 from camera_to_base.detection.precise.plain import find_plain, place_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, grown, Region, slices
+from camera_to_base.detection.precise.shaded import find_shaded
 from camera_to_base.detection.precise.shadow import split_off_shade
 from camera_to_base.detection.precise.shares import place, place_whole, Placed
 from camera_to_base.detection.precise.tiles import (
-    changed_parts, frame_outline, is_all_changed)
+    changed_parts, changed_strips, frame_outline, is_all_changed)
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
@@ -115,10 +117,13 @@ class PreciseDifferenceDetector:
         frame = np.ascontiguousarray(frame)
         self._reference.follow(frame)
         self._forget_ghosts(frame)
-        parts = self._changed_parts(frame)
-        if is_all_changed(frame, parts, self._reference.limits):
+        lit, limits = self._reference.lit, self._reference.limits
+        strips = changed_strips(frame, lit, limits)
+        if not strips:
+            return []
+        if is_all_changed(frame, lit, strips, limits):
             return _unplaced(frame_outline(frame), frame)
-        plain, regions = self._search(frame, parts)
+        plain, regions = self._search(frame, changed_parts(frame, lit, strips, limits))
         if self._notice_ghosts(frame, regions):
             plain, regions = self._search(frame, self._changed_parts(frame))
         found = [detection for one in plain
@@ -166,7 +171,8 @@ class PreciseDifferenceDetector:
         self._reference.follow(frame)
 
     def _changed_parts(self, frame: np.ndarray) -> List[Box]:
-        return changed_parts(frame, self._reference.lit, self._reference.limits)
+        lit, limits = self._reference.lit, self._reference.limits
+        return changed_parts(frame, lit, changed_strips(frame, lit, limits), limits)
 
     def _search(
         self, frame: np.ndarray, parts: List[Box]
@@ -179,6 +185,9 @@ class PreciseDifferenceDetector:
             else:
                 plain.append(one)
         regions = find_regions(frame, others, reference.limits, self._min_area)
+        # A window that grew may hold a plain object of another part.
+        regions = [region for region in regions
+                   if not any(_is_inside(region.box, one.window) for one in plain)]
         if not any(self._may_reach_border(frame, region) for region in regions):
             return plain, regions
         field = self._field(frame, regions)
@@ -228,7 +237,20 @@ class PreciseDifferenceDetector:
         part = slices(window)
         piece = make_piece(
             frame[part], self._reference.light(part), filled(region.outline, window))
-        return self._long_way(frame, piece, window)
+        found = self._long_way(frame, piece, window)
+        if found and found[0].cut_off:
+            found += self._in_shade_of(frame, piece, window)
+        return found
+
+    def _in_shade_of(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
+        found = []
+        for mask in find_shaded(piece, self._min_area):
+            box = grown(Box(*cv2.boundingRect(mask)), _SURROUNDINGS, mask)
+            part = slices(box)
+            one = Piece(piece.frame[part], piece.table[part], mask[part])
+            found += self._placed(
+                place(one), box._replace(x=box.x + window.x, y=box.y + window.y))
+        return found
 
     def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
         height, width = frame.shape[:2]
@@ -254,6 +276,11 @@ class PreciseDifferenceDetector:
         nearest = nearest_part(parts)
         return [detection for index, part in enumerate(parts) for detection in _detection(
             Placed(placed.shares * (nearest == index), part), window)]
+
+
+def _is_inside(box: Box, window: Box) -> bool:
+    return (window.x <= box.x and box.x + box.width <= window.x + window.width
+            and window.y <= box.y and box.y + box.height <= window.y + window.height)
 
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:

@@ -29,7 +29,8 @@ from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.highlight import find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, largest_part, Look, look_at, outline_of, Piece, square)
+    channel_extremes, in_clearest_colour, largest_part, Look, look_at, outline_of, Piece, quantile,
+    square)
 import cv2
 import numpy as np
 
@@ -127,7 +128,7 @@ def _special_thing(
     thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(9)))
     thing = cv2.dilate(thing, square(3)) & piece.mask
     ratios = look.ratio[(thing & core) > 0]
-    light = np.percentile(ratios, 75) if len(ratios) else 0.0
+    light = quantile(ratios, 0.75) if len(ratios) else 0.0
     if light > _MUCH_LIGHTER:
         return _light_thing(piece, look, _END_OF_LIGHT * light)
     if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
@@ -142,8 +143,8 @@ def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
     rest = cv2.erode(rest, square(3))
     if min(cv2.countNonZero(inside), cv2.countNonZero(rest)) < _LEAST_PART:
         return thing
-    ratio = cv2.divide(*_in_clearest_colour(piece, inside, rest))
-    ends = [float(np.median(ratio[part > 0])) for part in (inside, rest)]
+    ratio = cv2.divide(*in_clearest_colour(piece, inside, rest))
+    ends = [float(quantile(ratio[part > 0])) for part in (inside, rest)]
     half = sum(ends) / 2
     like = (ratio > half) if ends[0] > ends[1] else (ratio < half)
     like = cv2.dilate(thing, square(3)) & piece.mask & like.astype(np.uint8)
@@ -163,7 +164,7 @@ def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
             or cv2.countNonZero(rest & shade) < _LEAST_SHADE_BESIDE * cv2.countNonZero(rest)):
         return None
     is_large = cv2.countNonZero(thing) >= _least_area(marked)
-    may_surround = np.median(look.ratio[rest > 0]) > _DEEPEST_AROUND
+    may_surround = quantile(look.ratio[rest > 0]) > _DEEPEST_AROUND
     if not is_large or not (may_surround or _has_free_rim(thing, piece.mask)):
         return None
     return Thing(thing, True)
@@ -269,7 +270,7 @@ def _has_sharp_step(
     thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece, steepest: float
 ) -> bool:
     inner = cv2.erode(piece.mask, square(5))
-    light, usual = _in_clearest_colour(piece, thing & marked & inner, rest & inner)
+    light, usual = in_clearest_colour(piece, thing & marked & inner, rest & inner)
     level = cv2.log(light)
     ratio = level - cv2.log(usual)
     sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
@@ -282,17 +283,6 @@ def _has_sharp_step(
     is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
                and abs(in_ratio) >= _OF_WHOLE * whole)
     return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
-
-
-def _in_clearest_colour(
-    piece: Piece, thing: np.ndarray, rest: np.ndarray
-) -> Tuple[np.ndarray, np.ndarray]:
-    """Give the light and the usual light of the colour in which thing and rest differ most."""
-    ratios = np.divide(*(np.maximum(cv2.mean(piece.frame, part)[:3], _LEAST_LIGHT)
-                         for part in (thing, rest)))
-    channel = int(np.argmax(np.abs(np.log(ratios))))
-    return tuple(cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), _LEAST_LIGHT)
-                 for light in (piece.frame, piece.table))
 
 
 class _Sides(NamedTuple):
@@ -320,4 +310,4 @@ def _median(
     values: np.ndarray, side: np.ndarray, distances: np.ndarray, near: float, far: float
 ) -> Optional[float]:
     chosen = values[(side > 0) & (distances > near) & (distances <= far)]
-    return float(np.median(chosen)) if len(chosen) >= _LEAST_RING else None
+    return float(quantile(chosen)) if len(chosen) >= _LEAST_RING else None

@@ -171,3 +171,13 @@ def test_frame_of_another_size_is_refused():
 def test_value_out_of_its_range_is_refused(settings):
     with pytest.raises(InvalidValueError):
         PreciseDifferenceDetector(table(), **settings)
+
+
+def test_plain_object_beside_a_cut_off_one_is_found_once():
+    background = np.full((480, 640, 3), 150, np.uint8)
+    frame = background.copy()
+    cv2.circle(frame, (300, 200), 16, (40, 40, 40), cv2.FILLED)
+    frame[:3] = 60
+    frame[:215, :6] = 60
+    found = PreciseDifferenceDetector(background).detect(frame)
+    assert [one.cut_off for one in found] == [True, False]
