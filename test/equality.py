@@ -22,7 +22,7 @@ import argparse
 import sys
 import time
 
-from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDifferenceDetector
 import cv2
 import numpy as np
 

@@ -22,7 +22,6 @@ Callers: `trust` and the rooms below. It imports only numpy and OpenCV; `trust` 
 position may be published.
 """
 
-from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.detection.areas import Area, Areas, read_areas
 from camera_to_base.detection.background_taker import BackgroundTaker
 from camera_to_base.detection.detection import (
@@ -38,6 +37,7 @@ from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.seen_shape import object_shape
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.specs import AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS
+from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDifferenceDetector
 
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',

@@ -17,12 +17,12 @@
 from dataclasses import dataclass
 from typing import List, Optional, Protocol
 
-from camera_to_base.detection.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.detection.areas import Areas
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.limits import STRONG_DEVIATIONS
 from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
+from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDifferenceDetector
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import Hull
 import numpy as np

@@ -14,7 +14,7 @@
 
 import re
 
-from camera_to_base.detection.absolute_difference import (
+from camera_to_base.detection.tutorial.absolute_difference import (
     AbsoluteDifferenceDetector, Box, check_frame, Pixel)
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 import cv2

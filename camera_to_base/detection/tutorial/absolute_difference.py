@@ -49,13 +49,13 @@ smaller, so it is never the first of the largest.
 from typing import List, Optional
 
 from camera_to_base.checks import whole_number
-from camera_to_base.detection.background import changed_rows
-from camera_to_base.detection.dark_squares import DarkSquares
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, find_outlines, Pixel, touches_edge)
-from camera_to_base.detection.light_blocks import LightBlocks
-from camera_to_base.detection.median_limit import MedianLimit
-from camera_to_base.detection.region import grow, Region, round_up, row_bands, within
+from camera_to_base.detection.tutorial.changed_rows import changed_rows
+from camera_to_base.detection.tutorial.dark_squares import DarkSquares
+from camera_to_base.detection.tutorial.light_blocks import LightBlocks
+from camera_to_base.detection.tutorial.median_limit import MedianLimit
+from camera_to_base.detection.tutorial.region import grow, Region, round_up, row_bands, within
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.detection.dark_squares import DarkSquares
+from camera_to_base.detection.tutorial.dark_squares import DarkSquares
 import numpy as np
 import pytest
 

@@ -12,8 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.detection.median_limit import MedianLimit
-from camera_to_base.detection.region import Region
+from camera_to_base.detection.tutorial.median_limit import MedianLimit
+from camera_to_base.detection.tutorial.region import Region
 import cv2
 import numpy as np
 import pytest

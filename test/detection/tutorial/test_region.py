@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.detection.region import Region, row_bands, within
+from camera_to_base.detection.tutorial.region import Region, row_bands, within
 
 
 def region(top, bottom, left=0, right=9):

@@ -25,7 +25,7 @@ such runs.
 
 from typing import List, Optional, Tuple
 
-from camera_to_base.detection.region import grow, Region
+from camera_to_base.detection.tutorial.region import grow, Region
 import cv2
 import numpy as np
 

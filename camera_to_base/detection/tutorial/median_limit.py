@@ -26,7 +26,7 @@ looked at one by one.
 
 from typing import Optional, Tuple
 
-from camera_to_base.detection.region import Region
+from camera_to_base.detection.tutorial.region import Region
 import cv2
 import numpy as np
 

@@ -13,9 +13,9 @@
 # limitations under the License.
 
 """
-Finds the rows of a frame that differ from the background: the early exit of both detectors.
+Finds the rows of a frame that differ from the background: the method's early exit.
 
-Reading a frame once is fast. Then a detector processes only the rows between the first and the
+Reading a frame once is fast. Then the detector processes only the rows between the first and the
 last change.
 """
 

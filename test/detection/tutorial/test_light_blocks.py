@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.detection.light_blocks import LightBlocks
+from camera_to_base.detection.tutorial.light_blocks import LightBlocks
 import numpy as np
 import pytest
 
