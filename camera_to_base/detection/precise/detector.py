@@ -28,6 +28,7 @@ Each step is a module of its own:
 - `shaded`: what lies in the shade of an arm.
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.
+- `ranking`: the largest first, but no shadow alone before an object.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
 object of the background has left, for as long as it is away. Noise and that apart, a frame gives
@@ -41,6 +42,7 @@ from camera_to_base.detection.detection import check_frame, check_same_size, Det
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.piece import outline_of
 from camera_to_base.detection.precise.placer import Placer, unplaced
+from camera_to_base.detection.precise.ranking import ranked
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import grown, Region, slices
 from camera_to_base.detection.precise.search import parts_of, search
@@ -90,7 +92,7 @@ class PreciseDifferenceDetector:
         Find the objects on a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :returns: The largest first; none is [].
+        :returns: The largest first, but no shadow alone before an object; none is [].
         :raises FrameSizeError: If the frame's size is not the background's.
         :raises InvalidValueError: If it is not a colour picture.
         """
@@ -113,7 +115,7 @@ class PreciseDifferenceDetector:
         for index, region in enumerate(regions):
             found += (self._placer.place_region(frame, region, self._reference)
                       if index < _MOST_EXACT else unplaced(region.outline, frame))
-        return sorted(found, key=lambda detection: -detection.area)
+        return ranked(found, frame, self._reference.lit)
 
     @property
     def taken_away(self) -> List[Detection]:

@@ -48,6 +48,10 @@ def errors(conditions, frames=6, seed=11):
     (Conditions(shape='ring'), 0.1), (Conditions(pattern='grain'), 0.3),
     (Conditions(thickness=12, lamp=Lamp(radius=5)), 0.7),
     (Conditions(colour=(0.8,), thickness=12, lamp=Lamp(radius=20)), 0.5),
+    (Conditions(colour=(0.06, 0.38, 0.75), thickness=12, lamp=Lamp(radius=5)), 0.7),
+    (Conditions(gloss=1.5, thickness=12, lamp=Lamp(radius=5)), 1.0),
+    (Conditions(shape='ring', thickness=12, lamp=Lamp(radius=5)), 1.0),
+    (Conditions(radius=8, thickness=8, lamp=Lamp(radius=5)), 1.5),
     (Conditions(pattern='grain', tremble=1), 0.3),
     (Conditions(pattern='board', colour=(0.05, 0.1, 0.6), tremble=1), 0.5)])
 def test_object_is_found_once_and_placed(conditions, most_px):
