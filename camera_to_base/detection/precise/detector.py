@@ -29,7 +29,7 @@ Each step is a module of its own:
 - `shaded`: what lies in the shade of an arm.
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.
-- `ranking`: the largest first, shadows alone last.
+- `ranking`: the largest first, but no shadow alone before an object.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
 object of the background has left, for as long as it is away. Noise and that apart, a frame gives
@@ -93,7 +93,7 @@ class PreciseDifferenceDetector:
         Find the objects on a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :returns: The largest first, what looks like a shadow alone last; none is [].
+        :returns: The largest first, but no shadow alone before an object; none is [].
         :raises FrameSizeError: If the frame's size is not the background's.
         :raises InvalidValueError: If it is not a colour picture.
         """
@@ -116,7 +116,7 @@ class PreciseDifferenceDetector:
         for index, region in enumerate(regions):
             found += (self._placer.place_region(frame, region, self._reference)
                       if index < _MOST_EXACT else unplaced(region.outline, frame))
-        return ranked(found, frame, lit)
+        return ranked(found, frame, self._reference.lit)
 
     @property
     def taken_away(self) -> List[Detection]:

@@ -13,13 +13,14 @@
 # limitations under the License.
 
 """
-Ranks detections: the largest first, and last what looks like a shadow alone.
+Ranks detections: the largest first, but no shadow alone before an object.
 
-The first one is what an arm goes to. A shadow may be found without its object, which is cut off or
-as light as the table. It takes light in all colours alike, and it is a crescent, or its rim is
-soft. A grey object is neither.
+The first one is what an arm goes to. A shadow whose object is cut off, or is as light as the
+table, may be found without it. It takes light in all colours alike, and it is a crescent, or its
+rim is soft. A grey object is neither.
 """
 
+from itertools import takewhile
 from typing import List
 
 from camera_to_base.detection.detection import Box, Detection
@@ -50,8 +51,9 @@ def ranked(
     found = sorted(found, key=lambda detection: -detection.area)
     if len(found) < 2:
         return found
-    first, others = found[:_MOST], found[_MOST:]
-    return sorted(first, key=lambda one: _is_shadow(one, frame, background)) + others
+    # Most frames have no such shadow: only until an object is the first, each look takes time.
+    shadows = list(takewhile(lambda one: _is_shadow(one, frame, background), found[:_MOST]))
+    return found[len(shadows):] + shadows
 
 
 def _is_shadow(detection: Detection, frame: np.ndarray, background: np.ndarray) -> bool:

@@ -17,8 +17,9 @@ Finds whole objects in a region that reaches in from the picture's edge: a coin 
 
 An arm, its shadow and what lies in the shadow are one region. A part of it is an object of its own
 where it does not touch the edge and is set apart by a step all around: it is clearly darker than
-the shadow, or lighter than the table, or coloured. A shadow's own rim is soft, and a part of the
-arm goes on into the arm; so neither is taken for an object.
+the shadow, or lighter than the table, or coloured. A shadow's own rim is soft, a part of the arm
+goes on into the arm, and what lies on the arm is not surrounded by table or shade; so none of
+these is taken for an object.
 """
 
 from typing import Iterator, List, Tuple
@@ -36,6 +37,8 @@ _LIGHT, _COLOURED, _DARK = 1.1, 1.6, (-0.5, -0.8, -1.1, -1.5, -2.0, -2.6)
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
 _SHARP, _RIM, _WINDOWS = 0.6, 0.85, (5, 11)
 _LEAST_CONTRAST = 0.15
+# What surrounds an object: no ratio below this one, on at least this part.
+_DEEPEST, _LEAST_AROUND = 0.2, 0.75
 
 
 def find_shaded(piece: Piece, min_area: float) -> List[np.ndarray]:
@@ -82,9 +85,17 @@ def _cut_out(part: np.ndarray, piece: Piece) -> Tuple[np.ndarray, Piece]:
 def _is_set_apart(part: np.ndarray, piece: Piece) -> bool:
     rim = part & (1 - cv2.erode(part, square(3)))
     around = cv2.dilate(part, square(9)) & (1 - cv2.dilate(part, square(5)))
+    if not _is_on_table(around, look_at(piece)):
+        return False
     level = cv2.log(in_clearest_colour(piece, part, around)[0])
     contrast = np.abs(np.median(level[rim > 0]) - np.median(level[around > 0]))
     # At a sharp step, a small window shows as large a step as a larger window does.
     near, far = (cv2.morphologyEx(level, cv2.MORPH_GRADIENT, square(size))[rim > 0]
                  for size in _WINDOWS)
     return bool(contrast > _LEAST_CONTRAST and (near > _SHARP * far).mean() >= _RIM)
+
+
+def _is_on_table(around: np.ndarray, look: Look) -> bool:
+    # Around an object lies the table or shade; around a part of a thing, the thing.
+    table = (look.smallest > _DEEPEST) & (look.largest < _LIGHT) & (look.tint < _COLOURED)
+    return np.count_nonzero(table & (around > 0)) >= _LEAST_AROUND * cv2.countNonZero(around)
