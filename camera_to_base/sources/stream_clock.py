@@ -21,8 +21,8 @@ from typing import Deque, NamedTuple, Optional
 _LARGEST_DELAY_S = 0.15
 # The usual delay is the least one of as long, known once frames have come for at least as long.
 _MEMORY_S, _SHORTEST_MEMORY_S = 2.0, 1.0
-# Stamps whose delay falls by more within this memory, or grows by more, in s per s, do not run like
-# the clock.
+# Stamps whose delay falls by more within this memory, or grows by more, in s per s, do not run
+# like the clock.
 _LARGEST_FALL_S, _LARGEST_DRIFT = 0.1, 0.025
 # Before, a delay that falls tells that a queue is being emptied.
 _RECENT_S = 0.4
