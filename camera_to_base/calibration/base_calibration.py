@@ -18,17 +18,20 @@ from typing import Any, Mapping, Optional
 
 from camera_to_base.calibration.checks.base_checks import (
     check_pairs, check_with_surface, check_without_surface)
+from camera_to_base.calibration.covariances import transform_error
+from camera_to_base.calibration.error_map import ErrorMap
 from camera_to_base.calibration.figures import error_figures, warnings
 from camera_to_base.calibration.fits.rigid_fit import fit_rigid
 from camera_to_base.calibration.result import (
     Calibration, figure_fields, origin_fields, refuse_too_many)
 from camera_to_base.surface import PointPairs
+from camera_to_base.uncertainty import triangle_of
 import numpy as np
 
 
 def calibrate_base(
     pairs: PointPairs, *, source: str, surface_values: Optional[Mapping[str, Any]] = None,
-    base_z: str = 'up',
+    base_z: str = 'up', points_are: str = 'row',
 ) -> Calibration:
     """
     Fit the transform from the camera frame to the base frame.
@@ -37,6 +40,7 @@ def calibrate_base(
     :param surface_values: The parameters of the surface that the camera points were measured
         with, by full name; None if they are not known.
     :param base_z: Direction of the base frame's z at the table: 'up', away from it, or 'down'.
+    :param points_are: The report's word for a pair.
     :raises CameraToBaseError: If the pairs do not determine the transform, no transform fits them,
         or they do not fit the surface.
     """
@@ -51,8 +55,11 @@ def calibrate_base(
     figures = error_figures(
         np.linalg.norm(fit.residuals, axis=1), pairs.rows,
         None if left_out is None else np.linalg.norm(left_out, axis=1))
-    values = {'rotation_deg': list(fit.rotation_deg),
-              'displacement_cm': list(fit.displacement_cm)}
-    report = {**origin_fields('rigid', source), **values, **figure_fields(figures, 'row'),
+    found = {'rotation_deg': list(fit.rotation_deg),
+             'displacement_cm': list(fit.displacement_cm)}
+    values = {**found, 'base_covariance': triangle_of(transform_error(pairs, fit).covariance)}
+    report = {**origin_fields('rigid', source), **found, **figure_fields(figures, points_are),
               'warnings': [*warnings(figures), *doubts]}
+    if surface_values is not None:
+        report.update(ErrorMap({**surface_values, **values}).fields)
     return Calibration(report, values)

@@ -15,9 +15,12 @@
 """Computes the parameters of a surface from matched points, and reports the errors."""
 
 from dataclasses import replace
-from typing import Any, Dict, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
-from camera_to_base.calibration.checks.surface_checks import check_fit, refuse_outlier
+from camera_to_base.calibration.checks.surface_checks import (
+    check_fit, check_placements, refuse_outlier)
+from camera_to_base.calibration.covariances import surface_error
+from camera_to_base.calibration.error_map import ErrorMap
 from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.calibration.fits.homography_fit import fit_homography, POINTS_FOR_DISTORTION
@@ -32,6 +35,7 @@ from camera_to_base.parameters import checked_values
 from camera_to_base.surface import (
     camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
     sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
+from camera_to_base.uncertainty import SURFACE_COVARIANCE, triangle_of
 import numpy as np
 
 # Corners are found to 0.1 to 0.2 px; the right intrinsics reproduce them to the same accuracy.
@@ -55,7 +59,8 @@ def calibrate_surface(
     :param further: Points of further placements of a board, see :func:`fit_homography`.
     :raises CameraToBaseError: If the points do not determine the surface.
     """
-    refuse_too_many(len(matched) + sum(map(len, further)))
+    counts = [len(matched), *map(len, further)]
+    refuse_too_many(sum(counts))
     if model == 'homography':
         fit = fit_homography(matched, image_size, further)
         matched = _together([matched, *further], fit.points)
@@ -69,7 +74,9 @@ def calibrate_surface(
                  'r_squared': [fit.y_r_squared, fit.px_per_cm_r_squared]}
     if points_are == 'row' and model == 'homography':
         refuse_outlier(fit.surface, fit.without, matched)
-    doubts = check_fit(fit.surface, matched, image_size)
+    doubts = [] if not further else check_placements(
+        fit.surface, _parts(matched, counts), image_size)
+    doubts += check_fit(fit.surface, matched, image_size, are_clicks=points_are == 'row')
     hull = Hull(matched.pixels)
     covered = coverage(hull, image_size)
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
@@ -77,9 +84,13 @@ def calibrate_surface(
     report = {**origin_fields(model, source), 'image_size': list(image_size), **found,
               **_axes(fit.surface, matched), **figure_fields(figures, points_are),
               'coverage': covered, 'warnings': [*warnings(figures, covered), *doubts]}
+    error = surface_error(fit.surface, matched, image_size, points_are, counts)
+    values = {**surface_values(fit.surface, hull),
+              SURFACE_COVARIANCE: triangle_of(error.covariance)}
+    report.update(ErrorMap(values).fields)
     picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
-                             lines=figure_lines(report))
-    return Calibration(report, surface_values(fit.surface, hull), picture)
+                             lines=figure_lines(report), error_map=report['error_map_mm'])
+    return Calibration(report, values, picture)
 
 
 def add_camera_pose(
@@ -125,6 +136,7 @@ def check_surface(
         raise InvalidValueError(
             'expected the parameters of a surface, as calibrate board and calibrate points write '
             f'them, got {", ".join(values) or "none"}')
+    error_map = ErrorMap(values)
     # The points lie on the surface, whatever object height the parameters set.
     values = {**checked_values(SURFACE_SPECS, values), 'object_height_cm': 0.0}
     surface, hull = make_surface(values), make_hull(values)
@@ -132,7 +144,7 @@ def check_surface(
     figures = error_figures(surface_errors(surface, matched), matched.rows)
     outside = 0 if hull is None else sum(not hull.contains(pixel) for pixel in matched.pixels)
     return {'model': values['surface.model'], **figure_fields(figures, 'row'),
-            'outside_hull': outside, 'warnings': []}
+            'outside_hull': outside, 'warnings': [], **error_map.fields}
 
 
 def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> MatchedPoints:
@@ -140,6 +152,12 @@ def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> Matche
     if len(placements) == 1:
         return placements[0]
     return MatchedPoints(points, np.concatenate([placement.pixels for placement in placements]))
+
+
+def _parts(matched: MatchedPoints, counts: Sequence[int]) -> List[MatchedPoints]:
+    """Divide the points of all placements into those of each."""
+    return [matched.take(np.arange(end - count, end))
+            for count, end in zip(counts, np.cumsum(counts))]
 
 
 def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:

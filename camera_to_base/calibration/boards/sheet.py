@@ -17,8 +17,11 @@
 import io
 from typing import Any, Tuple
 
+from camera_to_base.calibration.boards.charuco import MARKER_SHARE, marker_squares
 from camera_to_base.checks import finite_number, whole_number
+from camera_to_base.detection import CELLS, marker_cells
 from camera_to_base.errors import InvalidValueError
+import numpy as np
 
 # Width and height as the sheet lies, in mm.
 PAPERS = {'A4': (297.0, 210.0), 'A3': (420.0, 297.0), 'Letter': (279.4, 215.9)}
@@ -32,7 +35,8 @@ _GREY = '0.35'
 
 
 def sheet_content(
-    paper: str, columns: int, rows: int, square_mm: float, file_format: str = 'pdf'
+    paper: str, columns: int, rows: int, square_mm: float, file_format: str = 'pdf', *,
+    with_markers: bool = False,
 ) -> bytes:
     """
     Draw a sheet.
@@ -42,6 +46,7 @@ def sheet_content(
     :param rows: Inner corners along a column.
     :param square_mm: A square's edge.
     :param file_format: One of FORMATS.
+    :param with_markers: Whether to draw a ChArUco board.
     :returns: The file's content.
     :raises InvalidValueError: If the board does not fit on the paper; the text names the largest
         square that does.
@@ -61,11 +66,14 @@ def sheet_content(
     axes.set(xlim=(0, width), ylim=(height, 0))
     left = (width - (columns + 1) * square_mm) / 2
     _draw_squares(axes, (left, _TOP_MM), columns, rows, square_mm)
-    _draw_axes(axes, (left, _TOP_MM), columns, rows, square_mm)
+    if with_markers:
+        _draw_markers(axes, (left, _TOP_MM), columns, rows, square_mm)
+    _draw_axes(axes, (left, _TOP_MM), columns, rows, square_mm, with_markers)
     _draw_ruler(axes, width, height)
+    charuco = '--charuco ' if with_markers else ''
     axes.text(width / 2, height - 4.5, f'{columns} x {rows} inner corners, {square_mm:g} mm:   '
               f'calibrate board --camera 0 --corners {columns}x{rows} --square-mm {square_mm:g} '
-              '-o surface.yaml', ha='center', va='center', fontsize=8, color=_GREY)
+              f'{charuco}-o cell.yaml', ha='center', va='center', fontsize=8, color=_GREY)
     content = io.BytesIO()
     figure.savefig(content, format=file_format, dpi=_PNG_DPI)
     return content.getvalue()
@@ -103,12 +111,29 @@ def _draw_squares(
             axes.add_patch(Rectangle(place, square_mm, square_mm, facecolor='black', linewidth=0))
 
 
-def _draw_axes(
+def _draw_markers(
     axes: Any, corner: Tuple[float, float], columns: int, rows: int, square_mm: float
+) -> None:
+    from matplotlib.patches import Rectangle
+
+    cell = square_mm * MARKER_SHARE / CELLS
+    for number, square in marker_squares(columns, rows).items():
+        left, top = (place + square_mm * (index + (1 - MARKER_SHARE) / 2)
+                     for place, index in zip(corner, square))
+        for row, column in np.argwhere(marker_cells(number)):
+            # A little larger than a cell: viewers draw a bright line between neighbours.
+            axes.add_patch(Rectangle(
+                (left + column * cell, top + row * cell), 1.01 * cell, 1.01 * cell,
+                facecolor='black', linewidth=0))
+
+
+def _draw_axes(
+    axes: Any, corner: Tuple[float, float], columns: int, rows: int, square_mm: float,
+    with_markers: bool,
 ) -> None:
     """Draw x and y beside the board, from the first inner corner's place on."""
     (left, top), length = corner, 1.5 * square_mm
-    if not has_one_origin(columns, rows):
+    if not with_markers and not has_one_origin(columns, rows):
         axes.text(left, top - 5, 'origin: the corner that the picture shows nearest to its '
                   'top-left pixel', fontsize=8, color=_GREY, va='center')
         return

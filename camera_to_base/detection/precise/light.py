@@ -15,14 +15,14 @@
 """The camera's curve, and the light of a frame beside the background's."""
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional
 
 import cv2
 import numpy as np
 
 # The gain is rounded to this many steps per factor e: the limits are seldom made anew.
 _STEPS = 100
-_POINTS_PER_SIDE = 24
+_POINTS = 12, 48  # rows and columns; few rows are read faster
 # Darker levels are mostly noise, lighter ones may be cut off.
 _DARKEST, _LIGHTEST = 8, 247
 _LEAST_LIGHT = 1e-3
@@ -69,6 +69,15 @@ class Gain(NamedTuple):
         """Grey levels that the background's levels have at this gain, shape (256, 3)."""
         return _coded(self.linear_levels[:, 0])
 
+    def lit(self, picture: np.ndarray) -> np.ndarray:
+        """Give a picture, shape (h, w, 3), uint8, BGR, as it looks at this gain."""
+        if self == NO_GAIN:
+            return picture
+        # Above its first ten levels, the curve is a power: there a gain is a straight line.
+        slopes = self.factors ** (1 / 2.4)
+        line = np.column_stack([np.diag(slopes), 255 * 0.055 * (slopes - 1)])
+        return cv2.transform(picture, line.astype(np.float32))
+
 
 NO_GAIN = Gain(0, 0, 0)
 
@@ -84,7 +93,7 @@ class GainMeter:
     """
 
     def __init__(self, background: np.ndarray) -> None:
-        self._grid = tuple(_grid(length) for length in background.shape[:2])
+        self._grid = tuple(map(_grid, background.shape[:2], _POINTS))
         levels = background[self._grid]
         usable = (levels >= _DARKEST) & (levels <= _LIGHTEST)
         # In a channel without enough such places all are used.
@@ -129,20 +138,6 @@ class GainMeter:
         return Gain(*steps)
 
 
-def _grid(length: int) -> slice:
-    step = max(length // _POINTS_PER_SIDE, 1)
+def _grid(length: int, points: int) -> slice:
+    step = max(length // points, 1)
     return slice(step // 2, None, step)
-
-
-def ratio_and_tint(light: np.ndarray, other: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """
-    Compare two pictures in linear light.
-
-    :param light: Shape (..., 3).
-    :param other: Of the same shape.
-    :returns: The largest ratio of a channel, and largest / smallest ratio: 1 where only the
-        brightness differs; shape (...).
-    """
-    ratio = light / np.maximum(other, _LEAST_LIGHT)
-    largest = ratio.max(axis=-1)
-    return largest, largest / np.maximum(ratio.min(axis=-1), _LEAST_LIGHT)

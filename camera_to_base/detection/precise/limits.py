@@ -22,7 +22,7 @@ import numpy as np
 
 # A camera that trembles shows at a place what lies beside it on the background.
 _TREMBLE = np.ones((3, 3), np.uint8)
-_STRIP = 16
+_BLOCK = 32
 # Grey levels beyond the background's own range, and deviations of the noise: where an object's
 # rim still counts, and what an object must have somewhere.
 WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
@@ -58,13 +58,13 @@ class Limits:
         """
         Follow the light and the noise, see :func:`measure_noise`.
 
-        `least` is how much a level at least differs that is beyond the strong range.
+        A level that is beyond the strong range differs by more than `least` from the background.
         """
         levels = gain.coded_levels
         noise = np.take_along_axis(noise, np.rint(levels).astype(int), axis=0)
         weak = np.maximum(min(WEAK_LEVELS, self._faintest), _WEAK_DEVIATIONS * noise)
         strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
-        self.least = max(float(strong.min()) - 1, 0.0)
+        self.least = max(float(strong.min()) - 0.01, 0.0)
         self._weak.set_levels(levels - weak, levels + weak)
         self._strong.set_levels(levels - strong, levels + strong)
 
@@ -97,28 +97,26 @@ class Limits:
 
 
 class _LitRange:
-    # A range at the frame's light: made strip by strip, where it is asked for.
+    # A range at the frame's light: made block by block, where it is asked for.
 
     def __init__(self, usual: Range) -> None:
         self._usual = usual
         self._lit = Range(*(np.empty_like(bound) for bound in usual))
-        self._ready = bytearray(-(-len(usual.darkest) // _STRIP))
+        self._ready = np.zeros([-(-length // _BLOCK) for length in usual.darkest.shape[:2]], bool)
         self._tables = np.empty(0), np.empty(0)
 
     def set_levels(self, darkest: np.ndarray, lightest: np.ndarray) -> None:
         tables = tuple(np.clip(np.rint(levels), 0, 255).astype(np.uint8)[:, None]
                        for levels in (darkest, lightest))
         if not all(map(np.array_equal, tables, self._tables)):
-            self._tables, self._ready = tables, bytearray(len(self._ready))
+            self._tables = tables
+            self._ready[:] = False
 
     def part(self, part: tuple) -> Range:
-        rows = part[0]
-        first, last = (rows.start or 0) // _STRIP, -(-rows.stop // _STRIP)
-        strip = self._ready.find(0, first, last)
-        while strip >= 0:
-            strip_rows = slice(strip * _STRIP, (strip + 1) * _STRIP)
+        blocks = tuple(slice(side.start // _BLOCK, -(-side.stop // _BLOCK)) for side in part)
+        if not self._ready[blocks].all():
+            around = tuple(slice(side.start * _BLOCK, side.stop * _BLOCK) for side in blocks)
             for usual, table, lit in zip(self._usual, self._tables, self._lit):
-                cv2.LUT(usual[strip_rows], table, dst=lit[strip_rows])
-            self._ready[strip] = 1
-            strip = self._ready.find(0, first, last)
+                cv2.LUT(usual[around], table, dst=lit[around])
+            self._ready[blocks] = True
         return Range(self._lit.darkest[part], self._lit.lightest[part])

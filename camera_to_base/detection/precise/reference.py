@@ -16,7 +16,7 @@
 
 from typing import Optional
 
-from camera_to_base.detection.precise.light import Gain, GainMeter, NO_GAIN
+from camera_to_base.detection.precise.light import Gain, GainMeter
 from camera_to_base.detection.precise.limits import Limits
 from camera_to_base.detection.precise.noise import measure_noise
 import cv2
@@ -64,8 +64,7 @@ class Reference:
     def _use_gain(self, gain: Gain) -> None:
         self._gain = gain
         self._linear_levels = gain.linear_levels
-        self._levels = np.rint(gain.coded_levels).astype(np.uint8)[:, None]
-        self.lit = self.picture if gain == NO_GAIN else cv2.LUT(self.picture, self._levels)
+        self.lit = gain.lit(self.picture)
 
     def has_edges(self, part: tuple) -> bool:
         """Tell whether a part of the background changes by as much as an object within 5 px."""
@@ -77,7 +76,7 @@ class Reference:
 
     def at_this_light(self, picture: np.ndarray) -> np.ndarray:
         """Give a picture of the background's shape as it looks at the frame's light."""
-        return cv2.LUT(picture, self._levels)
+        return self._gain.lit(picture)
 
     def light(self, part: tuple) -> np.ndarray:
         """Give the light of a part of the background at the frame's light, float32."""

@@ -24,14 +24,17 @@ is covered make the next, better mask: three turns are enough.
 from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
-from camera_to_base.detection.precise.piece import channel_sum, disc, largest_part, Piece, square
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, channel_sum, chosen, disc, largest_part, Piece, quantile, square)
 import cv2
 import numpy as np
 
 _TURNS = 3
+# Ratios of light that no shade has, and of the largest to the smallest colour's.
+_LIGHT, _COLOURED = 1.2, 1.8
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
 # which part of that way is still to go.
-_STEEPEST, _WAY = 0.3, 0.5
+_STEEPEST = 0.3
 _CORE_WINDOW, _TABLE_WINDOW, _WIDER_WINDOW = 5, 7, 15
 _WIDER, _ANYWHERE = 1e-3, 1e-7
 _LEAST_LIGHT, _LEAST_POWER = 1e-3, 1e-4
@@ -41,6 +44,9 @@ _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
 _LEAST_CORE, _SMALLEST = 6, 6
+# From four channels, three colours and a count, to the colours and to the count three times.
+_COLOURS = np.eye(3, 4, dtype=np.float32)
+_COUNT = np.float32([[0, 0, 0, 1]] * 3)
 
 
 class Placed(NamedTuple):
@@ -66,12 +72,13 @@ class Placed(NamedTuple):
 
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
-    highlight, mask = find_highlight(piece), piece.mask
+    highlight, mask, ratio = find_highlight(piece), piece.mask, _ratio(piece)
+    sure = _no_shade(ratio, mask)
     for _ in range(_TURNS):
-        shares = _shares(piece, mask)
-        covered = (shares > 0.5).astype(np.uint8)
+        shares = np.maximum(_shares(piece, mask, ratio), sure)
+        covered = (shares > 0.5).view(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
-        if cv2.countNonZero(covered) < _SMALLEST:
+        if cv2.countNonZero(covered) < _SMALLEST or np.array_equal(covered, mask):
             break
         mask = covered
     shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
@@ -82,30 +89,44 @@ def place(piece: Piece) -> Placed:
 
 def place_whole(piece: Piece) -> Placed:
     """Place an object that is all of the mask: only the shares of its rim are to be told."""
-    shares = np.maximum(_shares(piece, piece.mask), cv2.erode(piece.mask, square(3)))
+    shares = np.maximum(
+        _shares(piece, piece.mask, _ratio(piece)), cv2.erode(piece.mask, square(3)))
     return Placed(shares.astype(np.float32), piece.mask)
 
 
-def _shares(piece: Piece, mask: np.ndarray) -> np.ndarray:
+def _no_shade(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    # Inside of the region, what is lighter than the table or of another colour is the object,
+    # whatever it looks like elsewhere.
+    smallest, largest = channel_extremes(ratio)
+    other = (largest > _LIGHT) | (largest > _COLOURED * smallest)
+    return cv2.morphologyEx(cv2.erode(mask, square(7)) & other.view(np.uint8),
+                            cv2.MORPH_OPEN, square(3))
+
+
+def _ratio(piece: Piece) -> np.ndarray:
+    return np.minimum(piece.frame / np.maximum(piece.table, _LEAST_LIGHT), _BRIGHTEST_RATIO)
+
+
+def _shares(piece: Piece, mask: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     core = _core(mask)
-    table = piece.table * _light_at_rim(piece, mask)
-    usual = np.median(piece.frame[core > 0], axis=0)
-    usual_contrast = table - usual
+    table = piece.table * _light_at_rim(ratio, mask)
+    usual = (*quantile(chosen(piece.frame, core)).tolist(), 0)
+    usual_contrast = cv2.subtract(table, usual)
     usual_power = _dot(usual_contrast, usual_contrast)
-    thing = _continued(piece.frame, core, _CORE_WINDOW)
     # A part of another colour counts with its own, small differences are noise.
-    other = thing - usual
-    thing = np.where((_dot(other, other) > _OTHER_COLOUR * usual_power)[..., None], thing, usual)
-    contrast = table - thing
+    other = cv2.subtract(_continued(piece.frame, core, _CORE_WINDOW), usual)
+    is_other = (_dot(other, other) > _OTHER_COLOUR * usual_power).view(np.uint8)
+    contrast = usual_contrast - cv2.copyTo(other, is_other)
     power = _dot(contrast, contrast)
-    shares = _dot(table - piece.frame, contrast) / np.maximum(power, 1e-9)
-    least = _LEAST_POWER + _LEAST_CONTRAST * float(np.median(power[mask > 0]))
+    away = table - piece.frame
+    shares = _dot(away, contrast) / np.maximum(power, 1e-9)
+    least = _LEAST_POWER + _LEAST_CONTRAST * float(quantile(power[mask > 0]))
     shares = np.where(power < least, mask, shares)
     # Where the object's rim happens to look like the table, its usual colour may tell more.
-    by_usual = _dot(table - piece.frame, usual_contrast) / np.maximum(usual_power, 1e-9)
+    by_usual = _dot(away, usual_contrast) / np.maximum(usual_power, 1e-9)
     shares = np.where(
         (power < _LITTLE_CONTRAST * usual_power) & (by_usual > _LIGHTER), by_usual, shares)
-    return np.minimum(np.clip(shares, 0, 1), cv2.dilate(mask, square(3)))
+    return np.minimum(np.maximum(np.minimum(shares, 1), 0), cv2.dilate(mask, square(3)))
 
 
 def _core(mask: np.ndarray) -> np.ndarray:
@@ -113,27 +134,29 @@ def _core(mask: np.ndarray) -> np.ndarray:
     return next((core for core in cores if cv2.countNonZero(core) >= _LEAST_CORE), mask)
 
 
-def _light_at_rim(piece: Piece, mask: np.ndarray) -> np.ndarray:
+def _light_at_rim(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
     # Seen 2 px outside of the rim and 4 px: what changes in between goes on towards the rim.
-    ratio = np.clip(piece.frame / np.maximum(piece.table, _LEAST_LIGHT), 0, _BRIGHTEST_RATIO)
-    near, farther = 1 - cv2.dilate(mask, disc(5)), 1 - cv2.dilate(mask, disc(9))
+    covered = cv2.dilate(mask, disc(5))
+    near, farther = 1 - covered, 1 - cv2.dilate(covered, disc(5))
     if not near.any():
         return np.ones_like(ratio)
     light = _continued(ratio, near, _TABLE_WINDOW)
     if not farther.any():
         return light
     beyond = np.maximum(_continued(ratio, farther, _TABLE_WINDOW), _LEAST_LIGHT)
-    return light * np.clip(light / beyond, 1 - _STEEPEST, 1 + _STEEPEST) ** _WAY
+    # The square root: half of the change, as the way to the rim is half as long.
+    return light * np.sqrt(
+        np.minimum(np.maximum(light / beyond, 1 - _STEEPEST), 1 + _STEEPEST))
 
 
 def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray:
     """Continue values by their mean over a window, over a wider one, or over all."""
-    weights = known.astype(np.float32)
-    anywhere = np.float32(cv2.mean(values, known)[:3])
-    weighted = values * weights[..., None]
-    total = _mean(weighted, window) + _WIDER * _mean(weighted, _WIDER_WINDOW)
-    weight = _mean(weights, window) + _WIDER * _mean(weights, _WIDER_WINDOW)
-    return (total + _ANYWHERE * anywhere) / (weight + _ANYWHERE)[..., None]
+    # The fourth channel counts the known pixels.
+    weighted = cv2.merge([cv2.copyTo(values, known), np.float32(known)])
+    total = cv2.scaleAdd(_mean(weighted, _WIDER_WINDOW), _WIDER, _mean(weighted, window))
+    anywhere = cv2.mean(values, known)[:3]
+    total = cv2.add(total, (*(_ANYWHERE * value for value in anywhere), _ANYWHERE))
+    return cv2.transform(total, _COLOURS) / cv2.transform(total, _COUNT)
 
 
 def _mean(values: np.ndarray, window: int) -> np.ndarray:

@@ -16,7 +16,9 @@
 
 from camera_to_base.calibration.figures import left_out_errors, surface_errors
 from camera_to_base.calibration.fits.homography_fit import fit_homography
+from camera_to_base.calibration.fits.motion import moved as moved_points, plane_motion
 from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.models import HomographySurface
 import cv2
@@ -172,3 +174,31 @@ def test_duplicate_points_are_refused_by_their_rows():
         MatchedPoints([[0, 0], [1, 0], [0, 0]], [[0, 0], [1, 0], [2, 0]])
     with pytest.raises(InvalidValueError, match=r'rows 7 and 8 have the same pixel'):
         MatchedPoints([[0, 0], [1, 0]], [[5, 5], [5, 5]], (7, 8))
+
+
+def test_four_placements_are_as_good_all_over_the_picture_as_at_the_board():
+    # A third of the picture's width each, 0.2 px noise; the goal is a ratio of 2.
+    camera, ratios = pixel_from_surface(25, 0, away_cm=75.0), []
+    u, v = np.meshgrid(np.linspace(0, 639, 13), np.linspace(0, 479, 10))
+    everywhere = np.stack([u.ravel(), v.ravel()], axis=1)
+    board = GRID - GRID.mean(axis=0)
+    for seed in range(5):
+        random, placements, true = np.random.default_rng(seed), [], []
+        for x, y in ((-8, -6), (28, -6), (-3, 17), (23, 17)):
+            turn = random.uniform(-0.2, 0.2)
+            moved = board @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]] + [x, y]
+            pixels = project(camera, moved, -0.2) + random.normal(0, 0.2, moved.shape)
+            inside = ((pixels > 0) & (pixels < [639, 479])).all(axis=1)
+            placements.append(MatchedPoints(board[inside], pixels[inside]))
+            true.append(moved[inside])
+        fit = fit_homography(placements[0], IMAGE_SIZE, placements[1:])
+        truth = HomographySurface(np.linalg.inv(camera), IMAGE_SIZE, RadialDistortion.of_picture(
+            IMAGE_SIZE, -0.2, CENTRE))
+        # The camera frame is the first placement's: the best motion from it to the table.
+        to_table = plane_motion(fit.points, np.concatenate(true))
+        found = moved_points(fit.surface.locate(everywhere), to_table)
+        errors = np.linalg.norm(found - truth.locate(everywhere), axis=1)
+        at_board = np.linalg.norm(fit.surface.locate(np.concatenate(
+            [placement.pixels for placement in placements])) - fit.points, axis=1)
+        ratios.append(np.sqrt(np.mean(errors ** 2) / np.mean(at_board ** 2)))
+    assert max(ratios) < 2, ratios
