@@ -34,7 +34,7 @@ SMALL_DAYS = {
     'camera that swings far was not moved back': Day(62, (Event('wobble', 14.23, 514338),)),
     'object of the background moves by less than its width': Day(1053, (
         Event('put', 5.9, 831669), Event('retake', 6.36, 799026), Event('move', 12.28, 558226))),
-    'fist as large as a disc hides it, lighter than the table': Day(2092, (
+    'fist hides a disc of its size': Day(2092, (
         Event('put', 0.5, 736598), Event('put', 3.57, 673465), Event('put', 5.35, 838231),
         Event('put', 7.32, 94278), Event('take', 9.21, 340423), Event('take', 14.93, 738991))),
 }
