@@ -19,6 +19,7 @@ from typing import Any, Mapping, Optional
 from camera_to_base.calibration.checks.base_checks import (
     check_pairs, check_with_surface, check_without_surface)
 from camera_to_base.calibration.covariances import transform_error
+from camera_to_base.calibration.error_map import ErrorMap
 from camera_to_base.calibration.figures import error_figures, warnings
 from camera_to_base.calibration.fits.rigid_fit import fit_rigid
 from camera_to_base.calibration.result import (
@@ -59,4 +60,6 @@ def calibrate_base(
     values = {**found, 'base_covariance': triangle_of(transform_error(pairs, fit).covariance)}
     report = {**origin_fields('rigid', source), **found, **figure_fields(figures, points_are),
               'warnings': [*warnings(figures), *doubts]}
+    if surface_values is not None:
+        report.update(ErrorMap({**surface_values, **values}).fields)
     return Calibration(report, values)

@@ -26,7 +26,7 @@ def report_lines(report: Mapping[str, Any]) -> List[str]:
 
     :param report: What `calibrate --json` prints.
     """
-    return [*_model_lines(report), *figure_lines(report),
+    return [*_model_lines(report), *figure_lines(report), *_map_lines(report),
             *(f'warning: {text}' for text in report['warnings'])]
 
 
@@ -51,6 +51,17 @@ def figure_lines(report: Mapping[str, Any]) -> List[str]:
         lines.append(f'{report["outside_hull"]} of the points lie outside the area that the '
                      'calibration was measured in')
     return lines
+
+
+def _map_lines(report: Mapping[str, Any]) -> Iterator[str]:
+    if 'error_map_mm' not in report:
+        return
+    frame = ('the base transform included' if report['error_map_has_base']
+             else 'without the base transform')
+    yield (f'95 % of the positions are expected within so many mm, over the picture ({frame}):')
+    for row in report['error_map_mm']:
+        yield '  ' + ' '.join(
+            '-'.rjust(6) if error is None else f'{error:6.1f}' for error in row)
 
 
 def _model_lines(report: Mapping[str, Any]) -> List[str]:

@@ -20,6 +20,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence
 from camera_to_base.calibration.checks.surface_checks import (
     check_fit, check_placements, refuse_outlier)
 from camera_to_base.calibration.covariances import surface_error
+from camera_to_base.calibration.error_map import ErrorMap
 from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.calibration.fits.homography_fit import fit_homography, POINTS_FOR_DISTORTION
@@ -83,11 +84,12 @@ def calibrate_surface(
     report = {**origin_fields(model, source), 'image_size': list(image_size), **found,
               **_axes(fit.surface, matched), **figure_fields(figures, points_are),
               'coverage': covered, 'warnings': [*warnings(figures, covered), *doubts]}
-    picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
-                             lines=figure_lines(report))
     error = surface_error(fit.surface, matched, image_size, points_are, counts)
     values = {**surface_values(fit.surface, hull),
               SURFACE_COVARIANCE: triangle_of(error.covariance)}
+    report.update(ErrorMap(values).fields)
+    picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
+                             lines=figure_lines(report), error_map=report['error_map_mm'])
     return Calibration(report, values, picture)
 
 
@@ -134,6 +136,7 @@ def check_surface(
         raise InvalidValueError(
             'expected the parameters of a surface, as calibrate board and calibrate points write '
             f'them, got {", ".join(values) or "none"}')
+    error_map = ErrorMap(values)
     # The points lie on the surface, whatever object height the parameters set.
     values = {**checked_values(SURFACE_SPECS, values), 'object_height_cm': 0.0}
     surface, hull = make_surface(values), make_hull(values)
@@ -141,7 +144,7 @@ def check_surface(
     figures = error_figures(surface_errors(surface, matched), matched.rows)
     outside = 0 if hull is None else sum(not hull.contains(pixel) for pixel in matched.pixels)
     return {'model': values['surface.model'], **figure_fields(figures, 'row'),
-            'outside_hull': outside, 'warnings': []}
+            'outside_hull': outside, 'warnings': [], **error_map.fields}
 
 
 def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> MatchedPoints:

@@ -27,11 +27,11 @@ from camera_to_base.image_size import ImageSize
 from camera_to_base.parameters import (
     calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS, ParameterSpec,
     PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
-from camera_to_base.settings.uncertainty import position_uncertainty
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
 from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, read_thumbnail
-from camera_to_base.uncertainty import PositionUncertainty, UNCERTAINTY_SPECS
+from camera_to_base.uncertainty import (
+    position_uncertainty, PositionUncertainty, UNCERTAINTY_SPECS)
 
 
 class CalibratedFor(NamedTuple):

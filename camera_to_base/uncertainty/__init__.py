@@ -29,6 +29,7 @@ from camera_to_base.uncertainty.centre import (
     centre_covariance, Shape, Spread, UNKNOWN_ANGLE, yaw_variance)
 from camera_to_base.uncertainty.ellipse import (
     Ellipse, ellipse_covariance, error_ellipse, radius_for)
+from camera_to_base.uncertainty.from_parameters import position_uncertainty
 from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
 from camera_to_base.uncertainty.picture_warp import Lens, plain_lens, warp_design, WARP_NUMBERS
 from camera_to_base.uncertainty.position import (
@@ -46,9 +47,10 @@ __all__ = [
     'base_covariance', 'base_error', 'BaseError', 'CameraPlace', 'centre_covariance',
     'CENTRE_FLOOR', 'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse',
     'fit_error', 'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE', 'Lens',
-    'likely_place', 'plain_lens', 'pose_design', 'POSE_NUMBERS', 'PositionCovariance',
-    'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread',
-    'SURFACE_COVARIANCE', 'surface_covariance', 'symmetric', 'triangle_length', 'triangle_of',
-    'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS',
-    'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
+    'likely_place', 'plain_lens', 'pose_design', 'POSE_NUMBERS', 'position_uncertainty',
+    'PositionCovariance', 'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean',
+    'Spread', 'surface_covariance', 'SURFACE_COVARIANCE', 'symmetric', 'triangle_length',
+    'triangle_of', 'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform',
+    'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS',
+    'yaw_variance',
 ]

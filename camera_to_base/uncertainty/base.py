@@ -23,7 +23,7 @@ told by the residuals of each pair that was left out of the fit.
 
 from typing import NamedTuple, Optional
 
-from camera_to_base.uncertainty.scatter import predictive_variance
+from camera_to_base.uncertainty.scatter import pooled_variance
 import numpy as np
 
 POSE_NUMBERS = 6
@@ -62,7 +62,7 @@ def base_error(arms: np.ndarray, left_out: Optional[np.ndarray], flat: bool) -> 
         axes = 2 if flat else 3
         freedom = float(axes * len(arms) - (3 if flat else 6))
         squares = freedom * float(np.mean(_relative_squares(design, left_out, axes)))
-    variance = predictive_variance(squares, freedom, _TOUCH_CM, _TOUCH_WORTH)
+    variance = pooled_variance(squares, freedom, _TOUCH_CM, _TOUCH_WORTH)
     return BaseError(variance * inverse, float(np.sqrt(variance)))
 
 

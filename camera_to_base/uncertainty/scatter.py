@@ -14,28 +14,21 @@
 
 """The variance of measurements, from few of them."""
 
-# With fewer degrees of freedom, no one factor suits the quantiles.
-_LEAST_FREEDOM = 4.0
 
-
-def predictive_variance(
+def pooled_variance(
     squares: float, freedom: float, expected: float, expected_freedom: float
 ) -> float:
     """
-    Return the variance of a further error, whose own variance was estimated.
+    Return the variance of measurements, of which few residuals are known.
 
-    The estimate is pooled with the value that is expected of such measurements. With few
-    measurements, errors have Student's t distribution, with more large errors than a normal one.
-    A factor of f / (f - 1) on the variance of f degrees of freedom suits the ellipses of 50 to
-    95 % best.
+    It is pooled with the variance that such measurements usually have: a handful of residuals may
+    happen to be small.
 
     :param squares: The sum of squared residuals, each divided by its own expected square.
-    :param freedom: Degrees of freedom of the sum; 0 or less leaves the expected value only.
+    :param freedom: Degrees of freedom of the sum; 0 or less leaves the usual value only.
     :param expected: The usual standard deviation, in the unit of the residuals.
     :param expected_freedom: How many residuals it is worth.
     """
-    freedom = max(freedom, 0.0)
-    pooled = freedom + expected_freedom
-    variance = (squares * (freedom > 0) + expected_freedom * expected ** 2) / pooled
-    pooled = max(pooled, _LEAST_FREEDOM)
-    return variance * pooled / (pooled - 1)
+    if freedom <= 0:
+        return expected ** 2
+    return (squares + expected_freedom * expected ** 2) / (freedom + expected_freedom)

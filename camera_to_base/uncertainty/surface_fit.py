@@ -25,7 +25,7 @@ errors, each divided by the one that points with an error of 1 px would have, gi
 from typing import List, NamedTuple
 
 from camera_to_base.uncertainty.picture_warp import HOMOGRAPHY_NUMBERS, WARP_NUMBERS
-from camera_to_base.uncertainty.scatter import predictive_variance
+from camera_to_base.uncertainty.scatter import pooled_variance
 import numpy as np
 
 # Standard deviations of the lens's numbers before anything is measured: of the first three as in
@@ -103,7 +103,7 @@ def _left_out_variance(
     used = np.trace(np.linalg.pinv(normal + precision, hermitian=True) @ normal)
     freedom = (2 * count - used) * left_out.mean()
     mean_square = float(np.mean(squares)) if squares else 0.0
-    return predictive_variance(
+    return pooled_variance(
         mean_square * max(freedom, 0.0), freedom if squares else 0.0, expected_px,
         _EXPECTED_WORTH)
 

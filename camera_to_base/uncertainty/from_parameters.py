@@ -15,10 +15,11 @@
 """Makes the uncertainty of positions of its parameters."""
 
 from camera_to_base.parameters import Values
-from camera_to_base.surface import Surface
-from camera_to_base.uncertainty import (
-    CameraPlace, CENTRE_FLOOR, HEIGHT_TOLERANCE, Lens, PositionUncertainty, SURFACE_COVARIANCE,
-    surface_covariance)
+from camera_to_base.uncertainty.height import CameraPlace
+from camera_to_base.uncertainty.picture_warp import Lens
+from camera_to_base.uncertainty.position import PositionUncertainty, Surface
+from camera_to_base.uncertainty.specs import (
+    CENTRE_FLOOR, HEIGHT_TOLERANCE, SURFACE_COVARIANCE, surface_covariance)
 import numpy as np
 
 
