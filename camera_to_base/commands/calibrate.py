@@ -47,7 +47,11 @@ def main(args: Optional[List[str]] = None) -> int:
         return 1
     except KeyboardInterrupt:
         return 130
-    print(json.dumps(report) if options.json else '\n'.join(_lines(report)))
+    try:
+        print(json.dumps(report) if options.json else '\n'.join(_lines(report)), flush=True)
+    except BrokenPipeError:
+        # The reader has closed the pipe. Without dup2, Python prints an error when it flushes.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 0
 
 
