@@ -17,7 +17,7 @@
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 
 SURFACE, BASE = 'the surface', 'the base frame'
-_BASE_NAMES = ('rotation_deg', 'displacement_cm', 'calibration.base')
+_BASE_NAMES = ('rotation_deg', 'displacement_cm', 'base_covariance', 'calibration.base')
 _SURFACE_NAMES = ('calibration.surface', 'calibration.device', 'calibration.thumbnail')
 # Set by a user, for any surface.
 _OPTIONS = ('surface.reject_outside_hull',)
