@@ -17,62 +17,50 @@ Measures the time of each method relative to the tutorial's OpenCV calls on the 
 
     scripts/benchmark detection_speed [--quick] [--json FILE]
 
-One thread; each method takes turns with the tutorial; the ratio is that of the medians. The
-frames of a scene take up more memory than a core's cache holds, as a camera's do; with --warm,
-each is read just before.
+One thread, CPU time; each method takes turns with the tutorial; the ratio is that of the medians.
+The frames of a scene take up more memory than a core's cache holds, as a camera's do; with --warm,
+each is read just before. The second table is for frames that take the default detector's long way.
 """
 
 import argparse
 import json
 import sys
 import time
-from typing import List, Tuple
+from typing import List
 
 import cv2
 from detection_accuracy import versions
 from methods import METHODS
 import numpy as np
+from photometric import Conditions, Lamp, Photographer
+from speed_scenes import make_frames, SCENES, TABLES
 
-SIZES = (640, 480), (1280, 720), (3840, 2160)
-_TABLE, _COIN, _NOISE = 200, 60, 1.5
-# Total size of the frames in bytes: larger than the cache of one core.
+SIZES = (640, 480), (1920, 1080)
+LONG_WAY = {
+    'own shadow, small lamp': Conditions(thickness=12, lamp=Lamp(radius=5)),
+    'own shadow, wide lamp': Conditions(thickness=12, lamp=Lamp(radius=250)),
+    'light object and shadow': Conditions(colour=(0.8,), thickness=12, lamp=Lamp(radius=20)),
+    'highlight': Conditions(gloss=1.5),
+    'faint': Conditions(colour=(0.34, 0.37, 0.4)),
+    'two colours': Conditions(second_colour=(0.6,)),
+    'ring': Conditions(shape='ring'),
+    'lamp flickers': Conditions(flicker=0.15),
+    'light from outside': Conditions(shade=0.5),
+}
 _FRAMES_BYTES = 64e6
-# In parts of the picture's width and height.
-_FAR_APART = (0.12, 0.15), (0.88, 0.14), (0.5, 0.5), (0.13, 0.86), (0.87, 0.85)
+_SETTLED = 20  # frames until light and noise are known
 
 
-def make_frames(scene: str, size: Tuple[int, int], count: int) -> List[np.ndarray]:
-    """Render frames of a scene: a noisy table, with coins where the scene has some."""
-    width, height = size
-    rng = np.random.default_rng(1)
-    frames = []
-    for number in range(count):
-        picture = np.full((height, width, 3), _TABLE, np.uint8)
-        if scene == 'everything changed':
-            cells = rng.integers(0, 100, (12, 16, 1), dtype=np.uint8)
-            picture[:] = cv2.resize(cells, size, interpolation=cv2.INTER_NEAREST)[:, :, None]
-        for u, v in {'one coin': [(0.4 + 0.01 * number, 0.55)],
-                     'several far apart': _FAR_APART}.get(scene, []):
-            centre = int(u % 1 * width), int(v * height)
-            cv2.circle(picture, centre, round(0.0336 * width), (_COIN,) * 3, -1, cv2.LINE_AA)
-        noise = rng.standard_normal(picture.shape, dtype=np.float32) * np.float32(_NOISE)
-        frames.append(np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8))
-    return frames
-
-
-def measure(
-    scene: str, size: Tuple[int, int], methods: List[str], turns: int, warm: bool
-) -> List[dict]:
-    """Time each method on a scene, in turns with the tutorial."""
-    count = 2 if warm else int(min(max(_FRAMES_BYTES / (size[0] * size[1] * 3), 2), 40))
-    background, *_ = make_frames('nothing there', size, 1)
-    frames = make_frames(scene, size, count)
+def measure(scene: str, names: dict, methods: List[str], turns: int, warm: bool,
+            background: np.ndarray, frames: List[np.ndarray]) -> List[dict]:
+    """Time each method on a scene's frames, in turns with the tutorial."""
     rows = []
     for name in methods:
         reference, method = time_in_turns(
             [METHODS['tutorial'](background), METHODS[name](background)], frames, turns, warm)
-        rows.append({'method': name, 'scene': scene, 'width': size[0], 'height': size[1],
-                     'ratio': reference / method, 'ms': 1e3 * method})
+        rows.append({'method': name, 'scene': scene, **names, 'width': background.shape[1],
+                     'height': background.shape[0], 'ratio': reference / method,
+                     'ms': 1e3 * method})
     return rows
 
 
@@ -87,6 +75,9 @@ def time_in_turns(
 
     :returns: The median of each, in s.
     """
+    for index in range(min(_SETTLED, turns)):
+        for detector in detectors:
+            detector.detect(frames[index % len(frames)])
     times: List[List[float]] = [[] for _ in detectors]
     for turn in range(turns):
         for index, detector in enumerate(detectors):
@@ -94,10 +85,45 @@ def time_in_turns(
             frame = frames[(turn + (not warm) * index * (len(frames) // 2)) % len(frames)]
             if warm:
                 frame.max()
-            start = time.perf_counter()
+            start = time.process_time()
             detector.detect(frame)
-            times[index].append(time.perf_counter() - start)
-    return [float(np.median(values[1:])) for values in times]
+            times[index].append(time.process_time() - start)
+    return [float(np.median(values)) for values in times]
+
+
+def measure_tables(methods: List[str], quick: bool, warm: bool) -> List[dict]:
+    """Print and return the table of all scenes on all tables, size by size."""
+    rows = []
+    for size in SIZES[:1] if quick else SIZES:
+        turns = 4 if quick else max(24, int(150 * 640 * 480 / (size[0] * size[1])))
+        count = 2 if warm or quick else int(
+            min(max(_FRAMES_BYTES / (size[0] * size[1] * 3), 2), 40))
+        for table in TABLES:
+            print(f'\n{f"{size[0]} x {size[1]}, {table}":26}'
+                  + ''.join(f'{name:>20}' for name in methods))
+            for scene in SCENES:
+                background, frames = make_frames(table, scene, size, count)
+                results = measure(
+                    scene, {'table': table}, methods, turns, warm, background, frames)
+                rows += results
+                print(f'{scene:26}' + ''.join(
+                    f'{row["ratio"]:9.2f} ({row["ms"]:5.2f} ms)' for row in results), flush=True)
+    return rows
+
+
+def measure_long_way(quick: bool) -> List[dict]:
+    """Print and return the times for one object that is not plain, and for light's field."""
+    rows = []
+    print(f'\n{"640 x 480, photometric":26}{"tutorial ÷ precise":>20}{"precise, ms":>14}')
+    for scene, conditions in list(LONG_WAY.items())[:1 if quick else None]:
+        camera = Photographer(conditions, 1)
+        background = camera.background()
+        frames = [camera.frame()[0] for _ in range(2 if quick else 8)]
+        row, = measure(scene, {'table': 'photometric'}, ['precise'], 4 if quick else 80, False,
+                       background, frames)
+        rows.append(row)
+        print(f'{scene:26}{row["ratio"]:20.2f}{row["ms"]:14.2f}', flush=True)
+    return rows
 
 
 def main() -> None:
@@ -111,16 +137,10 @@ def main() -> None:
     arguments = parser.parse_args()
     cv2.setNumThreads(1)
     methods = ['tutorial', *(arguments.method or [name for name in METHODS if name != 'tutorial'])]
-    print(versions(), 'one thread; tutorial ÷ method')
-    rows = []
-    for size in SIZES[:1] if arguments.quick else SIZES:
-        turns = 4 if arguments.quick else max(16, int(150 * 640 * 480 / (size[0] * size[1])))
-        print(f'\n{f"{size[0]} x {size[1]}":22}' + ''.join(f'{name:>22}' for name in methods))
-        for scene in ('nothing there', 'one coin', 'several far apart', 'everything changed'):
-            results = measure(scene, size, methods, turns, arguments.warm)
-            rows += results
-            print(f'{scene:22}' + ''.join(
-                f'{row["ratio"]:10.2f} ({row["ms"]:6.2f} ms)' for row in results), flush=True)
+    print(versions(), 'one thread, CPU time; tutorial ÷ method (time of the method)')
+    rows = measure_tables(methods, arguments.quick, arguments.warm)
+    if 'precise' in methods:
+        rows += measure_long_way(arguments.quick)
     if arguments.json:
         with open(arguments.json, 'w', encoding='utf-8') as file:
             json.dump(rows, file, indent=1)

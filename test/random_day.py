@@ -34,10 +34,10 @@ from day_events import EVENTS
 from day_world import FRAMES_PER_S, HEIGHT, MM_PER_PX, seen_at, WIDTH, World
 import numpy as np
 
-WRONG_MM, SILENT_S, LENGTH_S = 3.0, 3.0, 22.0
+WRONG_MM, SILENT_S, LENGTH_S = 3.0, 3.0, 18.0
 # Objects that are closer to the edge of the picture, or of work_area, need not be published.
 _NEAR_EDGE_PX, _NEAR_EDGE_CM = 8, 0.5
-# At least so long an object's old place in a background may confuse what is put on it, in px.
+# The corners of work_area, left, top, right, bottom, in cm: the whole picture.
 _EVERYWHERE = np.array([0.0, 0.0, 18.0, 13.5])
 
 

@@ -63,7 +63,7 @@ def calibrate_surface(
     refuse_too_many(sum(counts))
     if model == 'homography':
         fit = fit_homography(matched, image_size, further)
-        first, matched = matched, _together([matched, *further], fit.points)
+        matched = _together([matched, *further], fit.points)
         found = {'distortion_coefficient': fit.surface.distortion.coefficient,
                  'distortion_centre': list(fit.surface.distortion.centre),
                  'points_for_distortion': POINTS_FOR_DISTORTION,
@@ -75,8 +75,8 @@ def calibrate_surface(
     if points_are == 'row' and model == 'homography':
         refuse_outlier(fit.surface, fit.without, matched)
     doubts = [] if not further else check_placements(
-        fit.surface, _parts(matched, [first, *further]), image_size)
-    doubts += check_fit(fit.surface, matched, image_size)
+        fit.surface, _parts(matched, counts), image_size)
+    doubts += check_fit(fit.surface, matched, image_size, are_clicks=points_are == 'row')
     hull = Hull(matched.pixels)
     covered = coverage(hull, image_size)
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
@@ -154,13 +154,10 @@ def _together(placements: Sequence[MatchedPoints], points: np.ndarray) -> Matche
     return MatchedPoints(points, np.concatenate([placement.pixels for placement in placements]))
 
 
-def _parts(
-    matched: MatchedPoints, placements: Sequence[MatchedPoints]
-) -> List[MatchedPoints]:
+def _parts(matched: MatchedPoints, counts: Sequence[int]) -> List[MatchedPoints]:
     """Divide the points of all placements into those of each."""
-    ends = np.cumsum([len(placement) for placement in placements])
-    return [matched.take(np.arange(end - len(placement), end))
-            for end, placement in zip(ends, placements)]
+    return [matched.take(np.arange(end - count, end))
+            for count, end in zip(counts, np.cumsum(counts))]
 
 
 def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:

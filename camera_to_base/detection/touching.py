@@ -30,7 +30,7 @@ import numpy as np
 # A notch is at least this deep, in px and as a part of the square root of the area.
 _DEEPEST_FLAW, _LEAST_NOTCH = 1.5, 0.06
 # The neck beside the narrower part's width.
-_WIDEST_NECK = 0.7
+_WIDEST_NECK = 0.6
 # How much of its convex hull a part fills; a small one's outline is ragged.
 _LEAST_SOLIDITY, _SMALLEST = 0.9, 30
 _MOST_NOTCHES, _MOST_PARTS = 12, 12

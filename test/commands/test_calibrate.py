@@ -530,7 +530,7 @@ def test_points_with_the_errors_of_clicks_are_taken_and_mm_are_doubted(report):
     write_points(points, pixels)
     found = report('points', 'points.csv', '-o', 'a.yaml', '--image-size', '640x480')
     assert found['warnings'] == []
-    write_points(100 * points, pixels)
+    write_points(16 * points, pixels)
     found = report('points', 'points.csv', '-o', 'b.yaml', '--image-size', '640x480')
     assert 'which is an unusual table: are all numbers in cm?' in found['warnings'][-1]
 
@@ -555,6 +555,24 @@ def test_pixel_near_the_horizon_cannot_be_checked(run):
     points = written('a.csv', 'x_cm,y_cm,u_px,v_px\n0,0,320,112\n')
     code, _, error = run('check', written('a.yaml', text), points)
     assert code == 1 and 'near the horizon' in error
+
+
+@pytest.mark.parametrize('factor, said', [
+    (0.01, r'span 0\.\d+ cm, which is no table: are the numbers in m instead'),
+    (100, r'span \d+ cm|span .*e\+03 cm, which is no table: are the numbers in mm instead')])
+def test_points_of_a_stamp_or_a_hall_are_refused(run, factor, said):
+    points = np.array([[x, y] for y in (-2.0, 4.0, 9.0, 14.0) for x in (-2.0, 10.0, 22.0)])
+    pixels = project(pixel_from_surface(), points)
+    rows = [','.join(map(repr, row)) for row in np.hstack([factor * points, pixels]).tolist()]
+    Path('a.csv').write_text('\n'.join(['x_cm,y_cm,u_px,v_px', *rows]))
+    code, output, error = run('points', 'a.csv', '--image-size', '640x480', '-o', 'surface.yaml')
+    assert (code, output) == (1, '') and re.search(said, error), error
+    assert not Path('surface.yaml').exists()
+
+
+def test_blurred_board_is_doubted(report):
+    found = report('board', board_picture(blur=12), *BOARD, '-o', 'surface.yaml')
+    assert any('is the picture blurred, or the board bent' in text for text in found['warnings'])
 
 
 def test_sheet_is_drawn_for_the_command_that_it_names(report, run):

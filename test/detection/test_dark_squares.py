@@ -70,3 +70,16 @@ def test_the_limit_is_that_of_the_surroundings():
     squares = DarkSquares(limits, 20, 2)
     assert squares.boxes(frame_with((500, 100))) == []
     assert len(squares.boxes(frame_with((300, 100)))) == 1
+
+
+@pytest.mark.parametrize('closing_size', [1, 2, 3])
+def test_a_small_kernel_finds_small_squares_wherever_they_lie(closing_size):
+    rng, squares = np.random.default_rng(5), DarkSquares(LIMITS, closing_size, 0)
+    missed = []
+    for case in range(100):
+        edge = int(rng.integers(3, 5))
+        places = [(int(x), int(y)) for x, y in rng.integers(0, (600, 440), (4, 2))]
+        boxes = squares.boxes(frame_with(*places, edge=edge))
+        if not all(any(contains(box, x, y, edge) for box in boxes) for x, y in places):
+            missed.append(case)
+    assert missed == []

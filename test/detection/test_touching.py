@@ -70,10 +70,11 @@ def test_three_coins_in_a_row_and_of_different_sizes_come_as_one_each():
 
 SCREW = [bar((150, 120), 60, 10), bar((116, 120), 10, 22)]
 L_SHAPE = [bar((150, 120), 70, 16), bar((123, 140), 16, 50)]
+BONE = [bar((150, 120), 40, 14), polygon((128, 120), 11), polygon((172, 120), 11)]
 BLOB = [polygon((150, 120), 20), polygon((165, 128), 17), polygon((150, 135), 15)]
 
 
-@pytest.mark.parametrize('shapes', [SCREW, L_SHAPE, BLOB])
+@pytest.mark.parametrize('shapes', [SCREW, L_SHAPE, BONE, BLOB])
 def test_one_object_is_not_split(shapes):
     assert len(detect(drawn(*shapes))) == 1
 

@@ -32,6 +32,10 @@ SMALLEST_COVERAGE = 0.005
 # Usual sizes of a table. Another size is reported: the unit may be wrong.
 SMALLEST_EXTENT_CM = 3.0
 LARGEST_EXTENT_CM = 300.0
+# Beyond these it must be wrong.
+_STAMP_CM, _HALL_CM = 1.0, 1000.0
+# Of the extent, for the corners of a board: 26 sample boards have 0.05 to 0.1 %.
+_DOUBTFUL_RMS_SHARE = 0.0025
 # Corners are found to 0.1 to 0.2 px in pictures of this width, and a lens's model fits to about as
 # much. A camera 90 cm above the table that comes 3 cm nearer between two placements gives 0.4 to
 # 0.6 px. Its shift and its turn about the surface's normal cannot be told from the board's, and do
@@ -43,13 +47,17 @@ _FLOOR_PX = 0.3
 _NUMBERS, _LENS_NUMBERS = 8, 3
 
 
-def check_fit(surface: Surface, matched: MatchedPoints, image_size: ImageSize) -> List[str]:
+def check_fit(
+    surface: Surface, matched: MatchedPoints, image_size: ImageSize, *, are_clicks: bool
+) -> List[str]:
     """
     Check that the errors of a fit are plausible, and that its points cover enough of the picture.
 
     :param image_size: Width and height of the picture, in px.
+    :param are_clicks: Whether a person measured the points; otherwise they are a board's corners.
     :returns: Sentences about what is doubtful.
-    :raises CalibrationError: If the errors are too large, or the points too near each other.
+    :raises CalibrationError: If the errors are too large, the points too near each other, or the
+        extent is none of a table.
     """
     share = Hull(matched.pixels).area / (image_size[0] * image_size[1])
     if share < SMALLEST_COVERAGE:
@@ -67,9 +75,18 @@ def check_fit(surface: Surface, matched: MatchedPoints, image_size: ImageSize) -
             f'mm rms, {100 * rms / extent:.0f} % of their extent of {extent:.0f} cm, most at row '
             f'{matched.rows[int(np.argmax(errors))]}: are rows or columns exchanged, or is one of '
             f'another picture? Up to {100 * LARGEST_RMS_SHARE:g} % can be errors of measurement')
+    if not _STAMP_CM <= extent <= _HALL_CM:
+        raise CalibrationError(
+            f'the points span {extent:.3g} cm, which is no table: are the numbers in '
+            f'{"m" if extent < _STAMP_CM else "mm"} instead of cm?')
+    doubts = [] if are_clicks or rms <= _DOUBTFUL_RMS_SHARE * extent else [
+        f'the corners are found to {10 * rms:.1f} mm rms only, {100 * rms / extent:.1f} % of '
+        "the board's extent, where sharp pictures of a flat board give 0.1 %: is the picture "
+        'blurred, or the board bent?']
     if SMALLEST_EXTENT_CM <= extent <= LARGEST_EXTENT_CM:
-        return []
-    return [f'the points span {extent:.3g} cm, which is an unusual table: are all numbers in cm?']
+        return doubts
+    return [*doubts, f'the points span {extent:.3g} cm, which is an unusual table: are all '
+            'numbers in cm?']
 
 
 def check_placements(

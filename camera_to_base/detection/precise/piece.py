@@ -48,6 +48,11 @@ def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return (cv2.min(cv2.min(blue, green), red), cv2.max(cv2.max(blue, green), red))
 
 
+def chosen(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Give the pixels in a mask, shape (h, w, 3) to (n, 3): faster than a mask as an index."""
+    return values.reshape(-1, values.shape[-1])[np.flatnonzero(mask)]
+
+
 def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:
     """
     Give the value that a share of the values lies below, along the first axis.

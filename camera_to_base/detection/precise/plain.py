@@ -38,7 +38,7 @@ from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR
 from camera_to_base.detection.precise.piece import has_holes, outlines_in, square
 from camera_to_base.detection.precise.reference import Reference
-from camera_to_base.detection.precise.regions import slices
+from camera_to_base.detection.precise.regions import filled, SHORTEST_OUTLINE, slices
 from camera_to_base.detection.precise.shares import Placed
 import cv2
 import numpy as np
@@ -74,9 +74,12 @@ def find_plain(frame: np.ndarray, part: Box, reference: Reference) -> Optional[P
     """
     place = slices(part)
     weak = reference.limits.weak(place).outside(frame[place])
-    outlines = outlines_in(weak)
+    everything = outlines_in(weak)
+    outlines = [outline for outline in everything if len(outline) >= SHORTEST_OUTLINE]
     if len(outlines) != 1:
         return None
+    if len(everything) > 1:  # specks of noise
+        weak = filled(outlines[0], Box(0, 0, part.width, part.height), 255)
     x, y, width, height = cv2.boundingRect(outlines[0])
     if x == 0 or y == 0 or x + width == part.width or y + height == part.height:
         return None

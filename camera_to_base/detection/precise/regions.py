@@ -33,7 +33,7 @@ import numpy as np
 
 _CLOSE = np.ones((3, 3), np.uint8)
 _FARTHER = 16
-_SHORTEST_OUTLINE = 12
+SHORTEST_OUTLINE = 12
 
 
 class Region(NamedTuple):
@@ -119,7 +119,7 @@ def _regions_in(
     strong, weak = (
         cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE) for mask in (strong, weak))
     regions = (_region(outline, strong, window, min_area) for outline in outlines_in(weak)
-               if len(outline) >= _SHORTEST_OUTLINE)
+               if len(outline) >= SHORTEST_OUTLINE)
     return [region for region in regions if region is not None]
 
 

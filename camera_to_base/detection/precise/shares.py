@@ -25,11 +25,13 @@ from typing import Dict, NamedTuple, Optional
 
 from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_sum, disc, largest_part, Piece, quantile, square)
+    channel_extremes, channel_sum, chosen, disc, largest_part, Piece, quantile, square)
 import cv2
 import numpy as np
 
 _TURNS = 3
+# Ratios of light that no shade has, and of the largest to the smallest colour's.
+_LIGHT, _COLOURED = 1.2, 1.8
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
 # which part of that way is still to go.
 _STEEPEST = 0.3
@@ -42,6 +44,9 @@ _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
 _LEAST_CORE, _SMALLEST = 6, 6
+# From four channels, three colours and a count, to the colours and to the count three times.
+_COLOURS = np.eye(3, 4, dtype=np.float32)
+_COUNT = np.float32([[0, 0, 0, 1]] * 3)
 
 
 class Placed(NamedTuple):
@@ -68,8 +73,9 @@ class Placed(NamedTuple):
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
     highlight, mask, ratio = find_highlight(piece), piece.mask, _ratio(piece)
+    sure = _no_shade(ratio, mask)
     for _ in range(_TURNS):
-        shares = _shares(piece, mask, ratio)
+        shares = np.maximum(_shares(piece, mask, ratio), sure)
         covered = (shares > 0.5).view(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
         if cv2.countNonZero(covered) < _SMALLEST or np.array_equal(covered, mask):
@@ -88,6 +94,15 @@ def place_whole(piece: Piece) -> Placed:
     return Placed(shares.astype(np.float32), piece.mask)
 
 
+def _no_shade(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    # Inside of the region, what is lighter than the table or of another colour is the object,
+    # whatever it looks like elsewhere.
+    smallest, largest = channel_extremes(ratio)
+    other = (largest > _LIGHT) | (largest > _COLOURED * smallest)
+    return cv2.morphologyEx(cv2.erode(mask, square(7)) & other.view(np.uint8),
+                            cv2.MORPH_OPEN, square(3))
+
+
 def _ratio(piece: Piece) -> np.ndarray:
     return np.minimum(piece.frame / np.maximum(piece.table, _LEAST_LIGHT), _BRIGHTEST_RATIO)
 
@@ -95,7 +110,7 @@ def _ratio(piece: Piece) -> np.ndarray:
 def _shares(piece: Piece, mask: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     core = _core(mask)
     table = piece.table * _light_at_rim(ratio, mask)
-    usual = (*quantile(piece.frame[core > 0]).tolist(), 0)
+    usual = (*quantile(chosen(piece.frame, core)).tolist(), 0)
     usual_contrast = cv2.subtract(table, usual)
     usual_power = _dot(usual_contrast, usual_contrast)
     # A part of another colour counts with its own, small differences are noise.
@@ -121,7 +136,8 @@ def _core(mask: np.ndarray) -> np.ndarray:
 
 def _light_at_rim(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
     # Seen 2 px outside of the rim and 4 px: what changes in between goes on towards the rim.
-    near, farther = 1 - cv2.dilate(mask, disc(5)), 1 - cv2.dilate(mask, disc(9))
+    covered = cv2.dilate(mask, disc(5))
+    near, farther = 1 - covered, 1 - cv2.dilate(covered, disc(5))
     if not near.any():
         return np.ones_like(ratio)
     light = _continued(ratio, near, _TABLE_WINDOW)
@@ -140,8 +156,7 @@ def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray
     total = cv2.scaleAdd(_mean(weighted, _WIDER_WINDOW), _WIDER, _mean(weighted, window))
     anywhere = cv2.mean(values, known)[:3]
     total = cv2.add(total, (*(_ANYWHERE * value for value in anywhere), _ANYWHERE))
-    *colours, weight = cv2.split(total)
-    return cv2.merge([colour / weight for colour in colours])
+    return cv2.transform(total, _COLOURS) / cv2.transform(total, _COUNT)
 
 
 def _mean(values: np.ndarray, window: int) -> np.ndarray:

@@ -102,7 +102,7 @@ def _part(tiles: Tuple[int, int, int, int], frame: np.ndarray) -> Box:
     # The tiles are one more to each side than have changed, where the frame goes on.
     x, y, width, height = tiles
     less = _TILE - _MARGIN
-    left, top = (max(first * _TILE - less, 0) for first in (x, y))
+    left, top = (first * _TILE + less if first else 0 for first in (x, y))
     right, bottom = (length if end * _TILE >= length else end * _TILE - less for end, length in (
         (x + width, frame.shape[1]), (y + height, frame.shape[0])))
     return Box(left, top, right - left, bottom - top)

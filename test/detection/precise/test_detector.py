@@ -162,6 +162,32 @@ def test_largest_comes_first():
     assert len(areas) == 2 and areas[0] > areas[1]
 
 
+def test_shadow_alone_comes_after_a_smaller_object():
+    background = table()
+    crescent, cover = np.zeros((2, *background.shape[:2]), np.uint8)
+    cv2.circle(crescent, (108, 96), 40, 1, cv2.FILLED)
+    cv2.circle(cover, (90, 84), 40, 1, cv2.FILLED)
+    frame = np.where((crescent & (1 - cover))[..., None], 0.7 * background, background)
+    frame = with_ellipse(np.uint8(frame), (260, 150), (10, 10))
+    found = PreciseDifferenceDetector(background).detect(frame)
+    assert len(found) == 2 and found[0].area < found[1].area
+    assert math.dist(found[0].centre, (260, 150)) < 0.5
+
+
+def test_object_before_two_surfaces_is_found_whole():
+    background = table(210)
+    background[120:] = table(40)[120:]
+    frame = background.copy()
+    rng = np.random.default_rng(5)
+    cv2.circle(frame, (160, 120), 30, (110, 190, 180), cv2.FILLED)
+    light = 1.6 - 1.2 * np.arange(240) / 240
+    inside = cv2.circle(np.zeros(frame.shape[:2], np.uint8), (160, 120), 30, 1, cv2.FILLED)
+    frame[inside > 0] = np.clip((frame * light[:, None, None] + rng.normal(
+        0, 2, frame.shape))[inside > 0], 0, 255)
+    found, = PreciseDifferenceDetector(background).detect(frame)
+    assert math.dist(found.centre, (160, 120)) < 1.5
+
+
 def test_frame_of_another_size_is_refused():
     with pytest.raises(FrameSizeError, match='320 x 240'):
         PreciseDifferenceDetector(table()).detect(table(size=(120, 160)))

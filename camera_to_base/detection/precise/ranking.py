@@ -1,0 +1,85 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Ranks detections: the largest first, and last what looks like a shadow alone.
+
+The first one is what an arm goes to. A shadow may be found without its object, which is cut off or
+as light as the table. It takes light in all colours alike, and it is a crescent, or its rim is
+soft. A grey object is neither.
+"""
+
+from typing import List
+
+from camera_to_base.detection.detection import Box, Detection
+from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.piece import channel_extremes, square
+from camera_to_base.detection.precise.regions import filled, grown, slices
+import cv2
+import numpy as np
+
+_MOST = 10
+# What shade can be: the least and the largest ratio, and the strongest tint; on which part.
+_DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE, _LEAST_LIGHT = 0.25, 0.985, 1.25, 0.8, 1e-3
+# An outline that fills less of its hull is a crescent.
+_LEAST_SOLIDITY = 0.85
+# How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
+_SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
+
+
+def ranked(
+    found: List[Detection], frame: np.ndarray, background: np.ndarray
+) -> List[Detection]:
+    """
+    Sort detections.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    """
+    found = sorted(found, key=lambda detection: -detection.area)
+    if len(found) < 2:
+        return found
+    first, others = found[:_MOST], found[_MOST:]
+    return sorted(first, key=lambda one: _is_shadow(one, frame, background)) + others
+
+
+def _is_shadow(detection: Detection, frame: np.ndarray, background: np.ndarray) -> bool:
+    if detection.cut_off:
+        return False
+    outline = np.int32(detection.outline)[:, None]
+    window = grown(detection.box, max(_WINDOWS), frame)
+    part = slices(window)
+    inside = filled(outline, window)
+    return (_is_shade(frame[part], background[part], inside)
+            and (_is_crescent(outline) or not _has_sharp_rim(frame[part], outline, window)))
+
+
+def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
+    light, usual = (cv2.LUT(picture, LINEAR) for picture in (piece, table))
+    smallest, largest = channel_extremes(cv2.divide(light, cv2.max(usual, _LEAST_LIGHT)))
+    shade = (smallest > _DEEPEST) & (largest < _FAINTEST) & (largest < _TINT * smallest)
+    return np.count_nonzero(shade & (inside > 0)) > _LEAST_SHADE * cv2.countNonZero(inside)
+
+
+def _is_crescent(outline: np.ndarray) -> bool:
+    hull = cv2.contourArea(cv2.convexHull(outline))
+    return cv2.contourArea(outline) < _LEAST_SOLIDITY * hull
+
+
+def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
+    # At a sharp step, a small window shows as large a step as a larger window does.
+    x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
+    near, far = (np.float32(cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)).max(axis=2))
+                 for size in _WINDOWS)
+    return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)
