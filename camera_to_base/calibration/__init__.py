@@ -16,7 +16,8 @@
 Calibration: from measured points to parameters and a report.
 
 In: pictures of a chessboard, tables of points, or pairs of points in both frames. Out: the values
-of `surface.*` or of the transform, their errors in mm, and a picture of them.
+of `surface.*` or of the transform, their errors in mm, and a picture of them. Rooms within:
+`boards`, `fits`, `checks` and `touches`.
 
 Callers: `commands`. The nodes do not import it.
 """
@@ -36,9 +37,9 @@ from camera_to_base.calibration.status import file_status, without_base
 from camera_to_base.calibration.surface_calibration import (
     add_camera_pose, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
-from camera_to_base.calibration.touch_plan import (
+from camera_to_base.calibration.touches.touch_plan import (
     read_typed_position, suggested_places, Suggestion)
-from camera_to_base.calibration.touched_place import FRAMES, measured_place, Place
+from camera_to_base.calibration.touches.touched_place import FRAMES, measured_place, Place
 
 __all__ = [
     'add_camera_pose', 'BASE', 'board_points', 'calibrate_base', 'calibrate_surface',

@@ -146,7 +146,8 @@ class CameraPublisher(Node):
         return f'background taken {self._pipeline.background_age_s:.0f} s ago'
 
     def _doubt(self) -> Optional[Reason]:
-        return self._own_camera.reason(self._pipeline.background)
+        return self._own_camera.reason(
+            self._pipeline.background, self._settings.calibrated_for.is_strict)
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)

@@ -44,19 +44,17 @@ class OwnCamera:
                 'other_camera', f"the calibration was made with '{calibrated}', but the frames "
                 f"come from '{lasting_name(source)}': use that camera, or calibrate this one")
 
-    def reason(self, background: Optional[np.ndarray]) -> Optional[Reason]:
+    def reason(
+        self, background: Optional[np.ndarray], is_strict: bool = False
+    ) -> Optional[Reason]:
         """
         Return why the calibration is not this camera's; None if nothing shows that.
 
         :param background: Shape (h, w, 3), uint8, BGR; None if none was taken yet.
+        :param is_strict: Whether that is an error, not a warning.
         """
-        if self._device_reason is not None:
-            return self._device_reason
-        if background is not None and background is not self._background:
-            self._background = background
-            self._other_view = self._thumbnail is not None and (
-                shares_structure(self._thumbnail, background) is False)
-        return _OTHER_VIEW if self._other_view else None
+        reason = self._device_reason or self._view_reason(background)
+        return reason._replace(level=Level.ERROR) if reason and is_strict else reason
 
     def judge(
         self, sighting: Sighting, background: Optional[np.ndarray], is_strict: bool
@@ -66,10 +64,15 @@ class OwnCamera:
 
         :param is_strict: False returns the sighting as it is.
         """
-        reason = self.reason(background) if is_strict else None
-        if reason is None or sighting.reason is not None:
-            return sighting
-        return Sighting([], reason._replace(level=Level.ERROR))
+        reason = self.reason(background, is_strict) if is_strict else None
+        return sighting if reason is None or sighting.reason else Sighting([], reason)
+
+    def _view_reason(self, background: Optional[np.ndarray]) -> Optional[Reason]:
+        if background is not None and background is not self._background:
+            self._background = background
+            self._other_view = self._thumbnail is not None and (
+                shares_structure(self._thumbnail, background) is False)
+        return _OTHER_VIEW if self._other_view else None
 
 
 def _reason(kind: str, sentence: str) -> Reason:

@@ -14,7 +14,7 @@
 
 """The position of an object at rest, from several frames."""
 
-from camera_to_base.calibration.touched_place import measured_place
+from camera_to_base.calibration.touches.touched_place import measured_place
 from camera_to_base.errors import CalibrationError
 import numpy as np
 import pytest

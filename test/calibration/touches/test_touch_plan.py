@@ -16,7 +16,7 @@
 
 from itertools import islice
 
-from camera_to_base.calibration.touch_plan import read_typed_position, suggested_places
+from camera_to_base.calibration.touches.touch_plan import read_typed_position, suggested_places
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.models import ParallelSurface
