@@ -104,5 +104,6 @@ def test_rviz_shows_what_the_nodes_publish_wherever_their_namespace_is():
     content = yaml.safe_load((CONFIG / 'camera_to_base.rviz').read_text())['Visualization Manager']
     topics = {display['Topic']['Value'] for display in content['Displays'] if 'Topic' in display}
     assert topics == {'objects_in_cam_frame', 'objects_in_robot_base_frame',
-                      'pos_in_robot_base_frame/point', 'debug_image'}
+                      'pos_in_robot_base_frame/point', 'debug_image',
+                      'objects_in_robot_base_frame/ellipses'}
     assert content['Global Options']['Fixed Frame'] == 'base_link'

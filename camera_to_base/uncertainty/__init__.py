@@ -32,8 +32,8 @@ from camera_to_base.uncertainty.ellipse import (
 from camera_to_base.uncertainty.from_parameters import position_uncertainty
 from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
 from camera_to_base.uncertainty.picture_warp import Lens, plain_lens, warp_design, WARP_NUMBERS
-from camera_to_base.uncertainty.position import (
-    FrameState, PositionCovariance, PositionUncertainty, scales_at)
+from camera_to_base.uncertainty.position import PositionUncertainty, scales_at
+from camera_to_base.uncertainty.position_covariance import FrameState, PositionCovariance
 from camera_to_base.uncertainty.specs import (
     CENTRE_FLOOR, checked_covariance, HEIGHT_TOLERANCE, SURFACE_COVARIANCE, surface_covariance,
     UNCERTAINTY_SPECS)

@@ -24,12 +24,10 @@ from camera_to_base.uncertainty.centre import (
     centre_covariance, Shape, Spread, TUTORIAL_FLOOR_PX, UNKNOWN_ANGLE, yaw_variance)
 from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
 from camera_to_base.uncertainty.picture_warp import Lens, plain_lens, warp_design
+from camera_to_base.uncertainty.position_covariance import (
+    FrameState, LEAST_Z_CM, PositionCovariance, UNKNOWN_POSITION)
 import numpy as np
 
-# How far a table is from flat is not measured.
-_LEAST_Z_CM = 0.1
-# What cannot be computed is not known: 10 m.
-_UNKNOWN_CM2 = 1e6
 # The calibration's terms are the same within a square of this edge, in px, to a few percent.
 _CELL_PX = 8
 _MOST_CELLS = 20000
@@ -43,52 +41,6 @@ class Surface(Protocol):
 
     def for_image_size(self, image_size: ImageSize) -> 'Surface':
         """Give the model for pictures of a size."""
-
-
-class FrameState(NamedTuple):
-    """
-    What a frame tells beside its objects.
-
-    :param image_size: Width and height, in px.
-    :param noise: Deviation of the sensor's noise, grey levels; NaN for not known.
-    :param shift_px: Deviation of the view's shift that was not corrected, of u and v, in px.
-    """
-
-    image_size: ImageSize
-    noise: float = math.nan
-    shift_px: float = 0.0
-
-
-class PositionCovariance(NamedTuple):
-    """
-    The covariance of a position on the surface.
-
-    :param xx: Variance of x, in cm²; xy and yy, too.
-    :param zz: Variance of z, in cm².
-    :param yaw: Variance of the direction about z, in rad², independent of the position.
-    """
-
-    xx: float
-    xy: float
-    yy: float
-    zz: float
-    yaw: float
-
-    @property
-    def matrix(self) -> np.ndarray:
-        """
-        The covariance of a pose in the camera frame.
-
-        :returns: Shape (6, 6), of x, y, z in cm and the rotations about them in rad. How an object
-            is tilted is not known.
-        """
-        matrix = np.diag([self.xx, self.yy, self.zz, UNKNOWN_ANGLE, UNKNOWN_ANGLE, self.yaw])
-        matrix[0, 1] = matrix[1, 0] = self.xy
-        return matrix
-
-
-_UNKNOWN = PositionCovariance(
-    _UNKNOWN_CM2, 0.0, _UNKNOWN_CM2, _UNKNOWN_CM2, UNKNOWN_ANGLE)
 
 
 class _Place(NamedTuple):
@@ -133,16 +85,16 @@ class PositionUncertainty:
         u, v = shape.pixel
         place = self._place(frame.image_size, int(u // _CELL_PX), int(v // _CELL_PX))
         if place is None:
-            return _UNKNOWN
+            return UNKNOWN_POSITION
         in_picture = self.in_picture(shape, frame)
         xx, xy, yy = _projected(in_picture, place.scale)
         x, y = place.slope
         height = self.height_tolerance_cm ** 2
         found = PositionCovariance(
             xx + place.surface[0] + height * x * x, xy + place.surface[1] + height * x * y,
-            yy + place.surface[2] + height * y * y, max(height, _LEAST_Z_CM ** 2),
+            yy + place.surface[2] + height * y * y, max(height, LEAST_Z_CM ** 2),
             min(yaw_variance(shape, in_picture) + self._rotation_variance, UNKNOWN_ANGLE))
-        return found if all(map(math.isfinite, found)) else _UNKNOWN
+        return found if all(map(math.isfinite, found)) else UNKNOWN_POSITION
 
     def of_pixel(
         self, pixel: Tuple[float, float], image_size: ImageSize

@@ -264,7 +264,8 @@ def test_one_file_can_serve_both_nodes(report):
     assert found['warnings'] == []
     both = read_parameter_file('cell.yaml')
     assert set(both.values) == {
-        *surface.values, 'rotation_deg', 'displacement_cm', 'calibration.base'}
+        *surface.values, 'rotation_deg', 'displacement_cm', 'base_covariance',
+        'calibration.base'}
     assert all(both.values[name] == value for name, value in surface.values.items())
     assert set(surface.comments) <= set(both.comments)
 
