@@ -100,6 +100,26 @@ def plain(_):
     return np.zeros(SHAPE, np.float32)
 
 
+def picture(path):
+    """
+    Take the surface from a picture or a video.
+
+    :returns: A function that gives one of its frames, turned or mirrored, as the canvas.
+    """
+    capture = cv2.VideoCapture(path)
+    frames = [cv2.resize(frame, SHAPE[::-1]) for _ in range(5) for good, frame in [capture.read()]
+              if good]
+    if not frames:
+        raise SystemExit(f"cannot read '{path}'")
+
+    def draw(random):
+        frame = frames[random.integers(len(frames))]
+        frame = cv2.flip(frame, int(random.integers(-1, 2)))
+        return np.float32(frame) * random.uniform(0.6, 1.1)
+
+    return draw
+
+
 SURFACES = {'wood': wood, 'faint grain': grain, 'speckle': speckle, 'tiles': tiles,
             'print': print_, 'four marks': marks, 'parallel lines': lines, 'plain': plain}
 
@@ -108,14 +128,20 @@ class Table:
     """
     A table and the camera above it.
 
-    :param name: One of SURFACES.
+    :param name: One of SURFACES, or any name.
     :param random: A numpy Generator.
+    :param surface: Draws the surface, shape (h, w) or (h, w, 3); None for that of SURFACES.
     """
 
-    def __init__(self, name, random):
-        colour = random.uniform(90, 190) * random.uniform(0.8, 1.1, 3)
-        tint = random.uniform(0.85, 1.1, 3)
-        self.canvas = np.float32(colour + SURFACES[name](random)[..., None] * tint)
+    def __init__(self, name, random, surface=None):
+        field = (surface or SURFACES[name])(random)
+        if field.ndim == 3:
+            self.canvas = field
+        else:
+            colour = random.uniform(90, 190) * random.uniform(0.8, 1.1, 3)
+            tint = random.uniform(0.85, 1.1, 3)
+            self.canvas = np.float32(colour + field[..., None] * tint)
+        self.name = name
         self.colour = self.canvas.mean(axis=(0, 1))
         v, u = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
         falloff = random.uniform(0, 0.25)
@@ -125,6 +151,13 @@ class Table:
         self._noises = [random.standard_normal((HEIGHT + 16, WIDTH + 16, 3)).astype(np.float32)
                         * np.float32(random.uniform(1, 2.5)) for _ in range(3)]
         self._random = random
+
+    def unlike(self, random):
+        """Choose a colour that hardly any of the table has: an object's, BGR."""
+        pixels = self.canvas[::8, ::8].reshape(-1, 1, 3)
+        colours = random.uniform(10, 245, (24, 3))
+        apart = np.abs(pixels - colours).max(axis=2)
+        return colours[np.percentile(apart, 1, axis=0).argmax()]
 
     def shoot(self, move=(0, 0, 0, 0), draw=(), light=1.0):
         """

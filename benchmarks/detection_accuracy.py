@@ -32,7 +32,7 @@ import platform
 import sys
 from typing import Dict, List, Optional
 
-from camera_to_base.detection import Detection, locate_on_surface
+from camera_to_base.detection import Detection, object_on_surface
 from camera_to_base.simulation import BoardConditions, SimulatedBoard, TrueObject
 import cv2
 from methods import METHODS
@@ -130,8 +130,8 @@ class Score:
         self.disc_errors_px.append(np.hypot(*(detection.centre - disc)))
         point = project(board.surface_from_pixel, np.array([detection.centre]))[0]
         self.point_errors_cm.append(np.hypot(*(point - truth.point)))
-        corrected = locate_on_surface(
-            lambda pixels: project(board.surface_from_pixel, pixels), detection)
+        corrected = object_on_surface(
+            lambda pixels: project(board.surface_from_pixel, pixels), detection).point
         self.corrected_errors_cm.append(np.hypot(*(corrected - truth.point)))
 
     def row(self) -> Dict[str, float]:

@@ -14,7 +14,7 @@
 
 """Checks values where they enter the package."""
 
-from typing import Any
+from typing import Any, Tuple
 
 from camera_to_base.errors import InvalidValueError
 import numpy as np
@@ -29,15 +29,14 @@ def finite_numbers(name: str, values: Any, *shape: int) -> np.ndarray:
     :returns: A copy, of float.
     :raises InvalidValueError: If the shape differs, or an element is not a finite number.
     """
-    wanted = f'({", ".join("n" if length == -1 else str(length) for length in shape)})'
     try:
         numbers = np.array(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise InvalidValueError(f'{name} must be numbers of shape {wanted}, got {values!r}')
+        raise InvalidValueError(f'{name} must be numbers of shape {_text(shape)}, got {values!r}')
     if len(numbers.shape) != len(shape) or any(
             length not in (-1, found) for length, found in zip(shape, numbers.shape)):
-        raise InvalidValueError(
-            f'{name} must be of shape {wanted}, got shape {numbers.shape}: {_short(numbers)}')
+        raise InvalidValueError(f'{name} must be of shape {_text(shape)}, got shape '
+                                f'{numbers.shape}: {_short(numbers)}')
     if not np.isfinite(numbers).all():
         raise InvalidValueError(f'{name} must be finite numbers, got {_short(numbers)}')
     return numbers
@@ -77,6 +76,10 @@ def whole_number(name: str, value: Any, lowest: int, highest: int) -> int:
     if number != int(number):
         raise InvalidValueError(f'{name} must be a whole number, got {value}')
     return int(number)
+
+
+def _text(shape: Tuple[int, ...]) -> str:
+    return f'({", ".join("n" if length == -1 else str(length) for length in shape)})'
 
 
 def _short(numbers: np.ndarray) -> str:

@@ -27,15 +27,8 @@ import cv2
 import numpy as np
 
 
-def tutorial(frame, background, threshold=95, closing_size=20, median_size=5):
-    """Return the tutorial's (box, centre, area) of the largest object, or None."""
-    def treat(picture):
-        grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
-        kernel = np.ones((closing_size, closing_size), np.uint8)
-        closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, kernel)
-        return cv2.medianBlur(closed, median_size)
-    difference = cv2.absdiff(treat(frame), treat(background))
-    mask = cv2.threshold(difference, threshold, 255, cv2.THRESH_BINARY)[1]
+def tutorial(mask):
+    """Return the (box, centre, area) that the tutorial takes from its mask, or None."""
     contours = cv2.findContours(mask, cv2.RETR_TREE, cv2.CHAIN_APPROX_SIMPLE)[-2]
     areas = [cv2.contourArea(contour) for contour in contours]
     if not areas:
@@ -43,6 +36,24 @@ def tutorial(frame, background, threshold=95, closing_size=20, median_size=5):
     largest = contours[areas.index(max(areas))]
     x, y, w, h = cv2.boundingRect(largest)
     return (x, y, w, h), (x + int(w / 2), y + int(h / 2)), max(areas)
+
+
+def tutorial_mask(frame, background, threshold=95, closing_size=20, median_size=5):
+    """Return the tutorial's mask."""
+    def treat(picture):
+        grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
+        kernel = np.ones((closing_size, closing_size), np.uint8)
+        closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, kernel)
+        return cv2.medianBlur(closed, median_size)
+    difference = cv2.absdiff(treat(frame), treat(background))
+    return cv2.threshold(difference, threshold, 255, cv2.THRESH_BINARY)[1]
+
+
+def outer_outlines(mask):
+    """Return the outer outlines in the tutorial's mask, the largest first, of shape (n, 2)."""
+    outlines = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)[-2]
+    return [outline[:, 0] for outline in sorted(
+        outlines, key=lambda outline: -cv2.contourArea(outline))]
 
 
 def random_case(rng):
@@ -58,8 +69,21 @@ def random_case(rng):
     other = int(rng.integers(1, 41)), int(rng.choice([1, 3, 5, 7, 9, 11]))
     closing, median = ([(20, 5)] * 6 + [(1, 1)] + [other] * 3)[rng.integers(10)]
     threshold = 95 if rng.random() < .6 else int(rng.choice([0, 1, 5, 40, 94, 128, 200, 254, 255]))
-    return int(height), int(width), closing, median, threshold, random_picture(
+    picture = calm_table if rng.random() < .5 else random_picture
+    return int(height), int(width), closing, median, threshold, picture(
         rng, int(height), int(width))
+
+
+def calm_table(rng, height, width):
+    """Return a background as most tables are: light or grey, with little contrast."""
+    table = np.full((height, width, 1), rng.integers(90, 256), np.float32)
+    if rng.random() < .5:
+        table += rng.uniform(0, 40) * np.linspace(-1, 1, width, dtype=np.float32)[:, None]
+    if rng.random() < .5:
+        coarse = rng.normal(0, rng.uniform(1, 15), (height // 8 + 2, width // 8 + 2))
+        table[..., 0] += cv2.resize(coarse.astype(np.float32), (width, height))
+    noise = rng.choice([0, .7, 1.5, 4]) * rng.standard_normal((height, width, 3))
+    return np.clip(table + rng.uniform(-20, 20, 3) + noise, 0, 255).astype(np.uint8)
 
 
 def random_picture(rng, height, width):
@@ -94,8 +118,22 @@ def random_frame(rng, background, threshold, closing):
 def disturb(rng, frame, background, threshold, closing):
     """Draw one disturbance into a frame."""
     height, width = frame.shape[:2]
-    kind = rng.integers(13)
-    if kind == 12:      # rings in rings, with threads: nested outlines of equal area
+    kind = rng.integers(15)
+    if kind > 12:       # dark things with soft rims, some hardly larger than the kernel
+        for _ in range(int(rng.integers(1, 6))):
+            shape = np.zeros((height, width), np.uint8)
+            corners = rng.uniform(-1, 1, (5, 2)) * rng.uniform(1, 40) + rng.integers(
+                0, (width, height))
+            x, y = (int(c) for c in corners[0])
+            if rng.random() < .5:
+                cv2.fillPoly(shape, [corners.astype(np.int32)], 255, cv2.LINE_AA)
+            else:
+                cv2.rectangle(shape, (x, y), (x + closing + int(rng.integers(-3, 4)),
+                                              y + closing + int(rng.integers(-3, 20))), 255, -1)
+            share = shape[..., None] / 255
+            level = background.mean() - threshold + rng.uniform(-60, 15)
+            frame[:] = np.clip(frame * (1 - share) + level * share, 0, 255)
+    elif kind == 12:      # rings in rings, with threads: nested outlines of equal area
         for _ in range(int(rng.integers(1, 8))):
             x, y = (int(c) for c in rng.integers(0, (width, height)))
             r = int(rng.integers(1, 12))
@@ -163,11 +201,13 @@ def mismatches(frames, seed):
             background, threshold=threshold, closing_size=closing, median_size=median)
         for _ in range(min(8, frames - done)):
             frame = random_frame(rng, background, threshold, closing)
-            expected = tutorial(frame, background, threshold, closing, median)
+            mask = tutorial_mask(frame, background, threshold, closing, median)
+            expected = tutorial(mask)
             got = detector.detect(frame)
             first = (got[0].box, got[0].centre, got[0].area) if got else None
-            areas = [detection.area for detection in got]
-            if first != expected or areas != sorted(areas, reverse=True):
+            outlines = outer_outlines(mask)
+            if first != expected or len(got) != len(outlines) or not all(
+                    np.array_equal(one.outline, other) for one, other in zip(got, outlines)):
                 yield (height, width, closing, median, threshold), first, expected
             found += expected is not None
             done += 1

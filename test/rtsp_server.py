@@ -16,6 +16,8 @@
 
 import random
 import struct
+import threading
+import time
 
 import child_camera
 from stream_server import StreamServer
@@ -68,6 +70,38 @@ class RtspServer(StreamServer):
             sequence += len(packets)
             client.sendall(b''.join(
                 b'$\0' + struct.pack('>H', len(packet)) + packet for packet in packets))
+
+
+class KeepingRtspServer(RtspServer):
+    """
+    An RTSP camera with a queue: what it takes while it is frozen it sends later, at some rate.
+
+    `late_rate` is that of the frames it has kept, per second.
+    """
+
+    late_rate = 25.0
+
+    def _play(self, client):
+        queue, begin = [], time.monotonic()
+        threading.Thread(target=self._take, args=(queue, begin), daemon=True).start()
+        sequence = 0
+        while self._alive:
+            self.wait_while_frozen()
+            if not queue:
+                time.sleep(0.002)
+                continue
+            is_late = len(queue) > 1
+            at, jpeg = queue.pop(0)
+            packets = list(_packets(jpeg, sequence, int(at * _CLOCK_HZ)))
+            sequence += len(packets)
+            client.sendall(b''.join(
+                b'$\0' + struct.pack('>H', len(packet)) + packet for packet in packets))
+            time.sleep(1 / self.late_rate if is_late else 0)
+
+    def _take(self, queue, begin):
+        while self._alive:
+            time.sleep(1 / self.rate)
+            queue.append((time.monotonic() - begin, self.next_jpeg()))
 
 
 def _read_request(client):

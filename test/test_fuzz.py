@@ -22,8 +22,9 @@ from collections import Counter
 import math
 import os
 
-from camera_to_base.calibration.calibration import calibrate_base, calibrate_surface, check_surface
+from camera_to_base.calibration.base_calibration import calibrate_base
 from camera_to_base.calibration.camera_info import read_camera_info
+from camera_to_base.calibration.surface_calibration import calibrate_surface, check_surface
 from camera_to_base.calibration.tables import (
     PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_pairs, read_points, SIZE_COLUMNS)
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion

@@ -41,7 +41,7 @@ DISTRIBUTIONS = {
     'cv2': 'opencv-python-headless', 'matplotlib': 'matplotlib', 'numpy': 'numpy',
     'rosbags': 'rosbags', 'scipy': 'scipy', 'tqdm': 'tqdm', 'yaml': 'PyYAML'}
 ROS = {'builtin_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'rcl_interfaces', 'rclpy',
-       'sensor_msgs', 'std_msgs', 'std_srvs'}
+       'sensor_msgs', 'std_msgs', 'std_srvs', 'visualization_msgs'}
 
 IMPORT_ALL = """
 import importlib

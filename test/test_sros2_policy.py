@@ -24,6 +24,7 @@ from camera_to_base.nodes.help import NODE_HELP
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
 import pytest
 from rclpy.expand_topic_name import expand_topic_name
+from visualization_msgs.msg import MarkerArray
 
 POLICY = os.path.join(get_package_share_directory('camera_to_base'),
                       'config', 'sros2', 'camera_to_base.policy.xml')
@@ -64,11 +65,17 @@ def done_by(node, ros):
 def done_at_any_start(name, ros):
     node_class, sources = STARTS[name]
     done = set()
+    # Ellipses are converted while somebody looks at them.
+    ros.listen_to(MarkerArray, '/objects_in_robot_base_frame/ellipses')
     for source in sources:
         arguments = ['--ros-args', '-p', f'source:={source}'] if source else None
         node = node_class(context=ros.context, cli_args=arguments)
         try:
             done |= done_by(node, ros)
+            if name == 'robot_base_publisher':
+                ros.executor.add_node(node)
+                ros.spin_for(2.5)
+                done |= done_by(node, ros)
         finally:
             node.destroy_node()  # a second node of the same name would be hidden by the first
     return done

@@ -96,7 +96,20 @@ def leave_one_out(fit: Callable[[np.ndarray], Any], count: int) -> List[Any]:
     :param fit: Makes a fit from the indices of the points that are kept.
     :returns: The fits; None where the other points do not suffice.
     """
-    return [_or_none(fit, np.delete(np.arange(count), index)) for index in range(count)]
+    return leave_out(fit, count, count)
+
+
+def leave_out(fit: Callable[[np.ndarray], Any], count: int, most_fits: int) -> List[Any]:
+    """
+    Fit without each of `count` points, or without a few at once where there are many.
+
+    :param fit: Makes a fit from the indices of the points that are kept.
+    :param most_fits: At most so many fits are made.
+    :returns: For each point a fit that has not seen it; None where the others do not suffice.
+    """
+    groups = np.arange(count) % min(count, most_fits)
+    fits = [_or_none(fit, np.flatnonzero(groups != group)) for group in range(groups.max() + 1)]
+    return [fits[group] for group in groups]
 
 
 def _or_none(fit, kept):
@@ -139,7 +152,8 @@ def tilt(
     if None in without or not without:
         return None
     value = tilt_of(surface)
-    others = np.array([tilt_of(other) for other in without])
+    # A fit without several points stands for each of them.
+    others = np.array([tilt_of(other) for other in {id(one): one for one in without}.values()])
     # Jackknife: the standard error of a value from its values without each point.
     deviation = np.sqrt((len(others) - 1) * np.mean((others - others.mean()) ** 2))
     return value if deviation < TILT_TOLERANCE_DEG else None

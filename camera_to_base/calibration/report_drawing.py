@@ -16,6 +16,7 @@
 
 from typing import Optional, Sequence
 
+from camera_to_base.calibration.error_map import ErrorRows, map_picture
 from camera_to_base.surface import (
     Hull, ImageSize, MatchedPoints, Surface, surface_extent, top_view)
 import cv2
@@ -38,6 +39,7 @@ ENLARGEMENT = 20
 PICTURE_TITLE = ('the picture: the blue grid must lie on the surface, errors (red arrows) be '
                  f'small: drawn {ENLARGEMENT} x')
 TOP_VIEW_TITLE = 'seen from above: squares must look square; bright: where the figures hold'
+MAP_TITLE = '95 % of the positions are expected within so many mm (camera frame)'
 CURVE_POINTS = 60
 # OpenCV draws with a resolution of 1 / 2^SHIFT px.
 SHIFT = 4
@@ -45,7 +47,7 @@ SHIFT = 4
 
 def report_picture(surface: Surface, matched: MatchedPoints, image_size: ImageSize, *,
                    image: Optional[np.ndarray] = None, lattice: Optional[np.ndarray] = None,
-                   lines: Sequence[str] = ()) -> np.ndarray:
+                   lines: Sequence[str] = (), error_map: ErrorRows = ()) -> np.ndarray:
     """
     Draw the picture with the fit over it, and the surface from above beside it.
 
@@ -56,6 +58,7 @@ def report_picture(surface: Surface, matched: MatchedPoints, image_size: ImageSi
     :param lattice: Shape (rows, columns, 2), in cm: the points that the grid runs through; None
         draws a grid along x and y with a round step.
     :param lines: Text below the picture, the figures first.
+    :param error_map: Expected errors over the picture, see :class:`ErrorMap`; empty for none.
     :returns: Shape (h, w, 3), uint8.
     """
     if image is None:
@@ -64,12 +67,16 @@ def report_picture(surface: Surface, matched: MatchedPoints, image_size: ImageSi
     extent = surface_extent(matched.points, step_cm)
     lines_cm = _grid_lines(extent, step_cm) if lattice is None else _lattice_lines(lattice)
     seen, scale = _scaled(image, PANEL_HEIGHT / image.shape[0])
+    mapped = map_picture(seen, error_map) if len(error_map) else None
     _draw_fit(seen, lambda points: (surface.pixels(points) + 0.5) * scale - 0.5,
               (matched.pixels + 0.5) * scale - 0.5, matched.points, lines_cm)
     above, project = top_view(image, surface, matched, extent, PANEL_HEIGHT)
     _draw_fit(above, project, project(surface.locate(matched.pixels)), matched.points, lines_cm)
     gap = np.full((PANEL_HEIGHT + CAPTION_HEIGHT, 8, 3), 255, np.uint8)
-    picture = np.hstack([_titled(seen, PICTURE_TITLE), gap, _titled(above, TOP_VIEW_TITLE)])
+    panels = [_titled(seen, PICTURE_TITLE), gap, _titled(above, TOP_VIEW_TITLE)]
+    if mapped is not None:
+        panels += [gap, _titled(mapped, MAP_TITLE)]
+    picture = np.hstack(panels)
     return np.vstack([picture, *(_caption(picture.shape[1], line, 0.62) for line in lines)])
 
 

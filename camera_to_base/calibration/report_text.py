@@ -26,7 +26,7 @@ def report_lines(report: Mapping[str, Any]) -> List[str]:
 
     :param report: What `calibrate --json` prints.
     """
-    return [*_model_lines(report), *figure_lines(report),
+    return [*_model_lines(report), *figure_lines(report), *_map_lines(report),
             *(f'warning: {text}' for text in report['warnings'])]
 
 
@@ -42,10 +42,26 @@ def figure_lines(report: Mapping[str, Any]) -> List[str]:
     if 'coverage' in report:
         lines.append(f'the points cover {100 * report["coverage"]:.0f} % of the picture: outside '
                      'of them these figures do not hold')
+    if report.get('not_covered'):
+        lines += ['the ninths of the picture that the board covered (# covered, + in part):',
+                  *(f'  {line}' for line in report['covered_map']),
+                  f'not covered: {", ".join(report["not_covered"])}: lay the board there, too, if '
+                  'you work there (several pictures, or --placements)']
     if report.get('outside_hull'):
         lines.append(f'{report["outside_hull"]} of the points lie outside the area that the '
                      'calibration was measured in')
     return lines
+
+
+def _map_lines(report: Mapping[str, Any]) -> Iterator[str]:
+    if 'error_map_mm' not in report:
+        return
+    frame = ('the base transform included' if report['error_map_has_base']
+             else 'without the base transform')
+    yield (f'95 % of the positions are expected within so many mm, over the picture ({frame}):')
+    for row in report['error_map_mm']:
+        yield '  ' + ' '.join(
+            '-'.rjust(6) if error is None else f'{error:6.1f}' for error in row)
 
 
 def _model_lines(report: Mapping[str, Any]) -> List[str]:
@@ -103,6 +119,7 @@ def _sheet(report: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _status(report: Mapping[str, Any]) -> Iterator[str]:
+    yield report['summary']
     yield from report['holds']
     yield from (f'not in the file: {part}' for part in report['lacks'])
     yield f'next: {report["next"]}'

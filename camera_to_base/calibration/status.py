@@ -20,6 +20,7 @@ from typing import Any, Iterator, List, Mapping, Optional, Tuple
 
 from camera_to_base.calibration.figures import coverage
 from camera_to_base.calibration.report_text import Report
+from camera_to_base.parameters import age_text, calibration_summary
 from camera_to_base.surface import make_hull, make_surface, SURFACE_DEFAULTS
 
 # The first line of a report, see `report_lines`.
@@ -48,7 +49,7 @@ def file_status(
         holds += _surface_lines(values, _newest(sections, 'homography', 'polynomial'), now)
     else:
         lacks.append('the surface')
-        steps.append('calibrate board --camera 0 --corners 9x6 --square-mm 25 -o surface.yaml')
+        steps.append(f'calibrate board --camera 0 --corners 9x6 --square-mm 25 -o {path}')
     if values.get('surface.camera_height_cm'):
         holds.append(f'camera: {values["surface.camera_height_cm"]:g} cm above the surface')
     else:
@@ -59,11 +60,11 @@ def file_status(
         steps = steps or [f'calibrate check {path} TABLE.csv']
     else:
         lacks.append('the base frame')
-        steps.append(f'calibrate base PAIRS.csv --surface {path} -o {path} --force')
+        steps.append(f'calibrate base --live {path}')
     warnings = [line.removeprefix(_WARNING) for _, lines in sections for line in lines
                 if line.startswith(_WARNING)]
-    return {'status_of': path, 'holds': holds, 'lacks': lacks, 'next': steps[0],
-            'warnings': warnings}
+    return {'status_of': path, 'summary': calibration_summary(values, now), 'holds': holds,
+            'lacks': lacks, 'next': steps[0], 'warnings': warnings}
 
 
 def without_base(comments: List[str]) -> List[str]:
@@ -125,15 +126,7 @@ def _origin(section: Optional[_Section], now: datetime) -> str:
     if section is None:
         return ': the comments do not tell from what, when, or how good'
     _, source, date = section[0].groups()
-    return f', from {source}, {_age(date, now)}'
-
-
-def _age(date: str, now: datetime) -> str:
-    try:
-        days = (now - datetime.fromisoformat(date)).days
-    except (TypeError, ValueError):
-        return date
-    return f'{date} ({"less than a day" if days < 1 else f"{days} days"} ago)'
+    return f', from {source}, {age_text(date, now)}'
 
 
 def _figures(section: Optional[_Section]) -> Iterator[str]:

@@ -20,54 +20,9 @@ import re
 from typing import Any, List, Optional, Tuple
 
 from camera_to_base.calibration import PAPERS
+from camera_to_base.commands.calibrate_examples import DESCRIPTION, EXAMPLES
 from camera_to_base.commands.parser import CommandParser
 from camera_to_base.errors import InvalidValueError
-
-EXAMPLES = {
-    'sheet': """
-Print it at 100 % (not "fit to page"), measure the ruler on it, and glue it to something flat.
-
-  calibrate sheet -o board.pdf
-  calibrate sheet --paper Letter --corners 8x5 --square-mm 28 -o board.pdf""",
-    'board': """
-Print a chessboard, lay it flat on the work surface, and take one picture of it.
-
-  calibrate board picture.png --corners 9x6 --square-mm 25 -o surface.yaml
-  calibrate board --camera 0 --corners 9x6 --square-mm 25 -o surface.yaml
-
-The camera frame lies on the board: its origin is the first inner corner, x runs along the rows
-of corners, y along the columns. The report and its picture show the result.
-
-Objects that are not flat need the camera's height, too. It is computed from the intrinsics that
-ROS's camera_calibration writes:
-
-  calibrate board picture.png --corners 9x6 --square-mm 25 --intrinsics lens.yaml -o cell.yaml""",
-    'points': """
-Measure the positions of points on the work surface (cm) and their pixels in the picture.
-The table's columns, in any order: x_cm, y_cm, u_px, v_px (optional: width_px, height_px).
-
-  calibrate points points.csv --image-size 640x480 -o surface.yaml""",
-    'base': """
-Put objects on the surface, note their /pos_in_cam_frame, and touch them with the robot.
-The table's columns, in any order: x_cam_cm, y_cam_cm, x_base_cm, y_base_cm (and z_cam_cm,
-z_base_cm, which are 0 by default).
-
-  calibrate base pairs.csv --surface surface.yaml -o cell.yaml
-  ros2 launch camera_to_base camera_to_base.launch.py params_file:=cell.yaml""",
-    'check': """
-Use points that the calibration was not made from, in a table as for `calibrate points`:
-
-  calibrate check surface.yaml more_points.csv""",
-    'status': """
-How old each part is, how good it is, and what to do next:
-
-  calibrate status cell.yaml""",
-}
-DESCRIPTION = """
-Calibrates a camera that looks at a work surface, and reports the errors. The output is a
-parameter file for the nodes. The --help of each command has an example; the first one:
-
-  calibrate board picture.png --corners 9x6 --square-mm 25 -o surface.yaml"""
 
 
 def parse(args: Optional[List[str]]) -> argparse.Namespace:
@@ -82,7 +37,24 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
         text = getattr(options, name, None)
         if text is not None:
             setattr(options, name, _two_counts('--' + name.replace('_', '-'), text))
+    if options.command == 'board':
+        _check_board_source(options)
     return options
+
+
+def _check_board_source(options: argparse.Namespace) -> None:
+    if bool(options.pictures) == (options.camera is not None):
+        raise InvalidValueError(
+            'expected pictures of the board, or --camera: calibrate board board.png -o cell.yaml, '
+            'or calibrate board --camera 0 -o cell.yaml')
+    if options.placements < 1 or options.placements > 20:
+        raise InvalidValueError(f'--placements must be 1..20, got {options.placements}')
+    if options.charuco and options.camera == 'simulated':
+        raise InvalidValueError(
+            'the simulated camera shows a chessboard without markers: leave out --charuco')
+    if options.placements > 1 and options.camera is None:
+        raise InvalidValueError(
+            '--placements needs --camera: of pictures, give one for each place')
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -99,18 +71,9 @@ def _parser() -> argparse.ArgumentParser:
     points.add_argument('--model', choices=('homography', 'polynomial'), default='homography',
                         help="homography, or the tutorial's two quadratics (default: %(default)s)")
     _add_image_size(points, 'of the picture that the points were measured in')
-    _add_output(points, with_picture=True)
-    base = _command(commands, 'base',
-                    'the pose of the camera frame in the base frame, from pairs of points')
-    base.add_argument('table', metavar='PAIRS.csv')
-    base.add_argument('--surface', metavar='FILE',
-                      help='a parameter file whose parameters and comments are copied into the '
-                           'output, so that one file serves both nodes; the pairs are checked '
-                           'against it')
-    base.add_argument('--base-z', choices=('up', 'down'), default='up',
-                      help="direction of the base frame's z at the table: up, away from it, or "
-                      'down, as for a hanging robot (default: %(default)s)')
-    _add_output(base, with_picture=False)
+    _add_output(points)
+    _add_base(_command(commands, 'base',
+                       'the pose of the camera frame in the base frame, from pairs of points'))
     check = _command(commands, 'check', 'the error of a calibration on other points')
     check.add_argument('file', metavar='FILE', help='from calibrate board or calibrate points')
     check.add_argument('table', metavar='TABLE.csv')
@@ -137,22 +100,32 @@ def _add_sheet(sheet: argparse.ArgumentParser) -> None:
                             'give the board one origin (default: %(default)s)')
     sheet.add_argument('--square-mm', type=float, default=25.0, metavar='25',
                        help="a square's edge (default: %(default)g)")
+    sheet.add_argument('--charuco', action='store_true',
+                       help='with markers in the white squares: a part of the board is enough')
     sheet.add_argument('-o', '--output', required=True, metavar='FILE',
                        help='the file to write: .pdf, .svg or .png')
     sheet.add_argument('--force', action='store_true', help='overwrite a file')
 
 
 def _add_board(board: argparse.ArgumentParser) -> None:
-    source = board.add_mutually_exclusive_group(required=True)
-    source.add_argument('picture_file', nargs='?', metavar='PICTURE')
-    source.add_argument('--camera', metavar='SOURCE',
-                        help="instead of a picture: a device, a video, a stream's URL, or "
-                             'simulated; the median of several frames')
-    board.add_argument('--corners', required=True, metavar='9x6',
+    board.add_argument('pictures', nargs='*', metavar='PICTURE',
+                       help='several show the board in several places, taken by the camera in one '
+                            'place; the first one defines the camera frame')
+    board.add_argument('--camera', metavar='SOURCE',
+                       help="instead of a picture: a device, a video, a stream's URL, or "
+                            'simulated; the median of several frames')
+    board.add_argument('--placements', type=int, default=1, metavar='N',
+                       help='number of places that the board is laid in, with --camera; it asks '
+                            'for each, and says where to (default: %(default)s)')
+    board.add_argument('--corners', default='9x6', metavar='9x6',
                        help='number of inner corners, where four squares meet, along a row and '
-                       'along a column: one less than the squares')
-    board.add_argument('--square-mm', type=float, required=True, metavar='25',
-                       help="a square's edge as printed: measure it")
+                            'along a column: one less than the squares (default: %(default)s)')
+    board.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+                       help="a square's edge as printed: measure it (default: %(default)g, as "
+                            'calibrate sheet prints it)')
+    board.add_argument('--charuco', action='store_true',
+                       help='the board has markers, as calibrate sheet --charuco prints it; it '
+                            "may be partly covered, or cut off by the picture's edge")
     board.add_argument('--origin-corner', type=int, default=0, metavar='0..3',
                        help='which of the four outermost corners is the origin, clockwise from '
                             'the first (default: %(default)s)')
@@ -166,7 +139,33 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     _add_image_size(board, 'requested from --camera')
     board.add_argument('--simulated-tilt-deg', type=float, default=0.0, metavar='DEG',
                        help='tilt of --camera simulated (default: %(default)s)')
-    _add_output(board, with_picture=True)
+    _add_output(board)
+
+
+def _add_base(base: argparse.ArgumentParser) -> None:
+    base.add_argument('table', nargs='?', metavar='PAIRS.csv')
+    base.add_argument('--live', metavar='FILE',
+                      help='instead of a table: ask for one object after the other, with the '
+                           'surface in FILE, and add the base frame to it. Positions come from '
+                           'the running camera_publisher, or from the camera that FILE names')
+    base.add_argument('--places', type=int, default=5, metavar='5',
+                      help='number of objects for --live (default: %(default)s)')
+    base.add_argument('--camera', metavar='SOURCE', help='camera for --live, whatever runs')
+    base.add_argument('--robot-topic', metavar='TOPIC',
+                      help="take the robot's position for --live from geometry_msgs/PoseStamped, "
+                           'in m, in the base frame, instead of asking for it')
+    base.add_argument('--namespace', metavar='NAMESPACE',
+                      help='namespace of the running camera_publisher, for --live')
+    base.add_argument('--surface', metavar='FILE',
+                      help='a parameter file whose parameters and comments are copied into the '
+                           'output, so that one file serves both nodes; the pairs are checked '
+                           'against it')
+    base.add_argument('--base-z', choices=('up', 'down'), default='up',
+                      help="direction of the base frame's z at the table: up, away from it, or "
+                      'down, as for a hanging robot (default: %(default)s)')
+    base.add_argument('-o', '--output', metavar='FILE',
+                      help='the parameter file to write (with --live: that file)')
+    base.add_argument('--force', action='store_true', help='overwrite files')
 
 
 def _add_image_size(command: argparse.ArgumentParser, which: str) -> None:
@@ -174,13 +173,12 @@ def _add_image_size(command: argparse.ArgumentParser, which: str) -> None:
                          help=f'width and height {which}, in px')
 
 
-def _add_output(command: argparse.ArgumentParser, *, with_picture: bool) -> None:
+def _add_output(command: argparse.ArgumentParser) -> None:
     command.add_argument('-o', '--output', required=True, metavar='FILE',
                          help='the parameter file to write')
     command.add_argument('--force', action='store_true', help='overwrite files')
-    if with_picture:
-        command.add_argument('--picture', metavar='REPORT.png',
-                             help='the report picture to write (default: FILE_report.png)')
+    command.add_argument('--picture', metavar='REPORT.png',
+                         help='the report picture to write (default: FILE_report.png)')
 
 
 def _two_counts(name: str, text: str) -> Tuple[int, int]:

@@ -28,7 +28,8 @@ from camera_to_base.commands.position_table import (
 from camera_to_base.commands.sighting_counter import SightingCounter
 from camera_to_base.commands.sweep import sweep, sweep_lines
 from camera_to_base.commands.sweep_picture import sweep_picture
-from camera_to_base.drawing import AnnotatedVideo, draw_note, draw_objects, write_picture
+from camera_to_base.drawing import (
+    AnnotatedVideo, draw_ellipses, draw_note, draw_objects, write_picture)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.interrupt import Interrupt, serve_signals
 from camera_to_base.settings import CameraSettings, NodeSettings, read_node_settings
@@ -36,6 +37,7 @@ from camera_to_base.sources import (
     BAG, BagFile, kind_of, LiveRecording, open_frame_source, PlayedRecording, Recording,
     SIMULATED, TimedFrame)
 from camera_to_base.trust import Sighting
+from camera_to_base.uncertainty import uncertain_transform, UncertainTransform
 
 # The simulated objects repeat their path after this time.
 _SIMULATED_S = 60
@@ -119,6 +121,7 @@ def _locate(
     frames: Iterator[TimedFrame],
 ) -> None:
     counter, beyond_reach = SightingCounter(settings.camera, recording.kind), 0
+    transform = uncertain_transform(settings.transform)
     with ExitStack() as files:
         rows = _csv_writer(files, options.csv) if options.csv else None
         video = None
@@ -128,9 +131,9 @@ def _locate(
         _say(table_header(), rows, [column.name for column in COLUMNS])
         for timed in frames:
             sighting = counter.see(timed)
-            beyond_reach += _tell(timed, sighting, settings, rows)
+            beyond_reach += _tell(timed, sighting, transform, counter, rows)
             if video is not None:
-                _annotate(video, timed, sighting, settings.camera)
+                _annotate(video, timed, sighting, settings.camera, counter)
     counter.check_any_used()
     print('\n'.join(counter.summary()), file=sys.stderr)
     if beyond_reach:
@@ -147,12 +150,14 @@ def _csv_writer(files: ExitStack, path: str) -> Any:
 
 
 def _tell(
-    timed: TimedFrame, sighting: Sighting, settings: NodeSettings, rows: Any
+    timed: TimedFrame, sighting: Sighting, transform: UncertainTransform,
+    counter: SightingCounter, rows: Any,
 ) -> int:
     """Write the table's lines for a frame; return the number of objects beyond reach."""
     if sighting.reason is not None:
         return 0
-    found = list(positions(timed, sighting.objects, settings.transform))
+    uncertainty = counter.uncertainty(timed.frame)
+    found = list(positions(timed, sighting.objects, transform, uncertainty.of))
     for position in found:
         _say(table_line(position), rows, csv_cells(position))
     return sum(position.base is None for position in found)
@@ -169,10 +174,14 @@ def _say(line: str, rows: Any, cells: List[str]) -> None:
 
 
 def _annotate(
-    video: AnnotatedVideo, timed: TimedFrame, sighting: Sighting, settings: CameraSettings
+    video: AnnotatedVideo, timed: TimedFrame, sighting: Sighting, settings: CameraSettings,
+    counter: SightingCounter,
 ) -> None:
     try:
         picture = draw_objects(timed.frame, sighting.objects, settings.debug_label)
+        uncertainty = counter.uncertainty(timed.frame)
+        draw_ellipses(picture, [(found.detection.centre, uncertainty.in_picture(found))
+                                for found in sighting.objects])
         settings.area_overlay.draw(picture)
     except CameraToBaseError:
         return  # the frame cannot be decoded

@@ -15,13 +15,14 @@
 """Formats positions as lines of a table, as text and as CSV."""
 
 import math
-from typing import Iterator, List, NamedTuple, Optional
+from typing import Callable, Iterator, List, NamedTuple, Optional
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import LocatedObject
 from camera_to_base.errors import OutOfReachError
-from camera_to_base.parameters import TransformSettings
 from camera_to_base.sources import TimedFrame
+from camera_to_base.uncertainty import (
+    Ellipse, error_ellipse, PositionCovariance, UncertainTransform)
 
 
 class Column(NamedTuple):
@@ -42,8 +43,11 @@ COLUMNS = (
     Column('u_px', 7, 1), Column('v_px', 7, 1),
     Column('x_cam_cm', 8, 2), Column('y_cam_cm', 8, 2),
     Column('x_base_cm', 9, 2), Column('y_base_cm', 9, 2), Column('z_base_cm', 0, 2),
-    Column('yaw_base_deg', 12, 1))
+    Column('yaw_base_deg', 12, 1),
+    Column('long95_mm', 9, 1), Column('short95_mm', 0, 1), Column('angle95_base_deg', 0, 1),
+    Column('yaw_sd_deg', 0, 1))
 _CSV_DECIMALS = 4
+_SHARE, _MM_PER_CM = 0.95, 10
 
 
 class Position(NamedTuple):
@@ -54,12 +58,16 @@ class Position(NamedTuple):
     :param number: 1 is the largest of its frame.
     :param found: The object on the picture and in the camera frame.
     :param base: The pose in the base frame, in cm and rad; None beyond reach_cm.
+    :param ellipse: Contains 95 % of the errors in the base frame, in cm; None beyond reach_cm.
+    :param yaw_deviation: Standard deviation of the yaw, in rad.
     """
 
     timed: TimedFrame
     number: int
     found: LocatedObject
     base: Optional[Pose]
+    ellipse: Optional[Ellipse]
+    yaw_deviation: float
 
     @property
     def values(self) -> List[Optional[float]]:
@@ -69,24 +77,37 @@ class Position(NamedTuple):
         has_yaw = base is not None and found.yaw is not None
         return [self.timed.number, self.timed.stamp_ns / 1e9, self.number,
                 *found.detection.centre, *found.point, *(nothing if base is None else base[:3]),
-                math.degrees(base.yaw) if has_yaw else None]
+                math.degrees(base.yaw) if has_yaw else None, *self._ellipse_values,
+                math.degrees(self.yaw_deviation) if has_yaw else None]
+
+    @property
+    def _ellipse_values(self) -> List[Optional[float]]:
+        if self.ellipse is None:
+            return [None] * 3
+        long, short, angle = self.ellipse
+        return [_MM_PER_CM * long, _MM_PER_CM * short, math.degrees(angle)]
 
 
 def positions(
-    timed: TimedFrame, objects: List[LocatedObject], transform: TransformSettings
+    timed: TimedFrame, objects: List[LocatedObject], transform: UncertainTransform,
+    covariance_of: Callable[[LocatedObject], PositionCovariance],
 ) -> Iterator[Position]:
     """
     Convert the objects of a frame to the base frame.
 
     :param objects: The largest first.
+    :param covariance_of: Gives the covariance of an object's position in the camera frame.
     :raises CameraToBaseError: If a point cannot be converted.
     """
     for number, found in enumerate(objects, start=1):
+        pose = Pose(*found.point, 0.0, found.yaw or 0.0)
+        covariance = transform.base_covariance(pose[:3], covariance_of(found).matrix)
+        ellipse: Optional[Ellipse] = error_ellipse(covariance, _SHARE)
         try:
-            base = transform.base_pose(Pose(*found.point, 0.0, found.yaw or 0.0))
+            base = transform.settings.base_pose(pose)
         except OutOfReachError:
-            base = None
-        yield Position(timed, number, found, base)
+            base = ellipse = None
+        yield Position(timed, number, found, base, ellipse, math.sqrt(covariance[5, 5]))
 
 
 def table_header() -> str:

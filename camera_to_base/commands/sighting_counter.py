@@ -21,7 +21,8 @@ from camera_to_base.errors import CameraToBaseError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import SourceKind, TimedFrame, VIDEO_FILE
-from camera_to_base.trust import CameraPipeline, Sighting
+from camera_to_base.trust import CameraPipeline, FrameUncertainty, Sighting
+import numpy as np
 
 # Kinds of reasons that do not depend on the detector's settings.
 _UNUSABLE = {'damaged', 'frame_size', 'frame_unusable', 'beyond_horizon'}
@@ -38,6 +39,7 @@ class SightingCounter:
     def __init__(self, settings: CameraSettings, kind: SourceKind = VIDEO_FILE) -> None:
         self._pipeline = CameraPipeline(
             settings.surface, settings.detector, settings.limits, settings.background_frames, kind)
+        self._uncertainty = settings.uncertainty
         self.frames = self.with_one = self.with_more = 0
         self._counts: Counter = Counter()
         self._first: Dict[str, Reason] = {}
@@ -65,6 +67,10 @@ class SightingCounter:
         elif sighting.objects:
             self.with_more += 1
         return sighting
+
+    def uncertainty(self, frame: np.ndarray) -> FrameUncertainty:
+        """Return the uncertainty of the positions on the last frame."""
+        return self._pipeline.frame_uncertainty(frame, self._uncertainty)
 
     def check_any_used(self) -> None:
         """

@@ -16,7 +16,7 @@
 The tutorial's detector: the same result to the pixel, in less time.
 
 The tutorial treats the frame and the background alike (grey, closing, median), and an object is
-where the two results differ by more than the threshold. Two facts make most of it unnecessary:
+where the two results differ by more than the threshold. Four facts make most of it unnecessary:
 
 1. *No step moves two pictures further apart than their largest difference.* Grey is a weighted
    mean, with weights that are not negative and add up to 1, rounded: if no colour differs by more
@@ -28,33 +28,37 @@ where the two results differ by more than the threshold. Two facts make most of 
 2. *Each step only looks around itself.* OpenCV's dilation and erosion with n ones read
    [p - n//2, p + n - 1 - n//2] and ignore what is outside the picture; the median of m reads m//2
    to both sides and repeats the picture's rim. One after the other they read [p - before, p +
-   after], see `__init__`.
+   after], see `__init__`. So if all pixels that differ by more than the threshold lie in columns
+   [x0, x1), objects can only be in [x0 - after, x1 + before). The same holds for rows.
+3. *The background's result is known.* An object is where the frame's median lies below one limit
+   (darker than the background) or above another one (lighter): `median_limit`. Nothing is above
+   255, so nothing is lighter than a light table.
+4. *A dark object contains dark squares of the kernel's size*: the closed picture is below a limit
+   exactly where such a square is. If some boxes contain all dark squares, each box can be closed
+   alone, as if all around it were white. `dark_squares` finds them in few rows of the frame.
 
-Together: where the pixels that the result at p depends on differ by at most the threshold, there
-is no object at p. If all pixels that differ by more lie in columns [x0, x1), objects can only be
-in [x0 - after, x1 + before). Only this piece is processed, enlarged by what the steps read, so
-that its rim does not matter. The same holds for rows. Everywhere else the tutorial's mask is
-empty. The median, the most expensive step, is taken only in bands of rows near one where the
-closed pictures differ by more than the threshold. By the same two facts there is nothing between
-the bands.
+A frame that is nowhere lighter than the background (`light_blocks`) takes the short way: its
+boxes. Any other frame is processed as a whole between its first and its last change. On a
+background with much contrast, the frame is compared with it first.
 
 Finally, the tutorial finds all contours, this detector only the outer ones. A hole's contour, or
 one inside a hole, lies within an outer contour that precedes it in OpenCV's order and is not
 smaller, so it is never the first of the largest.
 """
 
-from typing import List
+from typing import List, Optional
 
 from camera_to_base.checks import whole_number
-from camera_to_base.detection.background import Background, grow, round_up
+from camera_to_base.detection.background import changed_rows
+from camera_to_base.detection.dark_squares import DarkSquares
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, find_outlines, Pixel, touches_edge)
+from camera_to_base.detection.light_blocks import LightBlocks
+from camera_to_base.detection.median_limit import MedianLimit
+from camera_to_base.detection.region import grow, Region, round_up, row_bands, within
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
-
-# Extra columns for a width at which the median is fast.
-_PADDING = 80
 
 
 class AbsoluteDifferenceDetector:
@@ -81,14 +85,31 @@ class AbsoluteDifferenceDetector:
     ) -> None:
         self.check_parameters(threshold, closing_size, median_size)
         check_frame(background, 'background')
-        self._background = Background(background.copy())
+        self._background = background.copy()
+        self._background_grey = cv2.cvtColor(self._background, cv2.COLOR_BGR2GRAY)
         self._threshold = threshold
-        self._closing_kernel = np.ones((closing_size, closing_size), np.uint8)
-        self._median_size = median_size
+        self._kernel = np.ones((closing_size, closing_size), np.uint8)
         self._median_reach = median_size // 2
         self._before = 2 * (closing_size // 2) + self._median_reach
         self._after = 2 * (closing_size - 1 - closing_size // 2) + self._median_reach
-        self._smooth_background = self._smoothed_background()
+        # Of the picture's size: a place has the same indices everywhere, and no memory is
+        # allocated for each frame.
+        self._grey, self._mask = np.empty((2, *self._background_grey.shape), np.uint8)
+        self._everywhere = Region(*(slice(0, length) for length in self._mask.shape))
+        self._set_limits(median_size)
+
+    def _set_limits(self, median_size: int) -> None:
+        smooth = cv2.medianBlur(self._close(self._background_grey.copy()), median_size).astype(int)
+        darkest = np.maximum(smooth - self._threshold, 0).astype(np.uint8)
+        lightest = np.minimum(smooth + self._threshold, 255).astype(np.uint8)
+        self._darker = MedianLimit(darkest, median_size)
+        # A picture is above a limit where the negative picture is below the negative limit.
+        self._lighter = MedianLimit(255 - lightest, median_size)
+        self._dark_squares = DarkSquares(darkest, len(self._kernel), self._median_reach)
+        self._light_blocks = LightBlocks(lightest, self._before)
+        self._least_lightest = int(lightest.min())
+        self._has_contrast = bool(self._has_light_pixels(self._background)
+                                  or self._dark_squares.boxes(self._background))
 
     @staticmethod
     def check_parameters(threshold: int, closing_size: int, median_size: int) -> None:
@@ -111,29 +132,12 @@ class AbsoluteDifferenceDetector:
         :raises FrameSizeError: If the frame's size is not the background's.
         :raises InvalidValueError: If it is not a colour picture.
         """
-        check_same_size(frame, self._background.picture)
-        height, width = frame.shape[:2]
-        reach = self._before + self._after
-        region = self._background.changed_region(
-            frame, self._threshold, reach, self._grey[:, :width])
-        if region is None:
-            return []
-        band = grow(region.rows, reach, reach, height)
-        # The closing is up to twice as fast on a width that is a multiple of 64.
-        piece = round_up(grow(region.columns, reach, reach, width), 64, width)
-        self._close(band, piece)
-        rows = grow(region.rows, self._after, self._before, height)
-        columns = grow(region.columns, self._after, self._before, width)
-        mask = np.zeros((rows.stop - rows.start, columns.stop - columns.start), np.uint8)
-        for band in self._bands(rows, columns):
-            self._smooth_closed(grow(band, self._median_reach, self._median_reach, height), piece)
-            difference = cv2.absdiff(
-                self._smooth[band, columns], self._smooth_background[band, columns])
-            cv2.threshold(difference, self._threshold, 255, cv2.THRESH_BINARY,
-                          dst=mask[band.start - rows.start:band.stop - rows.start])
-        detections = [self._detection(outline)
-                      for outline in find_outlines(mask, columns.start, rows.start)]
-        return sorted(detections, key=lambda detection: -detection.area)
+        check_same_size(frame, self._background)
+        bands = self._marked_bands(frame)
+        # OpenCV's order is from the bottom to the top.
+        outlines = [outline for band in reversed(bands) for outline in find_outlines(
+            self._mask[band], band.columns.start, band.rows.start)]
+        return sorted(map(self._detection, outlines), key=lambda detection: -detection.area)
 
     @property
     def taken_away(self) -> List[Detection]:
@@ -144,48 +148,82 @@ class AbsoluteDifferenceDetector:
     def noise(self) -> None:
         """Not known: the tutorial does not ask."""
 
-    def _smoothed_background(self) -> np.ndarray:
-        # The steps write to arrays of the picture's size: a place has the same indices in all of
-        # them, and no memory is allocated for each frame.
-        height, width = self._background.grey.shape
-        self._grey = np.empty((height, width + _PADDING), np.uint8)
-        self._grey[:, :width] = self._background.grey
-        self._smooth = np.empty_like(self._grey)
-        self._close(slice(0, height), slice(0, width))
-        self._closed_background = self._grey[:, :width].copy()
-        self._smooth_closed(slice(0, height), slice(0, width))
-        return self._smooth[:, :width].copy()
-
-    def _close(self, rows: slice, columns: slice) -> None:
-        piece = self._grey[rows, columns]
-        cv2.morphologyEx(piece, cv2.MORPH_CLOSE, self._closing_kernel, dst=piece)
-
-    def _smooth_closed(self, rows: slice, columns: slice) -> None:
-        # medianBlur is up to five times slower where the width is below 68 or (before OpenCV 5)
-        # where width - 4 is not a multiple of 16. Beyond the picture it repeats the last column;
-        # so the last column is repeated here up to a fast width.
-        stop, width = columns.stop, columns.stop - columns.start
-        padded = slice(columns.start, stop + max(68 - width, (4 - width) % 16))
-        self._grey[rows, stop:padded.stop] = self._grey[rows, stop - 1:stop]
-        cv2.medianBlur(self._grey[rows, padded], self._median_size,
-                       dst=self._smooth[rows, padded])
-
-    def _bands(self, rows: slice, columns: slice) -> List[slice]:
-        if rows.stop - rows.start == len(self._grey):
-            return [rows]  # so much has changed that a search would cost more than it saves
-        difference = cv2.absdiff(
-            self._grey[rows, columns], self._closed_background[rows, columns])
-        changed = np.flatnonzero(difference.max(axis=1) > self._threshold) + rows.start
-        if len(changed) == 0:
+    def _marked_bands(self, frame: np.ndarray) -> List[Region]:
+        """Mark all objects in the mask; return the bands of rows in which they are."""
+        if not self._has_contrast and not self._has_light_pixels(frame):
+            return self._mark_darker(frame, self._dark_squares.boxes(frame))
+        changed = changed_rows(frame, self._background, self._threshold)
+        if changed is None:
             return []
-        reach = self._median_reach
-        gaps = np.flatnonzero(np.diff(changed) > 4 * reach + 1)
-        return [slice(max(int(first) - reach, rows.start), min(int(last) + 1 + reach, rows.stop))
-                for first, last in zip(changed[np.append(0, gaps + 1)],
-                                       changed[np.append(gaps, -1)])]
+        reach = self._before + self._after
+        near = grow(changed, reach, reach, len(frame))
+        boxes = self._dark_squares.boxes(frame, near)
+        if (sum(box.px for box in boxes) > self._mask.size // 2
+                or self._light_blocks.has_light(frame, near)):
+            return self._mark_changed(frame, changed, near)
+        return self._mark_darker(frame, boxes)
+
+    def _has_light_pixels(self, frame: np.ndarray) -> bool:
+        # Grey is not above the largest colour.
+        return self._least_lightest < 255 and int(frame.max()) > self._least_lightest
+
+    def _mark_darker(self, frame: np.ndarray, boxes: List[Region]) -> List[Region]:
+        # The even kernel moves the closed picture by 1 px to the lower right, and the median looks
+        # further by its reach. A box needs a white rim, except where the picture ends.
+        places = [self._grow(box, max(self._median_reach, 1), self._median_reach + 1)
+                  for box in boxes]
+        bands = row_bands(places)
+        for band in bands:
+            self._mask[band] = 0
+        for box, place in zip(boxes, places):
+            if box != place:
+                self._grey[place] = 255
+            cv2.cvtColor(frame[box], cv2.COLOR_BGR2GRAY, dst=self._grey[box])
+            if place == self._everywhere and self._grey.max() < self._darker.least:
+                self._mask[place] = 1  # No step makes a pixel lighter than all pixels.
+            else:
+                self._mark(self._darker, self._close(self._grey[place]), place)
+        return bands
+
+    def _mark_changed(self, frame: np.ndarray, changed: slice, near: slice) -> List[Region]:
+        cv2.cvtColor(frame[near], cv2.COLOR_BGR2GRAY, dst=self._grey[near])
+        columns = self._changed_columns(changed)
+        if columns is None:
+            return []
+        region = Region(changed, columns)
+        read = self._grow(region, self._before + self._after, self._before + self._after)
+        # The closing is up to twice as fast on a width that is a multiple of 64.
+        read = read._replace(columns=round_up(read.columns, 64, self._mask.shape[1]))
+        found = self._grow(region, self._after, self._before)
+        place = self._grow(found, self._median_reach, self._median_reach)
+        closed = self._close(self._grey[read])[within(place, read)]
+        self._mask[place] = 0
+        self._mark(self._darker, closed, place)
+        self._mark(self._lighter, cv2.bitwise_not(closed), place)
+        return [found]
+
+    def _changed_columns(self, rows: slice) -> Optional[slice]:
+        height, width = self._mask.shape
+        if rows.stop - rows.start > height // 2:
+            return slice(0, width)  # The steps' time depends more on the rows than on the columns.
+        difference = cv2.absdiff(self._grey[rows], self._background_grey[rows])
+        columns = np.flatnonzero(difference.max(axis=0) > self._threshold)
+        return slice(int(columns[0]), int(columns[-1]) + 1) if len(columns) else None
+
+    def _grow(self, region: Region, before: int, after: int) -> Region:
+        return Region(*(grow(part, before, after, length)
+                        for part, length in zip(region, self._mask.shape)))
+
+    def _close(self, grey: np.ndarray) -> np.ndarray:
+        return cv2.morphologyEx(grey, cv2.MORPH_CLOSE, self._kernel, dst=grey)
+
+    def _mark(self, limit: MedianLimit, closed: np.ndarray, place: Region) -> None:
+        below = limit.below(closed, place)
+        if below is not None:
+            cv2.bitwise_or(self._mask[place], below, dst=self._mask[place])
 
     def _detection(self, outline: np.ndarray) -> Detection:
         box = Box(*cv2.boundingRect(outline))
         centre = Pixel(box.x + box.width // 2, box.y + box.height // 2)
         return Detection(box, centre, cv2.contourArea(outline), outline[:, 0],
-                         touches_edge(box, self._background.grey))
+                         touches_edge(box, self._mask))

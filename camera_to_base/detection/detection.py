@@ -15,9 +15,9 @@
 """A detector's results: outline, area, centre and axes of an object."""
 
 from dataclasses import dataclass, field
-from typing import Callable, List, Mapping, NamedTuple, Optional
+from typing import List, Mapping, NamedTuple, Optional
 
-from camera_to_base.detection.shape import polygon_centroid, principal_axes
+from camera_to_base.detection.shape import principal_axes
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 import cv2
 import numpy as np
@@ -91,24 +91,6 @@ class Detection:
             or a square, infinite for a line.
         """
         return principal_axes(self.spread).elongation
-
-
-def locate_on_surface(
-    locate: Callable[[np.ndarray], np.ndarray], detection: Detection
-) -> np.ndarray:
-    """
-    Map an object to the surface.
-
-    With a tilted camera, the centroid of a disc's picture is not the picture of the disc's centre:
-    the near half looks larger. The difference is computed from the outline, whose centroid is
-    taken in both planes.
-
-    :param locate: Maps pixels of shape (n, 2) to the surface, shape (n, 2), as Surface.locate.
-    :returns: Shape (2,), x and y, in the unit of `locate`.
-    """
-    corners = detection.outline.astype(float)
-    points = locate(np.vstack([corners, polygon_centroid(corners), detection.centre]))
-    return points[-1] + polygon_centroid(points[:-2]) - points[-2]
 
 
 def check_frame(frame: np.ndarray, name: str = 'frame') -> None:

@@ -23,13 +23,23 @@ _BLOCK_CHANGE = 12.0
 
 def mean_blocks(frame: np.ndarray) -> np.ndarray:
     """
-    Return the mean of each block of a frame.
+    Return about the mean of each block of a frame, from every fourth row.
+
+    Rows and columns at the top and at the right that do not fill a block are left out.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :returns: Shape (h / 16, w / 16, 3), uint8.
     """
-    size = max(1, frame.shape[1] // _BLOCK_PX), max(1, frame.shape[0] // _BLOCK_PX)
-    return cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
+    columns, rows = (length // _BLOCK_PX for length in frame.shape[1::-1])
+    if not rows or not columns:
+        size = max(1, columns), max(1, rows)
+        return cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
+    blocks = frame[-_BLOCK_PX * rows + 1::4, :_BLOCK_PX * columns]
+    # OpenCV is many times faster at halving a picture than at any other ratio.
+    for scale in (2, 1):
+        blocks = cv2.resize(blocks, (4 * columns * scale, rows * scale),
+                            interpolation=cv2.INTER_AREA)
+    return cv2.resize(blocks, (columns, rows), interpolation=cv2.INTER_AREA)
 
 
 def changed_blocks(blocks: np.ndarray, others: np.ndarray) -> np.ndarray:

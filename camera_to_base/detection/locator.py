@@ -16,9 +16,11 @@
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from camera_to_base.detection.detection import Detection, locate_on_surface
+from camera_to_base.detection.detection import Detection
+from camera_to_base.detection.on_surface import (
+    object_on_surface, OnSurface, pixel_on_surface)
 from camera_to_base.detection.settings import DetectorSettings
-from camera_to_base.detection.yaw import object_yaw, scale_at
+from camera_to_base.detection.yaw import object_yaw
 from camera_to_base.errors import HorizonError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.surface import Surface
@@ -127,16 +129,16 @@ class ObjectLocator:
 
     def _located(self, detection: Detection) -> Union[LocatedObject, LeftOut]:
         try:
-            point = self._point(detection)
-            cm_per_px = scale_at(self._surface, detection.centre)
+            place = self._place(detection)
         except HorizonError as error:
             return LeftOut(detection, Reason(
                 'beyond_horizon', Level.WARN, f'no position is published: {error}',
                 is_passing=True))
-        reason = self._reason_to_leave_out(detection, point, cm_per_px)
+        point = Point(*place.point.tolist())
+        reason = self._reason_to_leave_out(detection, point, place.cm_per_px)
         if reason is not None:
             return LeftOut(detection, reason)
-        yaw = object_yaw(self._surface, detection, cm_per_px, self._least_width)
+        yaw = object_yaw(self._surface, detection, place.cm_per_px, self._least_width)
         return LocatedObject(detection, point, yaw)
 
     def _reason_to_leave_out(
@@ -154,7 +156,7 @@ class ObjectLocator:
             return _left_out('outside_work_area', 'it lies outside of work_area')
         if any(area.contains(point) for area in areas.ignored):
             return _left_out('in_ignored_area', 'it lies in one of ignored_areas')
-        area_cm2 = detection.area * abs(np.linalg.det(cm_per_px))
+        area_cm2 = detection.area * abs(_determinant(cm_per_px))
         if area_cm2 < settings.min_area_cm2:
             return _left_out('too_small', f'its area of {area_cm2:.3g} cm² is less than '
                              f'detector.min_area_cm2, {settings.min_area_cm2:g}')
@@ -163,10 +165,15 @@ class ObjectLocator:
                              f'detector.max_area_cm2, {settings.max_area_cm2:g}')
         return None
 
-    def _point(self, detection: Detection) -> Point:
+    def _place(self, detection: Detection) -> OnSurface:
         if self._settings.method == 'precise':
-            return Point(*map(float, locate_on_surface(self._surface.locate, detection)))
-        return locate_pixel(self._surface, detection.centre)
+            return object_on_surface(self._surface.locate, detection)
+        return pixel_on_surface(self._surface.locate, detection.centre)
+
+
+def _determinant(matrix: np.ndarray) -> float:
+    (a, b), (c, d) = matrix.tolist()
+    return a * d - b * c
 
 
 def _left_out(kind: str, sentence: str) -> Reason:

@@ -59,12 +59,14 @@ def polygon_centroid(corners: np.ndarray) -> np.ndarray:
     """
     Compute the centroid of a polygon, in the unit of its corners.
 
-    :param corners: Shape (n, 2).
+    :param corners: Shape (n, 2), float.
     :returns: Shape (2,). The mean of the corners if the polygon has no area.
     """
-    x, y = (corners - corners[0]).T.astype(float)
-    cross = x * np.roll(y, -1) - np.roll(x, -1) * y
-    if cross.sum() == 0:
+    # Seen from a corner, the two edges at that corner contribute nothing.
+    offsets = corners[1:] - corners[0]
+    before, after = offsets[:-1], offsets[1:]
+    doubled_areas = before[:, 0] * after[:, 1] - after[:, 0] * before[:, 1]
+    doubled_area = doubled_areas.sum()
+    if doubled_area == 0:
         return corners.mean(axis=0)
-    sums = ((x + np.roll(x, -1)) @ cross, (y + np.roll(y, -1)) @ cross)
-    return corners[0] + np.array(sums) / (3 * cross.sum())
+    return corners[0] + doubled_areas @ (before + after) / (3 * doubled_area)

@@ -14,7 +14,7 @@
 
 """The direction of an object on the work surface."""
 
-from typing import Optional, Sequence
+from typing import Optional
 
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.shape import principal_axes
@@ -36,7 +36,7 @@ def object_yaw(
     An object is small compared with its distance, so its second moments are mapped from the
     picture to the surface with a constant scale.
 
-    :param cm_per_px: The surface's scale at the object, see :func:`scale_at`.
+    :param cm_per_px: The surface's scale at the object, see :class:`OnSurface`.
     :param least_width: The shape of a narrower object is not reliable, in px.
     :returns: About the camera frame's z, from x towards y, in rad, in (-pi/2, pi/2]; None if the
         object is about as wide as long, is too narrow, or has a part that is missing or beyond
@@ -48,20 +48,6 @@ def object_yaw(
     if principal_axes(detection.spread).width < least_width or not _seen(surface, detection):
         return None
     return axes.angle
-
-
-def scale_at(surface: Surface, pixel: Sequence[float]) -> np.ndarray:
-    """
-    Return the step on the surface that corresponds to a step of 1 px on the picture.
-
-    :param pixel: The place, u and v, in px.
-    :returns: Shape (2, 2); its columns are x and y, in cm, of a step of 1 px along u and along v.
-    :raises HorizonError: If the pixel lies on the horizon or beyond it.
-    """
-    u, v = pixel
-    left, right, above, below = surface.locate(
-        [(u - 0.5, v), (u + 0.5, v), (u, v - 0.5), (u, v + 0.5)])
-    return np.column_stack([right - left, below - above])
 
 
 def _seen(surface: Surface, detection: Detection) -> bool:

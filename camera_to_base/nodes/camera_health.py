@@ -58,16 +58,17 @@ def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> D
               'view shift (px)': _shift_text(pipeline.view)}
     values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))
     if reader is not None:
-        counts = reader.counts
+        status = reader.snapshot()
+        counts = status.counts
         values.update({
-            'state': reader.state.value,
+            'state': status.state.value,
             'frames read': str(counts.read),
             'frames dropped: replaced by a newer one': str(counts.overwritten),
             'frames dropped: too old on arrival': str(counts.old),
             'frames dropped: damaged': str(counts.damaged),
             'reconnects': str(counts.reconnects),
             'attempts to open': str(counts.attempts),
-            'age of the last frame (s)': f'{reader.seconds_without_frame:.2f}'})
+            'age of the last frame (s)': f'{status.seconds_without_frame:.2f}'})
     return values
 
 

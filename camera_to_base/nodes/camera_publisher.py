@@ -32,11 +32,12 @@ from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.parameters import (
     all_names, gives_other_values, TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS)
+from camera_to_base.reason import Reason
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
 from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
-from camera_to_base.trust import CameraPipeline, Sighting
+from camera_to_base.trust import CameraPipeline, OwnCamera, read_thumbnail, Sighting
 import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Header
@@ -70,7 +71,11 @@ class CameraPublisher(Node):
                 self, self._pipeline, lambda: self._settings.background_frames,
                 lambda: self._feed.reason)
             self._warn_of_settings_without_effect()
-            watch = CameraWatch(self, self._pipeline, self._is_calibrated)
+            calibrated = settings.calibrated_for
+            self._own_camera = OwnCamera(
+                self._source.name, calibrated.device, read_thumbnail(calibrated.thumbnail))
+            self.get_logger().info(calibrated.summary)
+            watch = CameraWatch(self, self._pipeline, self._is_calibrated, self._doubt)
             self._started_at = time.monotonic()
             self._feed = self._start_feed()
             watch.start(self._feed)
@@ -110,11 +115,14 @@ class CameraPublisher(Node):
 
     def _on_frame(self, frame: np.ndarray, taken_at: Optional[float], stamp: Time) -> None:
         header, settings = self._header(stamp), self._settings
-        sighting = self._pipeline.process(frame, taken_at)
-        self._positions.publish_sighting(header, sighting, settings)
+        sighting = self._own_camera.judge(
+            self._pipeline.process(frame, taken_at), self._pipeline.background,
+            settings.calibrated_for.is_strict)
+        uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
+        self._positions.publish_sighting(header, sighting, settings, uncertainty)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting), settings.debug_label,
-            settings.area_overlay)
+            settings.area_overlay, uncertainty)
         self._background_keeper.keep()
         self._background_service.notice_frame()
 
@@ -124,12 +132,21 @@ class CameraPublisher(Node):
         except CameraToBaseError as error:
             self.get_logger().error(f'no position taken: {error}', throttle_duration_sec=5.0)
             return
-        self._positions.publish(self._header(stamp), [Pose(*point, 0.0, 0.0)])
+        settings = self._settings
+        self._positions.publish(
+            self._header(stamp), [Pose(*point, 0.0, 0.0)],
+            lambda _: settings.uncertainty.of_pixel(pixel, settings.image_size))
 
     def _note(self, sighting: Sighting) -> str:
         if sighting.reason is not None:
             return sighting.reason.sentence
+        doubt = self._doubt()
+        if doubt is not None:
+            return doubt.sentence
         return f'background taken {self._pipeline.background_age_s:.0f} s ago'
+
+    def _doubt(self) -> Optional[Reason]:
+        return self._own_camera.reason(self._pipeline.background)
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)

@@ -38,14 +38,17 @@ class CameraWatch:
     :param node: The camera node.
     :param pipeline: Its pipeline.
     :param is_calibrated: Returns whether the surface is calibrated for the camera in use.
+    :param own_camera: Returns why the calibration is another camera's, or None.
     """
 
     def __init__(
-        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool]
+        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool],
+        own_camera: Callable[[], Optional[Reason]],
     ) -> None:
         self._logger = node.get_logger()
         self._pipeline = pipeline
-        self._is_calibrated = is_calibrated
+        self._is_calibrated, self._own_camera = is_calibrated, own_camera
+        self._told_doubt: Optional[str] = None
         self._reason: Optional[Reason] = None
         self._has_no_structure = self._told_faintness = False
         self._detection_rate = DetectionRate()
@@ -68,6 +71,7 @@ class CameraWatch:
         if _kind(self._reason) != _kind(before):
             self._tell(self._reason)
             self._diagnostics.publish()
+        self._tell_doubt(self._own_camera())
         faintness = self._pipeline.faintness
         if faintness is not None and not self._told_faintness:
             self._told_faintness = True
@@ -77,6 +81,12 @@ class CameraWatch:
         if self._has_no_structure and not knew:
             self._logger.info('the view cannot be checked: the surface has no structure, so that '
                               'nobody would notice a nudge; put marks into its corners')
+
+    def _tell_doubt(self, doubt: Optional[Reason]) -> None:
+        if doubt is not None and doubt.kind != self._told_doubt:
+            self._logger.warning(doubt.sentence)
+            self._diagnostics.publish()
+        self._told_doubt = _kind(doubt) or self._told_doubt
 
     def _tell(self, reason: Optional[Reason]) -> None:
         # Separate lines: rclpy refuses to log with another severity from the same line.
@@ -92,7 +102,7 @@ class CameraWatch:
                   **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
-        return Health(self._reason or well, values)
+        return Health(self._reason or self._own_camera() or well, values)
 
 
 def _kind(reason: Optional[Reason]) -> Optional[str]:

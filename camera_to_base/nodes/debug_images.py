@@ -16,9 +16,10 @@
 
 from typing import Callable, Optional
 
-from camera_to_base.drawing import AreaOverlay, draw_note, draw_objects, Label, object_mask
+from camera_to_base.drawing import (
+    AreaOverlay, draw_ellipses, draw_note, draw_objects, Label, object_mask)
 from camera_to_base.nodes.image_messages import image_message, jpeg_message
-from camera_to_base.trust import Sighting
+from camera_to_base.trust import FrameUncertainty, Sighting
 import numpy as np
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -50,7 +51,7 @@ class DebugImages:
 
     def publish(
         self, header: Header, frame: np.ndarray, sighting: Sighting, note: str, label: Label,
-        areas: Optional[AreaOverlay] = None,
+        areas: Optional[AreaOverlay] = None, uncertainty: Optional[FrameUncertainty] = None,
     ) -> None:
         """
         Publish the pictures that have subscribers.
@@ -60,9 +61,13 @@ class DebugImages:
         :param note: Text for the corner: the background's age, or why nothing is published.
         :param label: Formats a position as text.
         :param areas: The areas in which objects count; None to draw none.
+        :param uncertainty: Of the positions; None to draw no ellipses.
         """
         if _has_listener(self._image) or _has_listener(self._jpeg):
             picture = draw_objects(frame, sighting.objects, label)
+            if uncertainty is not None:
+                draw_ellipses(picture, [(found.detection.centre, uncertainty.in_picture(found))
+                                        for found in sighting.objects])
             if areas is not None:
                 areas.draw(picture)
             draw_note(picture, note)

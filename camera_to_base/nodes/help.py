@@ -23,7 +23,9 @@ Finds objects on a camera's frames, and publishes their positions on the work su
 publishes:
   pos_in_cam_frame           std_msgs/Float64MultiArray: [x, y] of the largest object, in cm
   pos_in_cam_frame/point     geometry_msgs/PointStamped: the same object, in m
+  pos_in_cam_frame/pose      geometry_msgs/PoseWithCovarianceStamped: the same, with its covariance
   objects_in_cam_frame       geometry_msgs/PoseArray: every object, largest first, in m
+  objects_in_cam_frame/ellipses  visualization_msgs/MarkerArray: where 95 % of errors lie, for RViz
   debug_image, mask          sensor_msgs/Image: the objects found, drawn if there is a subscriber
   debug_image/compressed     sensor_msgs/CompressedImage: the same as JPEG
   true_pos_in_cam_frame      with source:=simulated only: true position of the coin, in cm
@@ -55,12 +57,16 @@ Converts positions from the camera frame to the robot's base frame with a homoge
 subscribes to:
   pos_in_cam_frame                std_msgs/Float64MultiArray: [x, y], in cm
   pos_in_cam_frame/point          geometry_msgs/PointStamped, in m
+  pos_in_cam_frame/pose           geometry_msgs/PoseWithCovarianceStamped, in m and rad
   objects_in_cam_frame            geometry_msgs/PoseArray, in m
+  objects_in_cam_frame/ellipses   visualization_msgs/MarkerArray, while its result has subscribers
 
 publishes, one message for each that it receives:
   pos_in_robot_base_frame         std_msgs/Float64MultiArray: [x, y], in cm
   pos_in_robot_base_frame/point   geometry_msgs/PointStamped, in m
+  pos_in_robot_base_frame/pose    geometry_msgs/PoseWithCovarianceStamped, in m and rad
   objects_in_robot_base_frame     geometry_msgs/PoseArray, in m
+  objects_in_robot_base_frame/ellipses  visualization_msgs/MarkerArray, for RViz
   /diagnostics                    state of the node, once a second
 
 parameters that are used most:

@@ -23,13 +23,14 @@ from camera_to_base.errors import FrameSourceError, InvalidValueError, TopicType
 from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import (
-    frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderState,
-    ReaderStatus, SilenceLimit, source_reason, stamp_reason)
+    frame_from_compressed_message, frame_from_image_message, LOST_AFTER_S, ReaderFacts,
+    ReaderState, ReaderStatus, SilenceLimit, source_reason, stamp_reason)
 import numpy as np
 from rclpy.event_handler import QoSRequestedIncompatibleQoSInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import qos_policy_name_from_kind, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import CompressedImage, Image
 
 
@@ -37,7 +38,8 @@ class ImageTopic(ReaderStatus):
     """
     Converts the pictures on the topic `image` or `image/compressed` to frames.
 
-    A picture that cannot be used is logged, counted and skipped.
+    A picture that cannot be used is logged, counted and skipped. The subscription is reliable if
+    the driver is, unless the parameters `qos_overrides` choose.
 
     :param node: The node that subscribes and logs.
     :param on_frame: Called with each good frame, shape (h, w, 3), uint8, BGR; its capture time
@@ -65,15 +67,15 @@ class ImageTopic(ReaderStatus):
         self._refused_at = -LOST_AFTER_S
         self._mismatch: Optional[FrameSourceError] = None
         self._last_number: Optional[int] = None
-        # Like the sensor data profile, but with depth 1: only the newest picture is of use.
-        self._subscription = node.create_subscription(
-            CompressedImage if compressed else Image,
-            'image/compressed' if compressed else 'image', self._on_message,
-            QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT),
-            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch),
-            qos_overriding_options=QoSOverridingOptions([QoSPolicyKind.RELIABILITY]))
+        self._is_compressed = compressed
+        # A large picture comes in many packets: on a busy machine most pictures are lost unless
+        # both ends are reliable.
+        self._subscription = self._subscribe(
+            ReliabilityPolicy.BEST_AVAILABLE, QoSOverridingOptions([QoSPolicyKind.RELIABILITY]))
         self.topic_name: str = self._subscription.topic_name
         self.name = self.topic_name
+        reliability = node.get_parameter(f'{self._override_name}.reliability').value
+        self._may_change = reliability == ReliabilityPolicy.BEST_AVAILABLE.name.lower()
 
     @property
     def reader(self) -> ReaderStatus:
@@ -84,14 +86,6 @@ class ImageTopic(ReaderStatus):
     def reason(self) -> Optional[Reason]:
         """Why no good frame arrives; None if one does."""
         return source_reason(self, self.name)
-
-    @property
-    def error(self) -> Optional[FrameSourceError]:
-        """Why no frame has arrived for a while; None while frames arrive."""
-        if self.seconds_without_frame <= self.longest_silence_s:
-            return None
-        refused_lately = time.monotonic() - self._refused_at <= LOST_AFTER_S
-        return self._error if refused_lately else self._cause_of_silence()
 
     @property
     def longest_silence_s(self) -> float:
@@ -105,6 +99,21 @@ class ImageTopic(ReaderStatus):
     def close(self) -> None:
         """Unsubscribe from the topic."""
         self._node.destroy_subscription(self._subscription)
+
+    @property
+    def _override_name(self) -> str:
+        return f'qos_overrides.{self.topic_name}.subscription'
+
+    def _subscribe(
+        self, reliability: ReliabilityPolicy, options: Optional[QoSOverridingOptions] = None
+    ) -> Subscription:
+        # Depth 1: only the newest picture is of use.
+        return self._node.create_subscription(
+            CompressedImage if self._is_compressed else Image,
+            'image/compressed' if self._is_compressed else 'image', self._on_message,
+            QoSProfile(depth=1, reliability=reliability),
+            event_callbacks=SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch),
+            qos_overriding_options=options)
 
     def _on_message(self, message: Union[Image, CompressedImage], info: Dict[str, Any]) -> None:
         arrived_at = _arrived_at(info)
@@ -123,6 +132,13 @@ class ImageTopic(ReaderStatus):
         self._note_damage(damage)
         if damage is None:
             self._on_frame(frame, arrived_at - max(0, age_ns) / 1e9, stamp)
+
+    def _error_of(self, facts: ReaderFacts, silent_s: float) -> Optional[FrameSourceError]:
+        # None while frames arrive.
+        if silent_s <= self.longest_silence_s:
+            return None
+        refused_lately = time.monotonic() - self._refused_at <= LOST_AFTER_S
+        return facts.error if refused_lately else self._cause_of_silence()
 
     def _age_ns(self, stamp: Time, arrived_at: float) -> int:
         # The stamp has the node's clock, which may be a simulation's; the wait is real time.
@@ -143,14 +159,21 @@ class ImageTopic(ReaderStatus):
     def _refuse(self, error: InvalidValueError) -> None:
         self._note_damage(Reason('not_decoded', Level.ERROR, str(error), is_passing=True))
         self._refused_at = time.monotonic()
-        self._error = FrameSourceError(f'cannot use the picture on {self.topic_name}: {error}')
-        self._node.get_logger().error(str(self._error), throttle_duration_sec=5.0)
+        error = FrameSourceError(f'cannot use the picture on {self.topic_name}: {error}')
+        self._note_error(error)
+        self._node.get_logger().error(str(error), throttle_duration_sec=5.0)
 
     def _on_mismatch(self, event: QoSRequestedIncompatibleQoSInfo) -> None:
+        if self._may_change and event.last_policy_kind == QoSPolicyKind.RELIABILITY:
+            # The driver is not reliable, and came after this subscription.
+            self._may_change = False
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = self._subscribe(ReliabilityPolicy.BEST_EFFORT)
+            return
         policy = qos_policy_name_from_kind(event.last_policy_kind).lower()
         self._mismatch = FrameSourceError(
             f'cannot receive what is published on {self.topic_name}: its {policy} does not match; '
-            f'set the parameter qos_overrides.{self.topic_name}.subscription.{policy} as the '
+            f'set the parameter {self._override_name}.{policy} as the '
             f"publisher has it, see 'ros2 topic info -v {self.topic_name}'")
         self._node.get_logger().error(str(self._mismatch))
 

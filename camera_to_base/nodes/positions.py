@@ -14,16 +14,17 @@
 
 """Publishes the positions that the camera node has found, and the true ones where known."""
 
-from typing import List, Optional, Sequence
+from typing import Callable, List, Optional, Sequence
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import LocatedObject
 from camera_to_base.nodes.true_positions import TruePositions
-from camera_to_base.ros import PositionTopics
+from camera_to_base.ros import PositionTopics, UncertainPose
 from camera_to_base.settings import CameraSettings, NamedSource
 from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.surface import Hull
-from camera_to_base.trust import Sighting
+from camera_to_base.trust import FrameUncertainty, Sighting
+from camera_to_base.uncertainty import PositionCovariance
 from rclpy.node import Node
 from std_msgs.msg import Header
 
@@ -59,7 +60,8 @@ class CameraPositions:
         return self._topics.listener_count
 
     def publish_sighting(
-        self, header: Header, sighting: Sighting, settings: CameraSettings
+        self, header: Header, sighting: Sighting, settings: CameraSettings,
+        uncertainty: FrameUncertainty,
     ) -> None:
         """Publish the objects of a frame, unless the sighting has a reason not to."""
         if self._truth is not None:
@@ -67,15 +69,30 @@ class CameraPositions:
         if sighting.reason is None:
             self._warn_outside_hull(sighting.objects, settings.hull)
             self.publish(header, [Pose(*found.point, 0.0, found.yaw or 0.0)
-                                  for found in sighting.objects])
+                                  for found in sighting.objects],
+                         lambda number: uncertainty.of(sighting.objects[number]))
 
-    def publish(self, header: Header, poses: List[Pose]) -> None:
-        """Publish poses, in cm, the largest object first; an empty list for an empty surface."""
+    def publish(
+        self, header: Header, poses: List[Pose],
+        covariance_of: Callable[[int], PositionCovariance],
+    ) -> None:
+        """
+        Publish poses, in cm, the largest object first; an empty list for an empty surface.
+
+        :param covariance_of: Gives a pose's covariance by its index; called for subscribers only.
+        """
+        def uncertain(number: int) -> UncertainPose:
+            return UncertainPose(poses[number], covariance_of(number).matrix)
+
         if poses:
             largest = poses[0]
             self._topics.publish_position(largest.x, largest.y)
             self._topics.publish_point(header, largest.x, largest.y)
+            if self._topics.wants_pose:
+                self._topics.publish_pose(header, uncertain(0))
         self._topics.publish_objects(header, poses)
+        if self._topics.wants_ellipses:
+            self._topics.publish_ellipses(header, map(uncertain, range(len(poses))))
 
     def wait_until_received(self) -> None:
         """Wait until all subscribers have received what was published, for at most 5 s."""

@@ -23,19 +23,22 @@ from typing import Callable, Iterator, List, Optional
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import CameraToBaseError, OtherFrameError, OutOfReachError
 from camera_to_base.nodes.process import run, whole_or_gone
+from camera_to_base.nodes.wanted_input import WantedInput
 from camera_to_base.parameters import (
-    CAMERA_FRAME_SPEC, ParameterSpec, transform_node_settings, TRANSFORM_SPECS, TransformSettings,
-    value_in_files)
+    CAMERA_FRAME_SPEC, ParameterSpec, TRANSFORM_SPECS, TransformSettings, value_in_files)
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import (
     Diagnostics, Health, Heartbeat, NameCheck, NodeParameters, point_from_message,
-    poses_from_message, position_from_message, PositionTopics, qos_mismatch)
-from geometry_msgs.msg import PointStamped, PoseArray
+    poses_from_message, poses_of_markers, position_from_message, PositionTopics, qos_mismatch,
+    uncertain_pose_from_message, UncertainPose)
+from camera_to_base.uncertainty import uncertain_transform_of
+from geometry_msgs.msg import PointStamped, PoseArray, PoseWithCovarianceStamped
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from std_msgs.msg import Float64MultiArray, Header
+from visualization_msgs.msg import MarkerArray
 
 # Each event of a subscription slows every message; `qos_mismatch` replaces the event.
 _NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
@@ -52,7 +55,7 @@ class RobotBasePublisher(Node):
         with whole_or_gone(self):
             cli_args = node_options.get('cli_args') or []
             self._node_parameters = NodeParameters(
-                self, self._specs([*sys.argv, *cli_args]), transform_node_settings,
+                self, self._specs([*sys.argv, *cli_args]), uncertain_transform_of,
                 cli_args=cli_args)
             self._received_count = self._published_count = 0
             self._dropped: Counter = Counter()
@@ -65,8 +68,14 @@ class RobotBasePublisher(Node):
             # Last: messages that arrive before the node spins are published late.
             self._inputs = [
                 self._subscribe(PoseArray, _OBJECTS, self._on_objects),
+                self._subscribe(
+                    PoseWithCovarianceStamped, f'{_POSITION}/pose', self._on_pose),
                 self._subscribe(PointStamped, f'{_POSITION}/point', self._on_point),
                 self._subscribe(Float64MultiArray, _POSITION, self._on_position)]
+            WantedInput(
+                self, heartbeat, lambda: self._topics.wants_ellipses, lambda: self._subscribe(
+                    MarkerArray, f'{_OBJECTS}/ellipses', self._on_ellipses))
+            self.get_logger().info(self._settings.calibration)
             self.get_logger().info(f'publishing on {self._topics.name} what comes on '
                                    f'{self.resolve_topic_name(_POSITION)}')
 
@@ -77,7 +86,7 @@ class RobotBasePublisher(Node):
 
     @property
     def _settings(self) -> TransformSettings:
-        return self._node_parameters.current
+        return self._node_parameters.current.settings
 
     def _specs(self, arguments: List[str]) -> List[ParameterSpec]:
         # A parameter file may set the camera frame for the camera node only.
@@ -103,6 +112,26 @@ class RobotBasePublisher(Node):
             point = self._settings.base_point(*point_from_message(message))
             self._topics.publish_point(self._header(message.header), *point)
             self._published_count += 1
+
+    def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
+        with self._dropping_what_is_wrong(f'{_POSITION}/pose'):
+            self._settings.check_frame(message.header.frame_id)
+            uncertain = self._in_base_frame(uncertain_pose_from_message(message))
+            self._topics.publish_pose(self._header(message.header), uncertain)
+            self._published_count += 1
+
+    def _on_ellipses(self, message: MarkerArray) -> None:
+        with self._dropping_what_is_wrong(f'{_OBJECTS}/ellipses'):
+            poses, header = poses_of_markers(message), message.markers[0].header
+            self._settings.check_frame(header.frame_id)
+            self._topics.publish_ellipses(
+                self._header(header), map(self._in_base_frame, poses))
+            self._published_count += 1
+
+    def _in_base_frame(self, uncertain: UncertainPose) -> UncertainPose:
+        covariance = self._node_parameters.current.base_covariance(
+            uncertain.pose[:3], uncertain.covariance)
+        return UncertainPose(self._settings.base_pose(uncertain.pose), covariance)
 
     def _on_objects(self, message: PoseArray) -> None:
         with self._dropping_what_is_wrong(_OBJECTS):

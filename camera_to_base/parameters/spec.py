@@ -121,8 +121,9 @@ class ParameterSpec:
                 'than 300 digits')
         is_empty_list = typed == [] and (self.takes_any_list or self.lengths)
         if not (kind_of(typed) == self.kind or is_empty_list):
-            raise InvalidValueError(f'parameter {self.name} must be of type {self.kind}, '
-                                    f'got {typed!r} of type {kind_of(typed)}')
+            got = 'an empty list' if typed == [] else f'{typed!r} of type {kind_of(typed)}'
+            raise InvalidValueError(
+                f'parameter {self.name} must be of type {self.kind}, got {got}')
         return typed
 
     def _allows(self, value: Any) -> bool:

@@ -22,6 +22,7 @@ from camera_to_base.checks import frame_id
 from camera_to_base.coordinate_transform import (
     CameraToRobotBaseConversion, Pose, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
 from camera_to_base.errors import OtherFrameError, OutOfReachError
+from camera_to_base.parameters.calibration import calibration_summary, RECORD_SPECS
 from camera_to_base.parameters.spec import ParameterSpec, Values
 
 PLACEMENT_SPECS = [
@@ -51,17 +52,29 @@ TRANSFORM_SPECS = [
                   "The stamped topics' name for the robot's base frame.",
                   constraints='a frame name without a leading /'),
     CAMERA_FRAME_SPEC,
+    ParameterSpec('base_covariance', [],
+                  'How uncertain rotation_deg and displacement_cm are: the upper triangle of the '
+                  "covariance of the camera frame's origin, in cm, and of the rotation, in rad, "
+                  'in the base frame; `calibrate base` writes it. Empty for not known: 1 cm and '
+                  '1 degree.', lengths=(0, 21)),
+    *RECORD_SPECS,
 ]
 
 
 @dataclass(frozen=True)
 class TransformSettings:
-    """The settings of `robot_base_publisher`."""
+    """
+    The settings of `robot_base_publisher`.
+
+    :param calibration: What the parameters hold of a calibration, in one line.
+    """
 
     conversion: CameraToRobotBaseConversion
     reach_cm: float
     base_frame_id: str
     camera_frame_id: str
+    calibration: str = ''
+    base_covariance: Tuple[float, ...] = ()
 
     def check_frame(self, name: str) -> None:
         """
@@ -109,7 +122,8 @@ def transform_node_settings(values: Values) -> TransformSettings:
     return TransformSettings(
         transform_settings(values), values['reach_cm'],
         frame_id('base_frame_id', values['base_frame_id']),
-        frame_id('camera_frame_id', values['camera_frame_id']))
+        frame_id('camera_frame_id', values['camera_frame_id']), calibration_summary(values),
+        tuple(values['base_covariance']))
 
 
 def transform_settings(values: Values) -> CameraToRobotBaseConversion:

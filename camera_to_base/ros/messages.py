@@ -85,10 +85,7 @@ def point_from_message(message: PointStamped) -> Tuple[float, float, float]:
 
 def poses_message(header: Header, poses: Iterable[Pose]) -> PoseArray:
     """Make a stamped array of poses, in m, with a yaw about the frame's z."""
-    return PoseArray(header=header, poses=[
-        PoseMessage(position=_point(x, y, z), orientation=Quaternion(
-            x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2)))
-        for x, y, z, yaw in poses])
+    return PoseArray(header=header, poses=list(map(pose_to_one, poses)))
 
 
 def poses_from_message(message: PoseArray) -> List[Pose]:
@@ -101,7 +98,23 @@ def poses_from_message(message: PoseArray) -> List[Pose]:
     """
     if len(message.poses) > MOST_POSES:
         raise InvalidValueError(f'expected at most {MOST_POSES} poses, got {len(message.poses)}')
-    return [Pose(*_cm(pose.position), _yaw(pose.orientation)) for pose in message.poses]
+    return list(map(pose_from_one, message.poses))
+
+
+def pose_to_one(pose: Pose) -> PoseMessage:
+    """Make a pose, in m, with a yaw about the frame's z."""
+    x, y, z, yaw = pose
+    return PoseMessage(position=_point(x, y, z), orientation=Quaternion(
+        x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2)))
+
+
+def pose_from_one(pose: PoseMessage) -> Pose:
+    """
+    Read a pose.
+
+    :raises InvalidValueError: If it is not finite, or turned about another axis than z.
+    """
+    return Pose(*_cm(pose.position), _yaw(pose.orientation))
 
 
 def _point(x: float, y: float, z: float) -> Point:

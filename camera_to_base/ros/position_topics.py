@@ -18,8 +18,10 @@ import time
 from typing import Iterable
 
 from camera_to_base.coordinate_transform import Pose
+from camera_to_base.ros.ellipse_markers import ellipse_markers
 from camera_to_base.ros.messages import point_message, poses_message, position_message
-from geometry_msgs.msg import PointStamped, PoseArray
+from camera_to_base.ros.pose_messages import uncertain_pose_message, UncertainPose
+from geometry_msgs.msg import PointStamped, PoseArray, PoseWithCovarianceStamped
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
@@ -27,6 +29,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray, Header
+from visualization_msgs.msg import MarkerArray
 
 _DEPTH = 10
 # DDS sends the last positions again to a subscriber that it discovers late, for example after a
@@ -40,18 +43,21 @@ NO_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
 
 class PositionTopics:
     """
-    The three topics on which a node publishes positions.
+    The topics on which a node publishes positions.
 
     :param node: The node that publishes.
-    :param position: Name of the tutorial's topic; the same object's point is beside it.
-    :param objects: Name of the topic of all objects.
+    :param position: Name of the tutorial's topic; the same object's point and
+        pose are beside it.
+    :param objects: Name of the topic of all objects; their ellipses are beside it.
     :param live: Whether an old position is useless once newer ones exist.
     """
 
     def __init__(self, node: Node, position: str, objects: str, live: bool = False) -> None:
         self._position = _publisher(node, Float64MultiArray, position, live)
         self._point = _publisher(node, PointStamped, f'{position}/point', live)
+        self._pose = _publisher(node, PoseWithCovarianceStamped, f'{position}/pose', live)
         self._objects = _publisher(node, PoseArray, objects, live)
+        self._ellipses = _publisher(node, MarkerArray, f'{objects}/ellipses', live)
 
     @property
     def name(self) -> str:
@@ -60,9 +66,19 @@ class PositionTopics:
 
     @property
     def listener_count(self) -> int:
-        """Largest number of subscribers that one of the three topics has."""
+        """Largest number of subscribers that one of the topics of positions has."""
         return max(publisher.get_subscription_count()
-                   for publisher in (self._position, self._point, self._objects))
+                   for publisher in (self._position, self._point, self._pose, self._objects))
+
+    @property
+    def wants_pose(self) -> bool:
+        """Whether the pose with its covariance has a subscriber."""
+        return self._pose.get_subscription_count() > 0
+
+    @property
+    def wants_ellipses(self) -> bool:
+        """Whether the ellipses have a subscriber."""
+        return self._ellipses.get_subscription_count() > 0
 
     def publish_position(self, x: float, y: float) -> None:
         """Publish a position, in cm, on the tutorial's topic."""
@@ -71,6 +87,14 @@ class PositionTopics:
     def publish_point(self, header: Header, x: float, y: float, z: float = 0.0) -> None:
         """Publish a position, in cm, as a stamped point."""
         self._point.publish(point_message(header, x, y, z))
+
+    def publish_pose(self, header: Header, uncertain: UncertainPose) -> None:
+        """Publish a pose, in cm and rad, with its covariance."""
+        self._pose.publish(uncertain_pose_message(header, uncertain))
+
+    def publish_ellipses(self, header: Header, poses: Iterable[UncertainPose]) -> None:
+        """Publish the ellipses of a frame's objects; earlier ones are deleted."""
+        self._ellipses.publish(ellipse_markers(header, poses))
 
     def publish_objects(self, header: Header, poses: Iterable[Pose]) -> None:
         """Publish all objects of a frame, the largest first; an empty array if there are none."""
@@ -82,7 +106,7 @@ class PositionTopics:
 
         :param seconds: Longest time to wait; Ctrl-C interrupts it.
         """
-        waiting = [self._position, self._point, self._objects]
+        waiting = [self._position, self._point, self._pose, self._objects]
         until = time.monotonic() + seconds
         while waiting and time.monotonic() < until:
             waiting = [publisher for publisher in waiting

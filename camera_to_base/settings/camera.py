@@ -15,7 +15,7 @@
 """The parameters of `camera_publisher`, and the settings made from them."""
 
 from dataclasses import dataclass
-from typing import List, Optional
+from typing import List, NamedTuple, Optional
 
 from camera_to_base.checks import frame_id
 from camera_to_base.detection import (
@@ -25,10 +25,29 @@ from camera_to_base.drawing import (
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.parameters import (
-    CAMERA_FRAME_SPEC, grouped, ParameterSpec, PLACEMENT_SPECS, transform_settings, Values)
+    calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS, ParameterSpec,
+    PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
-from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits
+from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, read_thumbnail
+from camera_to_base.uncertainty import (
+    position_uncertainty, PositionUncertainty, UNCERTAINTY_SPECS)
+
+
+class CalibratedFor(NamedTuple):
+    """
+    The camera that the surface was calibrated with.
+
+    :param device: Its lasting name; '' if it is not known.
+    :param thumbnail: Its view, see `view_thumbnail`; '' if it is not known.
+    :param is_strict: Whether to publish nothing with another camera or view.
+    :param summary: What the parameters hold of the calibration, in one line.
+    """
+
+    device: str
+    thumbnail: str
+    is_strict: bool
+    summary: str
 
 
 @dataclass(frozen=True)
@@ -54,9 +73,11 @@ class CameraSettings:
     detector: DetectorSettings
     surface: Surface
     hull: Optional[Hull]
+    uncertainty: PositionUncertainty
     simulated: SimulationSettings
     debug_label: Label
     area_overlay: AreaOverlay
+    calibrated_for: CalibratedFor
     is_configured: bool
     is_calibrated: bool
 
@@ -109,14 +130,16 @@ _OUTPUT_SPECS = [
 ]
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
-    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *SIMULATION_SPECS]
+    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *UNCERTAINTY_SPECS,
+    *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
 
 
 # Parameters that can be set without setting up a camera or a robot.
 _NOT_OF_A_SETUP = (
     'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'background_file',
     'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
-_NOT_OF_A_CALIBRATION = ('surface.image_size', 'surface.reject_outside_hull')
+_NOT_OF_A_CALIBRATION = (
+    'surface.image_size', 'surface.reject_outside_hull', 'surface.covariance')
 
 
 def camera_settings(values: Values) -> CameraSettings:
@@ -146,12 +169,21 @@ def camera_settings(values: Values) -> CameraSettings:
             area=hull if values['surface.reject_outside_hull'] else None, areas=areas),
         surface=surface,
         hull=hull,
+        uncertainty=position_uncertainty(values, surface),
         simulated=simulation_settings(**grouped(values, 'simulated.')),
         debug_label=_debug_label(values),
         area_overlay=AreaOverlay(surface, areas),
+        calibrated_for=_calibrated_for(values),
         is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
         is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
                           for name in _other_than_default(values)))
+
+
+def _calibrated_for(values: Values) -> CalibratedFor:
+    thumbnail = values['calibration.thumbnail']
+    read_thumbnail(thumbnail)  # refuses what is none
+    return CalibratedFor(values['calibration.device'], thumbnail, values['calibration.strict'],
+                         calibration_summary(values))
 
 
 def _other_than_default(values: Values) -> List[str]:

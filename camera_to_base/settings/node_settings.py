@@ -19,7 +19,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import (
     all_names, checked_values, file_warnings, name_warnings, node_namespaces, read_node_parameters,
-    transform_node_settings, TRANSFORM_SPECS, TransformSettings, with_new_names)
+    read_sections, transform_node_settings, TRANSFORM_SPECS, TransformSettings, with_new_names)
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS, CameraSettings
 
 _CAMERA_NODE, _TRANSFORM_NODE = 'camera_publisher', 'robot_base_publisher'
@@ -63,9 +63,15 @@ def _given(path: str, namespace: Optional[str], node: str) -> Tuple[Dict[str, An
 
 
 def _namespace(path: str, wanted: Optional[str]) -> str:
+    found = node_namespaces(path, _SPECS)
     if wanted is not None:
-        return f'/{wanted.strip("/")}'.rstrip('/')
-    found = node_namespaces(path, (_CAMERA_NODE, _TRANSFORM_NODE))
+        name = f'/{wanted.strip("/")}'.rstrip('/')
+        if not any(section.stands_for(f'{name}/{node}')
+                   for section in read_sections(path) for node in _SPECS):
+            raise InvalidValueError(
+                f"'{path}' has no parameters for nodes in the namespace '{wanted}', but for those "
+                f'in {", ".join(name or "/" for name in found) or "none"}: choose one of these')
+        return name
     if len(found) > 1:
         raise InvalidValueError(
             f"'{path}' has parameters for nodes in several namespaces: choose one with "

@@ -26,8 +26,9 @@ from camera_to_base.simulation.chessboard import SimulatedChessboard
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.parameters import simulation_settings, SimulationSettings
 from camera_to_base.simulation.specs import SIMULATION_SPECS
+from camera_to_base.simulation.touch_table import SimulatedTouchTable
 
 __all__ = [
-    'BoardConditions', 'SimulatedBoard', 'SimulatedChessboard', 'simulation_settings',
-    'SIMULATION_SPECS', 'SimulationSettings', 'TrueObject',
+    'BoardConditions', 'SimulatedBoard', 'SimulatedChessboard', 'SimulatedTouchTable',
+    'simulation_settings', 'SIMULATION_SPECS', 'SimulationSettings', 'TrueObject',
 ]

@@ -15,6 +15,8 @@
 
 """A printed chessboard on the simulated work surface, to calibrate the simulated camera with."""
 
+from typing import Tuple
+
 from camera_to_base.checks import finite_number, whole_number
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
@@ -60,13 +62,42 @@ class SimulatedChessboard:
         self._rows = whole_number('rows', rows, 1, 1000)
         self._square_cm = finite_number('square_cm', square_cm, 0.001, 1e4)
         self._random = np.random.default_rng(seed)
+        self._shift, self._yaw = np.zeros(2), 0.0
         self._picture = self._draw()
+
+    def lay(self, pixel: Tuple[float, float], yaw_deg: float) -> None:
+        """
+        Lay the board elsewhere.
+
+        :param pixel: What shows the board's middle, u and v, in px.
+        :param yaw_deg: Its turn from x towards y.
+        """
+        u, v, w = self.view.surface_from_pixel @ [*pixel, 1.0]
+        self._shift, self._yaw = np.array([u / w, v / w]) - self._middle, np.radians(yaw_deg)
+        self._picture = self._draw()
+
+    def free_place(self, number: int) -> Tuple[Tuple[float, float], float]:
+        """
+        Return where the whole board still lies in the picture: one corner after the other.
+
+        :param number: 1 for the first place after the middle.
+        :returns: The pixel of its middle, and its turn, see :meth:`lay`.
+        """
+        size = np.array([self.view.width, self.view.height])
+        board_px = self._square_cm * np.array([self._columns + 3, self._rows + 3]) / (
+            self.view.cm_per_px)
+        free = np.maximum(size - board_px, 0) / 2
+        side = np.array([(-1, -1), (1, 1), (-1, 1), (1, -1)][(number - 1) % 4])
+        return tuple((size / 2 + side * free * 0.9).tolist()), 0.0
+
+    @property
+    def _middle(self) -> np.ndarray:
+        return self.view.cm_per_px * np.array([self.view.width, self.view.height]) / 2
 
     @property
     def first_corner(self) -> np.ndarray:
         """Where the first inner corner is, x and y, in cm, in the simulated camera frame."""
-        middle = self.view.cm_per_px * np.array([self.view.width, self.view.height]) / 2
-        return middle - self._square_cm * np.array([self._columns - 1, self._rows - 1]) / 2
+        return self._middle - self._square_cm * np.array([self._columns - 1, self._rows - 1]) / 2
 
     def read(self) -> np.ndarray:
         """
@@ -82,6 +113,8 @@ class SimulatedChessboard:
 
     def _draw(self) -> np.ndarray:
         points = self.view.points(slice(0, self.view.height), slice(0, self.view.width))
+        cos, sin = np.cos(self._yaw), np.sin(self._yaw)
+        points = (points - self._shift - self._middle) @ [[cos, -sin], [sin, cos]] + self._middle
         x, y = np.moveaxis((points - self.first_corner) / self._square_cm, 2, 0)
         paper = (x > -2) & (x < self._columns + 1) & (y > -2) & (y < self._rows + 1)
         inked = (x > -1) & (x < self._columns) & (y > -1) & (y < self._rows)

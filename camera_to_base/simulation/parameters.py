@@ -19,6 +19,7 @@ from dataclasses import asdict, dataclass
 from camera_to_base.image_size import ImageSize
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.conditions import BoardConditions
+from camera_to_base.simulation.touch_table import SimulatedTouchTable
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,12 @@ class SimulationSettings:
         return SimulatedBoard(
             image_size=image_size, tilt_deg=self.tilt_deg, seed=self.seed,
             frame_rate=self.frame_rate, **asdict(self.conditions))
+
+    def touch_table(self, image_size: ImageSize) -> SimulatedTouchTable:
+        """Make the same table with one object at rest."""
+        return SimulatedTouchTable(
+            image_size, tilt_deg=self.tilt_deg, seed=self.seed, frame_rate=self.frame_rate,
+            **asdict(self.conditions))
 
 
 def simulation_settings(

@@ -25,8 +25,10 @@ from camera_to_base.sources.bag_file import BagFile
 from camera_to_base.sources.cameras import Camera, first_camera, FirstCamera
 from camera_to_base.sources.decoding import (
     decode_compressed, frame_from_compressed_message, frame_from_image_message)
+from camera_to_base.sources.device_names import is_other_camera, lasting_name
 from camera_to_base.sources.reader import FrameReader, is_reader_hanging
-from camera_to_base.sources.reader_status import LOST_AFTER_S, ReaderState, ReaderStatus
+from camera_to_base.sources.reader_status import (
+    LOST_AFTER_S, ReaderFacts, ReaderSnapshot, ReaderState, ReaderStatus)
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
 from camera_to_base.sources.silence_limit import SilenceLimit
 from camera_to_base.sources.source_kind import (
@@ -40,8 +42,9 @@ from camera_to_base.sources.video_file import FrameSource, open_frame_source, Vi
 __all__ = [
     'AUTO', 'BAG', 'BagFile', 'Camera', 'COMPRESSED_TOPIC', 'decode_compressed', 'DEVICE',
     'first_camera', 'FirstCamera', 'frame_from_compressed_message', 'frame_from_image_message',
-    'FrameReader', 'FrameSource', 'is_reader_hanging', 'kind_of', 'LiveRecording', 'LOST_AFTER_S',
-    'median_frame', 'open_frame_source', 'PlayedRecording', 'RANDOM', 'read_picture',
-    'ReaderState', 'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason',
-    'SourceKind', 'stamp_reason', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
+    'FrameReader', 'FrameSource', 'is_other_camera', 'is_reader_hanging', 'kind_of',
+    'lasting_name', 'LiveRecording', 'LOST_AFTER_S', 'median_frame', 'open_frame_source',
+    'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot', 'ReaderState',
+    'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason', 'SourceKind',
+    'stamp_reason', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

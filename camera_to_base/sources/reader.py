@@ -123,7 +123,7 @@ class FrameReader(ReaderStatus):
             while not self._stop.is_set():
                 begun_at = time.monotonic()
                 image = self._camera.read()
-                if count == 0 and self._last_frame_at is not None:
+                if count == 0 and self._facts.last_frame_at is not None:
                     self._count(reconnects=1)
                 self._keep(image, begun_at, time.monotonic())
                 count += 1
@@ -141,7 +141,7 @@ class FrameReader(ReaderStatus):
         return count > 0
 
     def _lose(self, error: FrameSourceError) -> None:
-        self._error, self._old_since = error, None
+        self._note_error(error)
         self._first_attempt_over.set()
 
     def _keep(self, image: np.ndarray, begun_at: float, ended_at: float) -> None:

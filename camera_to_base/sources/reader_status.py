@@ -16,7 +16,7 @@
 
 from enum import Enum
 import time
-from typing import NamedTuple, Optional
+from typing import Any, NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.reason import Reason
@@ -45,67 +45,120 @@ class ReaderCounts(NamedTuple):
     reconnects: int = 0
 
 
+class ReaderFacts(NamedTuple):
+    """
+    What a reader has noted of its camera.
+
+    :param last_frame_at: When the last frame arrived, by time.monotonic().
+    :param error: Why no frame arrives.
+    :param last_damage: The last reason for which a frame counted as damaged.
+    :param damaged_in_a_row: Number of damaged frames since the last good one.
+    :param old_since: Since when all frames have been old on arrival.
+    """
+
+    last_frame_at: Optional[float] = None
+    error: Optional[FrameSourceError] = None
+    last_damage: Optional[Reason] = None
+    damaged_in_a_row: int = 0
+    old_since: Optional[float] = None
+    counts: ReaderCounts = ReaderCounts()
+
+
+class ReaderSnapshot(NamedTuple):
+    """
+    A camera's status at one moment.
+
+    :param error: Why no frame arrives; None if frames arrive or no cause is known.
+    :param seconds_without_frame: Time since the last frame, or since the reader was started.
+    :param longest_silence_s: Time without a frame after which the camera counts as lost.
+    :param seconds_of_old_frames: Time for which all frames have been old on arrival; 0 if they
+        are not.
+    :param last_damage: The last reason for which a frame counted as damaged.
+    :param damaged_in_a_row: Number of damaged frames since the last good one.
+    """
+
+    state: ReaderState
+    error: Optional[FrameSourceError]
+    seconds_without_frame: float
+    longest_silence_s: float
+    seconds_of_old_frames: float
+    last_damage: Optional[Reason]
+    damaged_in_a_row: int
+    counts: ReaderCounts
+
+
 class ReaderStatus:
     """
     The status of a camera. A reader is a subclass, and writes it from one thread only.
 
-    `last_damage` is the last reason for which a frame counted as damaged. `damaged_in_a_row` is
-    the number of damaged frames since the last good one.
+    The facts are replaced as a whole. So another thread reads either the old ones or the new ones,
+    and a snapshot never mixes two moments.
     """
 
     def __init__(self) -> None:
-        self._last_frame_at: Optional[float] = None
         self._begun_at = time.monotonic()
-        self._error: Optional[FrameSourceError] = None
-        self.last_damage: Optional[Reason] = None
-        self.damaged_in_a_row = 0
-        self._old_since: Optional[float] = None
-        self.counts = ReaderCounts()
+        self._facts = ReaderFacts()
+
+    def snapshot(self) -> ReaderSnapshot:
+        """Return the status at this moment."""
+        facts, now = self._facts, time.monotonic()
+        begun_at = self._begun_at if facts.last_frame_at is None else facts.last_frame_at
+        silent_s, longest_s = now - begun_at, self.longest_silence_s
+        error = self._error_of(facts, silent_s)
+        old_s = 0.0 if facts.old_since is None else now - facts.old_since
+        state = ReaderState.RUNNING
+        if facts.last_frame_at is None:
+            state = ReaderState.WAITING
+        elif error is not None or silent_s > longest_s:
+            state = ReaderState.LOST
+        return ReaderSnapshot(state, error, silent_s, longest_s, old_s, facts.last_damage,
+                              facts.damaged_in_a_row, facts.counts)
 
     @property
     def error(self) -> Optional[FrameSourceError]:
-        """Why no frame arrives; None if frames arrive or no cause is known."""
-        return self._error
+        """See :class:`ReaderSnapshot`."""
+        return self.snapshot().error
 
     @property
     def state(self) -> ReaderState:
         """What the reader is doing."""
-        if self._last_frame_at is None:
-            return ReaderState.WAITING
-        lost = self.error is not None or self.seconds_without_frame > self.longest_silence_s
-        return ReaderState.LOST if lost else ReaderState.RUNNING
+        return self.snapshot().state
+
+    @property
+    def counts(self) -> ReaderCounts:
+        """Counts of frames and attempts since the reader was started."""
+        return self._facts.counts
 
     @property
     def longest_silence_s(self) -> float:
-        """Time without a frame after which the camera counts as lost."""
+        """See :class:`ReaderSnapshot`."""
         return LOST_AFTER_S
 
-    @property
-    def seconds_without_frame(self) -> float:
-        """Time since the last frame, or since the reader was started."""
-        return time.monotonic() - (self._last_frame_at or self._begun_at)
-
-    @property
-    def seconds_of_old_frames(self) -> float:
-        """Time for which all frames have been old on arrival; 0 if they are not."""
-        since = self._old_since  # a copy: the reader's thread may set it to None meanwhile
-        return 0.0 if since is None else time.monotonic() - since
+    def _error_of(self, facts: ReaderFacts, silent_s: float) -> Optional[FrameSourceError]:
+        return facts.error
 
     def _note_frame(self, taken_at: float) -> None:
-        self._error, self._last_frame_at = None, taken_at
+        self._note(error=None, last_frame_at=taken_at)
+
+    def _note_error(self, error: FrameSourceError) -> None:
+        self._note(error=error, old_since=None)
 
     def _note_age(self, is_old: bool) -> None:
-        self._old_since = (self._old_since or time.monotonic()) if is_old else None
+        self._note(old_since=(self._facts.old_since or time.monotonic()) if is_old else None)
         self._count(old=is_old)
 
     def _note_damage(self, damage: Optional[Reason]) -> None:
         # `damage` is None for an undamaged frame.
-        self.last_damage = damage or self.last_damage
-        self.damaged_in_a_row = self.damaged_in_a_row + 1 if damage else 0
+        facts = self._facts
+        self._note(last_damage=damage or facts.last_damage,
+                   damaged_in_a_row=facts.damaged_in_a_row + 1 if damage else 0)
         is_old = damage is not None and damage.kind in STAMP_KINDS
         self._count(read=1, old=is_old, damaged=damage is not None and not is_old)
 
     def _count(self, **more: int) -> None:
-        # Only the reader's thread writes; other threads read either the old tuple or the new one.
-        self.counts = self.counts._replace(
-            **{name: getattr(self.counts, name) + number for name, number in more.items()})
+        counts = self._facts.counts
+        self._note(counts=counts._replace(
+            **{name: getattr(counts, name) + number for name, number in more.items()}))
+
+    def _note(self, **changes: Any) -> None:
+        self._facts = self._facts._replace(**changes)

@@ -18,7 +18,8 @@ from typing import Optional
 
 from camera_to_base.errors import TopicTypeError
 from camera_to_base.reason import Level, Reason
-from camera_to_base.sources.reader_status import ReaderState, ReaderStatus
+from camera_to_base.sources.reader_status import (
+    ReaderSnapshot, ReaderState, ReaderStatus)
 from camera_to_base.sources.stamp_check import STAMP_KINDS
 
 # A camera is reported after this many damaged frames in a row.
@@ -36,29 +37,29 @@ def source_reason(status: ReaderStatus, name: str) -> Optional[Reason]:
     :param name: The name of the source, or of its topic.
     :returns: None while good frames arrive.
     """
-    if status.state is not ReaderState.RUNNING:
-        return _silence(status, name)
-    damage = status.last_damage
-    if status.damaged_in_a_row >= _STAMPS_IN_A_ROW and damage.kind in STAMP_KINDS:
+    seen = status.snapshot()
+    if seen.state is not ReaderState.RUNNING:
+        return _silence(seen, name)
+    damage = seen.last_damage
+    if seen.damaged_in_a_row >= _STAMPS_IN_A_ROW and damage.kind in STAMP_KINDS:
         return Reason(damage.kind, Level.ERROR, f"nothing of '{name}' is used: {damage.sentence}")
-    if status.damaged_in_a_row >= _DAMAGED_IN_A_ROW:
+    if seen.damaged_in_a_row >= _DAMAGED_IN_A_ROW:
         return Reason('damaged', Level.ERROR, (
             f"no picture of camera '{name}' can be used, {damage.sentence}"))
-    if status.seconds_of_old_frames >= _OLD_FOR_S:
+    if seen.seconds_of_old_frames >= _OLD_FOR_S:
         return Reason('old_frames', Level.ERROR, (
             f"camera '{name}' gives more frames than can be read, so that they are old when they "
             'come: lower its rate or its picture size'))
     return None
 
 
-def _silence(status: ReaderStatus, name: str) -> Reason:
-    # Once: the reader's thread may have another one by the next line.
-    error = status.error
+def _silence(seen: ReaderSnapshot, name: str) -> Reason:
+    error = seen.error
     cause = error or f"camera '{name}' gives no frame: is it switched on, and reachable?"
-    if error is None and status.seconds_without_frame < status.longest_silence_s:
+    if error is None and seen.seconds_without_frame < seen.longest_silence_s:
         return Reason('camera_opening', Level.WARN, f"waiting for the first frame of '{name}'")
     if isinstance(cause, TopicTypeError):
         return Reason('topic_type', Level.ERROR, f'nothing is published: {cause}')
-    if status.state is ReaderState.WAITING:
+    if seen.state is ReaderState.WAITING:
         return Reason('camera_waiting', Level.ERROR, f'waiting for the camera: {cause}')
     return Reason('camera_lost', Level.ERROR, f'nothing is published: {cause}')

@@ -21,9 +21,9 @@ from typing import Deque, NamedTuple, Optional
 _LARGEST_DELAY_S = 0.15
 # The usual delay is the least one of as long, known once frames have come for at least as long.
 _MEMORY_S, _SHORTEST_MEMORY_S = 2.0, 1.0
-# Stamps whose delay varies by more within this memory, or grows by more, in s per s, do not run
+# Stamps whose delay falls by more within this memory, or grows by more, in s per s, do not run
 # like the clock.
-_LARGEST_SPREAD_S, _LARGEST_DRIFT = 0.2, 0.05
+_LARGEST_FALL_S, _LARGEST_DRIFT = 0.1, 0.025
 # Before, a delay that falls tells that a queue is being emptied.
 _RECENT_S = 0.4
 # No queue takes as long: such stamps run faster than the clock.
@@ -84,10 +84,12 @@ class StreamClock:
             return None
         delays = [delay.seconds for delay in self._usual]
         time_s = self._usual[-1].at - self._usual[0].at
-        runs_like_the_clock = (max(delays) - min(delays) <= _LARGEST_SPREAD_S
-                               and delays[-1] - delays[0] <= _LARGEST_DRIFT * time_s)
-        is_known = time_s >= _SHORTEST_MEMORY_S and runs_like_the_clock
-        return min(delays) if is_known else None
+        if time_s < _SHORTEST_MEMORY_S or len(delays) < 2:
+            return None
+        # A busy machine or network makes frames late, none early: the least delays count.
+        before, after = min(delays[:len(delays) // 2]), min(delays[len(delays) // 2:])
+        runs_like_the_clock = -_LARGEST_FALL_S <= after - before <= _LARGEST_DRIFT * time_s
+        return min(before, after) if runs_like_the_clock else None
 
     def _falls(self, delay: _Delay) -> bool:
         falls = max(self._recent, key=_seconds).seconds - delay.seconds > _LARGEST_DELAY_S

@@ -24,14 +24,18 @@ Callers: `nodes` and `commands`. It imports only numpy and OpenCV.
 
 from camera_to_base.trust.arm_check import ArmCheck
 from camera_to_base.trust.damage_check import DamageCheck
+from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.limits import LIMIT_SPECS, Limits, make_limits
+from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.thumbnail import read_thumbnail, view_thumbnail
 from camera_to_base.trust.view_check import View, ViewCheck
 from camera_to_base.trust.view_watch import ViewWatch
 
 __all__ = [
-    'ArmCheck', 'CameraPipeline', 'DamageCheck', 'LIMIT_SPECS', 'Limits', 'make_limits',
-    'PositionGate', 'Sighting', 'View', 'ViewCheck', 'ViewWatch',
+    'ArmCheck', 'CameraPipeline', 'DamageCheck', 'FrameUncertainty', 'LIMIT_SPECS', 'Limits',
+    'make_limits', 'OwnCamera', 'PositionGate', 'read_thumbnail', 'Sighting', 'View',
+    'view_thumbnail', 'ViewCheck', 'ViewWatch',
 ]

@@ -15,11 +15,15 @@
 """Leaves out what belongs to a hand or an arm, or is touched or covered by it."""
 
 from collections import deque
+from functools import reduce
 from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
 from camera_to_base.reason import Level, Reason
-from camera_to_base.trust.reaching_in import covers, ReachingIn
+from camera_to_base.trust.left_behind import LeftBehind
+from camera_to_base.trust.reaching_in import Changes, covered_share, ReachingIn
+from camera_to_base.trust.rim import Rim, rim_of
+import cv2
 import numpy as np
 
 # So long what appears where something reached in may still belong to it: a hand that is lifted or
@@ -30,6 +34,8 @@ _SAME_AREA, _SAME_CENTRE_PX = 0.05, 2.0
 # So long an object is known though it is not seen: something covers it.
 _KNOWN_S = 10.0
 _MOST_KNOWN = 100
+# Of an object at least this share differs from the background.
+_LEAST_CHANGED = 0.3
 
 _TOUCHED = Reason(
     'touched', Level.WARN, 'something that reaches in from the edge of the picture touches, '
@@ -37,10 +43,14 @@ _TOUCHED = Reason(
 _WAS_TOUCHED = Reason(
     'touched', Level.WARN, 'it appeared where something reached in less than a second ago',
     is_passing=True)
+_LEFT = Reason(
+    'taken_away', Level.WARN, 'it cannot be told from the place that an object of the background '
+    'has left: clear the surface, and call ~/capture_background', is_passing=True)
 
 
 class _Known(NamedTuple):
-    detection: Detection
+    found: LocatedObject
+    rim: Rim
     seen_at: float
 
 
@@ -53,58 +63,88 @@ class ArmCheck:
 
     def __init__(self, background: np.ndarray) -> None:
         self._reaching_in = ReachingIn(background)
+        self._left_behind = LeftBehind(background)
         self._fills: Deque[Tuple[float, np.ndarray]] = deque()
         self._known: List[_Known] = []
+
+    def forget_objects(self) -> None:
+        """Forget which objects are known: their positions were those of other settings."""
+        self._known = []
 
     def check(self, frame: np.ndarray, found: Found, taken_at: Optional[float],
               shift_px: float = 0.0) -> Found:
         """
-        Leave out what is not free.
+        Leave out what is not free, and add known objects that are only shaded.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         :param taken_at: In s; None for a recording, of which each frame stands for itself.
         :param shift_px: How far the view has moved, in px.
         """
         if not found.objects and not found.left_out and not self._fills:
+            self._known = []
             return found
-        fill = self._reaching_in.find(frame, shift_px)
+        changes = self._reaching_in.find(frame, shift_px)
+        found = self._without_left(frame, found, changes)
+        fill = changes.reaching_in
         if taken_at is None:
-            reasons = [_TOUCHED if self._is_covered(one, fill) else None
-                       for one in found.objects]
-        else:
-            reasons = self._reasons(found.objects, fill, taken_at)
-        return _divided(found, reasons)
+            return _divided(found, [_TOUCHED if self._is_covered(one, fill) else None
+                                    for one in found.objects])
+        recent = self._recent(fill, taken_at)
+        found = _divided(found, [self._reason(one, frame, fill, recent, taken_at)
+                                 for one in found.objects])
+        return _with(found, self._shaded(frame, recent, taken_at))
 
-    def _reasons(self, objects: Sequence[LocatedObject], fill: np.ndarray,
-                 taken_at: float) -> List[Optional[Reason]]:
+    def _without_left(self, frame: np.ndarray, found: Found, changes: Changes) -> Found:
+        outlines = [one.detection.outline for one in found.objects]
+        return _divided(found, [
+            _LEFT if self._share(outline, changes.differs) < _LEAST_CHANGED
+            or self._left_behind.is_part_of(frame, outline, changes.gain) else None
+            for outline in outlines])
+
+    def _recent(self, fill: np.ndarray, taken_at: float) -> np.ndarray:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
             self._fills.popleft()
-        recent = np.maximum.reduce([fill, *(mask for _, mask in self._fills)])
+        recent = reduce(cv2.max, (mask for _, mask in self._fills), fill)
         if fill.any():
             self._fills.append((taken_at, fill))
         self._known = [known for known in self._known
                        if 0 <= taken_at - known.seen_at <= _KNOWN_S]
-        return [self._reason(one, fill, recent, taken_at) for one in objects]
+        return recent
 
-    def _reason(self, one: LocatedObject, fill: np.ndarray, recent: np.ndarray,
-                taken_at: float) -> Optional[Reason]:
+    def _reason(self, one: LocatedObject, frame: np.ndarray, fill: np.ndarray,
+                recent: np.ndarray, taken_at: float) -> Optional[Reason]:
         known = next((known for known in self._known if _is_same(
-            known.detection, one.detection)), None)
+            known.found.detection, one.detection)), None)
         if not self._is_covered(one, recent):
-            self._know(known, one.detection, taken_at)
+            self._know(known, _Known(one, rim_of(frame, one.detection.outline), taken_at))
             return None
         if known is not None:
             # What it looked like when it was free stays the measure.
-            self._know(known, known.detection, taken_at)
+            self._know(known, known._replace(seen_at=taken_at))
             return None
         return _TOUCHED if self._is_covered(one, fill) else _WAS_TOUCHED
 
-    def _know(self, known: Optional[_Known], detection: Detection, taken_at: float) -> None:
-        others = [other for other in self._known if other is not known]
-        self._known = [_Known(detection, taken_at), *others][:_MOST_KNOWN]
+    def _shaded(self, frame: np.ndarray, recent: np.ndarray,
+                taken_at: float) -> List[LocatedObject]:
+        # Known objects that the detector does not tell from an arm and its shadow.
+        shaded = [known for known in self._known if known.seen_at != taken_at
+                  and self._is_covered(known.found, recent) and known.rim.is_in(frame)]
+        for known in shaded:
+            self._know(known, known._replace(seen_at=taken_at))
+        # What is not seen though nothing covers it has gone.
+        self._known = [known for known in self._known if known.seen_at == taken_at
+                       or self._is_covered(known.found, recent)]
+        return [known.found for known in shaded]
+
+    def _know(self, before: Optional[_Known], now: _Known) -> None:
+        others = [other for other in self._known if other is not before]
+        self._known = [now, *others][:_MOST_KNOWN]
 
     def _is_covered(self, one: LocatedObject, mask: np.ndarray) -> bool:
-        return covers(mask, one.detection.outline, self._reaching_in.scale)
+        return self._share(one.detection.outline, mask) > 0
+
+    def _share(self, outline: np.ndarray, mask: np.ndarray) -> float:
+        return covered_share(mask, outline, self._reaching_in.scale)
 
 
 def _is_same(one: Detection, other: Detection) -> bool:
@@ -117,3 +157,8 @@ def _divided(found: Found, reasons: Sequence[Optional[Reason]]) -> Found:
     pairs = list(zip(found.objects, reasons))
     touched = tuple(LeftOut(one.detection, reason) for one, reason in pairs if reason is not None)
     return Found([one for one, reason in pairs if reason is None], (*found.left_out, *touched))
+
+
+def _with(found: Found, more: Sequence[LocatedObject]) -> Found:
+    objects = sorted([*found.objects, *more], key=lambda one: -one.detection.area)
+    return found._replace(objects=objects) if more else found

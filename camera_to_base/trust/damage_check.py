@@ -101,9 +101,10 @@ class DamageCheck:
     def _repetition(self, frame: np.ndarray) -> tuple:
         tail = frame[-_TAIL_ROWS:]
         content = tail.tobytes()
-        repeated = self._last is not None and np.array_equal(frame, self._last)
+        is_known = content in self._tails
+        repeated = is_known and np.array_equal(frame, self._last)
         # An overexposed edge is equal in undamaged frames, too.
-        tail_repeated = content in self._tails and not _is_flat(tail)
+        tail_repeated = is_known and not _is_flat(tail)
         self._last = frame
         self._tails.append(content)
         return repeated, tail_repeated
@@ -137,7 +138,8 @@ class DamageCheck:
 
 
 def _is_flat(rows: np.ndarray) -> bool:
-    return bool((rows == rows[0, 0]).all())
+    # The first row tells of most pictures that they are not.
+    return bool((rows[0] == rows[0, 0]).all() and (rows == rows[0, 0]).all())
 
 
 def _is_near(colour: np.ndarray, others: Any) -> bool:

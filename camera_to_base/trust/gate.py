@@ -40,12 +40,13 @@ class PositionGate:
     """
 
     def __init__(self, max_age_s: float, jump_radius_px: float) -> None:
-        self.configure(max_age_s, jump_radius_px)
-
-    def configure(self, max_age_s: float, jump_radius_px: float) -> None:
-        """Use new limits from now on."""
         self._max_age_s = max_age_s
         self._jumps = JumpFilter(jump_radius_px)
+
+    def configure(self, max_age_s: float, jump_radius_px: float) -> None:
+        """Use new limits from now on; what was confirmed stays confirmed."""
+        self._max_age_s = max_age_s
+        self._jumps.radius_px = jump_radius_px
 
     def judge(self, seen: Sighting, taken_at: Optional[float]) -> Sighting:
         """

@@ -35,11 +35,12 @@ class JumpFilter:
     last frame, or near the continuation of an object's last two positions. So an object is held
     back for two frames at most, at any speed.
 
-    :param radius_px: Largest distance that counts as near, in px; 0 accepts all positions.
+    :param radius_px: Largest distance that counts as near, in px; 0 accepts all positions. It can
+        be changed at any time.
     """
 
     def __init__(self, radius_px: float) -> None:
-        self._radius_px = radius_px
+        self.radius_px = radius_px
         self._seen = deque(maxlen=2)
         self._believed: List[Pixel] = []
         self._believed_at = -math.inf
@@ -54,7 +55,7 @@ class JumpFilter:
         if taken_at - self._believed_at > _MEMORY_S:
             self._believed = []
         expected = list(self._expected())
-        believed = [pixel for pixel in pixels if not self._radius_px or any(
+        believed = [pixel for pixel in pixels if not self.radius_px or any(
             self._is_near(pixel, other) for other in expected)]
         self._seen.append(pixels)
         if believed:
@@ -63,7 +64,7 @@ class JumpFilter:
 
     def believes_empty(self) -> bool:
         """Return whether the last two frames both show no object."""
-        return not self._radius_px or (len(self._seen) == 2 and not any(self._seen))
+        return not self.radius_px or (len(self._seen) == 2 and not any(self._seen))
 
     def _expected(self) -> Iterable[Pixel]:
         yield from self._believed
@@ -75,4 +76,4 @@ class JumpFilter:
                 yield Pixel(2 * u2 - u1, 2 * v2 - v1)
 
     def _is_near(self, pixel: Pixel, other: Pixel) -> bool:
-        return max(abs(pixel[0] - other[0]), abs(pixel[1] - other[1])) <= self._radius_px
+        return max(abs(pixel[0] - other[0]), abs(pixel[1] - other[1])) <= self.radius_px

@@ -15,6 +15,7 @@
 """From frames to objects that may be published: background, detection, checks, gate."""
 
 from collections import Counter
+import math
 import time
 from typing import NamedTuple, Optional
 
@@ -25,13 +26,18 @@ from camera_to_base.reason import Level, Reason
 from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
 from camera_to_base.trust.arm_check import ArmCheck
+from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.sighting import Sighting
 from camera_to_base.trust.view_check import View
 from camera_to_base.trust.view_watch import ViewWatch
+from camera_to_base.uncertainty import FrameState, PositionUncertainty, ShiftMean
 import numpy as np
+
+# By how much a frame that was moved back may still be off, see the benchmark of the view.
+_MOVED_BACK_PX = 0.1
 
 
 class KeptBackground(NamedTuple):
@@ -64,7 +70,7 @@ class CameraPipeline:
         self._kind = kind
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
         self._view: Optional[ViewWatch] = None
-        self._held_back = HeldBack()
+        self._held_back, self._shifts = HeldBack(), ShiftMean()
         self.counts: Counter = Counter()
         self._surface, self._detector = surface, detector
         self._limits = self._limits_here(limits)
@@ -86,6 +92,8 @@ class CameraPipeline:
         if (surface, detector) != (self._surface, self._detector):
             self._surface, self._detector = surface, detector
             self._locator = None
+            if self._view is not None:
+                self._arms.forget_objects()
         if limits != self._limits:
             self._limits = limits
             self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
@@ -137,6 +145,15 @@ class CameraPipeline:
         noise = None if self._locator is None else self._locator.noise
         return None if noise is None else self._detector.faintness(noise)
 
+    def frame_uncertainty(
+        self, frame: np.ndarray, uncertainty: PositionUncertainty
+    ) -> FrameUncertainty:
+        """Return the uncertainty of the positions on the last frame."""
+        noise = None if self._locator is None else self._locator.noise
+        return FrameUncertainty(uncertainty, frame, self.background, FrameState(
+            (frame.shape[1], frame.shape[0]), math.nan if noise is None else noise,
+            self._shifts.deviation_px))
+
     @property
     def view(self) -> Optional[View]:
         """Result of the last comparison of a frame's view with the background; None for none."""
@@ -178,8 +195,10 @@ class CameraPipeline:
             locator = self._current_locator()
             check_same_size(frame, self.background)
             reason = self._view.reason(frame)
+            there = frame
             if self._detector.method == 'precise':
                 frame = self._view.moved_back(frame)
+            self._shifts.add(_MOVED_BACK_PX if frame is not there else self._view.shift_px)
             found = locator.find(frame)
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
@@ -228,7 +247,7 @@ class CameraPipeline:
         self._background_taken_at = time.monotonic() - age_s
         self._view = ViewWatch(background, self._limits, witness)
         self._arms = ArmCheck(background)
-        self._held_back = HeldBack()
+        self._held_back, self._shifts = HeldBack(), ShiftMean()
         self._taker = self._locator = None
 
     def _current_locator(self) -> ObjectLocator:

@@ -14,6 +14,8 @@
 
 """What reaches in from the picture's edge: a hand, a sleeve, an arm, and their shadows."""
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 
@@ -40,6 +42,26 @@ _TEXTURE_LEVELS, _CLOSING = 2.0, np.ones((5, 5), np.uint8)
 _SAMPLES = 4
 
 
+class Changes(NamedTuple):
+    """
+    Where a frame differs from the background, in cells of some px.
+
+    :param reaching_in: Shape (h / scale, w / scale), uint8, 1 where something reaches in.
+    :param differs: The same, 1 where anything differs.
+    :param gain: How much brighter the frame is.
+    """
+
+    reaching_in: np.ndarray
+    differs: np.ndarray
+    gain: float
+
+    @property
+    def edge_share(self) -> float:
+        """How much of the picture's edge something reaches in from, 0..1."""
+        mask = self.reaching_in
+        return float(np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]]).mean())
+
+
 class ReachingIn:
     """
     Finds what differs from the background and is connected to the picture's edge.
@@ -54,63 +76,80 @@ class ReachingIn:
         height, width = background.shape[:2]
         self.scale = max(1, round(max(height, width) / _LONGEST))
         self._size = max(1, width // self.scale), max(1, height // self.scale)
-        self._step = max(1, self.scale // _SAMPLES)
+        self._samples = _SAMPLES if self.scale >= _SAMPLES else min(self.scale, 2)
         small = self._small(background)
-        self._background = np.maximum(small, 1)
-        self._range = (cv2.dilate(small, np.ones((3, 3))) - cv2.erode(small, np.ones((3, 3)))) / 2
+        self._background = np.maximum(small, 1).astype(np.float32)
+        self._range = cv2.morphologyEx(small, cv2.MORPH_GRADIENT, np.ones((3, 3)))
         noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
         self._is_textured = cv2.dilate(
-            (self._range.max(axis=2) > _TEXTURE_LEVELS).astype(np.uint8), np.ones((3, 3)))
+            (self._range.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8), np.ones((3, 3)))
         # Of the mean of a cell; that of a frame and the background's together.
-        self._noise = float(noise) / 0.6745 * self._step / self.scale
+        self._noise = float(noise) / 0.6745 / self._samples
         self._terms = _quadratic_terms(*self._size)
 
-    def find(self, frame: np.ndarray, shift_px: float) -> np.ndarray:
+    def find(self, frame: np.ndarray, shift_px: float) -> Changes:
         """
         Find it on a frame of the background's size.
 
         :param shift_px: How far the view has moved, in px: so much blurs the surface's edges.
-        :returns: Shape (h / scale, w / scale), uint8, 1 where something reaches in.
         """
         picture = self._small(frame)
-        slack = self._range * ((shift_px + _SHIFT_ERROR_PX) / self.scale)
-        ratio = (picture / self._background)[::_GRID_STEP, ::_GRID_STEP]
-        gain = np.median(ratio.reshape(-1, 3), axis=0).astype(np.float32)
-        found = self._connected(picture, gain, slack)
-        if _edge_share(found) > _EDGE_SHARE:
-            other = self._connected(picture, self._smooth_light(ratio), slack)
-            found = min(found, other, key=_edge_share)
-        return found if _edge_share(found) <= _WHOLE_EDGE else np.zeros_like(found)
+        ratio = (picture[::_GRID_STEP, ::_GRID_STEP]
+                 / self._background[::_GRID_STEP, ::_GRID_STEP]).reshape(-1, 3)
+        gains = np.median(ratio, axis=0)
+        gain = float(np.median(gains))
+        most = self._most(gain, shift_px)
+        lit = cv2.multiply(self._background, (*map(float, gains), 0.0), dtype=cv2.CV_8U)
+        found = self._changes(picture, lit, most, gain)
+        if found.edge_share > _EDGE_SHARE:
+            lit = cv2.multiply(self._background, self._smooth_light(ratio), dtype=cv2.CV_8U)
+            other = self._changes(picture, lit, most, gain)
+            found = min(found, other, key=lambda changes: changes.edge_share)
+        if found.edge_share <= _WHOLE_EDGE:
+            return found
+        return found._replace(reaching_in=np.zeros_like(found.reaching_in))
 
-    def _connected(self, picture: np.ndarray, gain: np.ndarray, slack: np.ndarray) -> np.ndarray:
-        lit = np.minimum(self._background * gain, 255)
-        least = max(_FAINTEST * min(float(np.median(gain)), 1.0), _FAINTEST_IN_THE_DARK,
+    def _most(self, gain: float, shift_px: float) -> np.ndarray:
+        # What the surface itself may differ by; half a level less, as both pictures are rounded.
+        least = max(_FAINTEST * min(gain, 1.0), _FAINTEST_IN_THE_DARK,
                     _NOISE_DEVIATIONS * self._noise)
-        differs = ((np.abs(picture - lit) - slack).max(axis=2) > least).astype(np.uint8)
-        differs |= cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
+        slack = (shift_px + _SHIFT_ERROR_PX) / self.scale / 2
+        return cv2.convertScaleAbs(self._range, alpha=slack, beta=least - 0.5)
+
+    def _changes(self, picture: np.ndarray, lit: np.ndarray, most: np.ndarray,
+                 gain: float) -> Changes:
+        over = cv2.split(cv2.subtract(cv2.absdiff(picture, lit), most))
+        differs = cv2.threshold(
+            cv2.max(cv2.max(over[0], over[1]), over[2]), 0, 1, cv2.THRESH_BINARY)[1]
+        closed = cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
         # Around it is an edge from which all that touches it is filled.
-        framed = np.ones((differs.shape[0] + 2, differs.shape[1] + 2), np.uint8)
-        framed[1:-1, 1:-1] = differs
+        framed = cv2.copyMakeBorder(
+            differs | closed, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
         cv2.floodFill(framed, None, (0, 0), 2, flags=8)
-        return (framed[1:-1, 1:-1] == 2).astype(np.uint8)
+        return Changes((framed[1:-1, 1:-1] == 2).astype(np.uint8), differs, gain)
 
     def _smooth_light(self, ratio: np.ndarray) -> np.ndarray:
         grid = self._terms[::_GRID_STEP, ::_GRID_STEP].reshape(-1, self._terms.shape[2])
-        values, weights = ratio.reshape(-1, 3), np.ones(len(grid))
+        weights = np.ones(len(grid))
         for _ in range(_ROUNDS):
             weighted = grid * weights[:, None]
-            factors = np.linalg.lstsq(weighted.T @ grid, weighted.T @ values, rcond=None)[0]
-            missed = np.abs(grid @ factors - values).max(axis=1)
+            factors = np.linalg.lstsq(weighted.T @ grid, weighted.T @ ratio, rcond=None)[0]
+            missed = np.abs(grid @ factors - ratio).max(axis=1)
             weights = 1 / (1 + (missed / _HALF_WEIGHT) ** 2) ** 2
         return (self._terms @ factors).astype(np.float32)
 
     def _small(self, picture: np.ndarray) -> np.ndarray:
-        return cv2.resize(np.ascontiguousarray(picture[::self._step, ::self._step]), self._size,
-                          interpolation=cv2.INTER_AREA).astype(np.float32)
-
-
-def _edge_share(mask: np.ndarray) -> float:
-    return float(np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]]).mean())
+        # Halving is several times as fast as other ratios.
+        samples = self._samples
+        while True:
+            size = self._size[0] * samples, self._size[1] * samples
+            halves = picture.shape[:2] == (2 * size[1], 2 * size[0])
+            if picture.shape[1::-1] != size:
+                picture = cv2.resize(picture, size, interpolation=(
+                    cv2.INTER_AREA if halves else cv2.INTER_NEAREST))
+            if samples == 1:
+                return picture
+            samples //= 2
 
 
 def _quadratic_terms(width: int, height: int) -> np.ndarray:
@@ -118,9 +157,9 @@ def _quadratic_terms(width: int, height: int) -> np.ndarray:
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
 
 
-def covers(mask: np.ndarray, outline: np.ndarray, scale: int) -> bool:
+def covered_share(mask: np.ndarray, outline: np.ndarray, scale: int) -> float:
     """
-    Tell whether an object overlaps a mask.
+    Tell how much of an object overlaps a mask, 0..1.
 
     :param mask: Shape (h / scale, w / scale), uint8.
     :param outline: Shape (n, 2), int32, columns u and v in px.
@@ -129,7 +168,7 @@ def covers(mask: np.ndarray, outline: np.ndarray, scale: int) -> bool:
     right, bottom = outline.max(axis=0) // scale + 1
     piece = mask[top:bottom, left:right]
     if not piece.any():
-        return False
+        return 0.0
     inside = np.zeros(piece.shape, np.uint8)
     cv2.fillPoly(inside, [(outline // scale - (left, top)).astype(np.int32)], 1)
-    return bool((inside & piece).any())
+    return cv2.countNonZero(inside & piece) / max(cv2.countNonZero(inside), 1)

@@ -14,7 +14,7 @@
 
 """Tells whether the camera still looks at the surface from where the background was taken."""
 
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.reason import Level, Reason
 import cv2
@@ -49,11 +49,14 @@ class View(NamedTuple):
         px; None where it cannot be told.
     :param changed_share: How much of the background's structure is not there, 0..1.
     :param has_structure: Whether the background shows anything by which a shift could be told.
+    :param matrix: Two rows of three numbers, maps the background's pixels to the frame's; None
+        where it cannot be told.
     """
 
     shift_px: Optional[float]
     changed_share: float
     has_structure: bool = True
+    matrix: Optional[Tuple[Tuple[float, ...], ...]] = None
 
 
 class ViewCheck:
@@ -97,8 +100,11 @@ class ViewCheck:
         # Lazy: the higher pyramid is for what the lower one cannot find.
         warps = (self._find_warp(picture, level) for level in _PYRAMID_LEVELS)
         warp = next((warp for warp in warps if warp is not None), None)
-        return View(None if warp is None else self._shift(warp),
-                    self._changed_share(detail, warp), self._has_structure)
+        changed_share = self._changed_share(detail, warp)
+        if warp is None:
+            return View(None, changed_share, self._has_structure)
+        return View(self._shift(warp), changed_share, self._has_structure,
+                    tuple(map(tuple, (warp * (1, 1, self._scale)).tolist())))
 
     def _small(self, picture: np.ndarray) -> np.ndarray:
         grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)

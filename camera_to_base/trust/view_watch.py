@@ -56,7 +56,6 @@ class ViewWatch:
         self, background: np.ndarray, limits: Limits, witness: Optional[np.ndarray] = None
     ) -> None:
         self.view: Optional[View] = None
-        self.full_count = 0
         self.is_in_place = True
         self._matrix: Optional[np.ndarray] = None
         self._look = QuickLook(background, witness)
@@ -120,11 +119,10 @@ class ViewWatch:
 
     def _full_reason(self, frame: np.ndarray, look: Look) -> Optional[Reason]:
         limits = self._limits
-        self.full_count += 1
         view = self._check.compare(frame)._replace(has_structure=True)
         if not self._look.tells_all:
             # The full comparison takes a step from line to line for none.
-            view = view._replace(shift_px=None)
+            view = view._replace(shift_px=None, matrix=None)
         self.view = view
         reason = view_reason(view, limits.max_shift_px, limits.max_changed_share)
         if reason is not None:
@@ -133,8 +131,7 @@ class ViewWatch:
                       else self._is_likely(look, view.changed_share))
         if not is_cleared:
             return _unknown(look)
-        if look.share >= _LEAST_SHARE and look.shift_px <= limits.max_shift_px:
-            self._matrix = look.matrix
+        self._matrix = look.matrix if view.matrix is None else np.array(view.matrix)
         return None
 
     def _is_likely(self, look: Look, changed_share: float) -> bool:

@@ -14,9 +14,9 @@
 
 """The report picture."""
 
-from camera_to_base.calibration.board import find_board
-from camera_to_base.calibration.board_frame import board_points
-from camera_to_base.calibration.homography_fit import fit_homography
+from camera_to_base.calibration.boards.board import find_board
+from camera_to_base.calibration.boards.board_frame import board_points
+from camera_to_base.calibration.fits.homography_fit import fit_homography
 from camera_to_base.calibration.report_drawing import ARROW, report_picture, round_step
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.rectification import surface_extent, top_view

@@ -38,7 +38,7 @@ def test_surface_alone_lacks_the_base_frame():
         '  measured in 50 % of the picture; outside of it the figures do not hold']
     assert status['lacks'][0].startswith("the camera's height")
     assert status['lacks'][1:] == ['the base frame']
-    assert status['next'] == 'calibrate base PAIRS.csv --surface cell.yaml -o cell.yaml --force'
+    assert status['next'] == 'calibrate base --live cell.yaml'
     assert status['warnings'] == ['the points cover only 5 % of the picture']
 
 

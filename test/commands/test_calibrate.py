@@ -263,7 +263,8 @@ def test_one_file_can_serve_both_nodes(report):
     found = report('base', 'pairs.csv', '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
     assert found['warnings'] == []
     both = read_parameter_file('cell.yaml')
-    assert set(both.values) == {*surface.values, 'rotation_deg', 'displacement_cm'}
+    assert set(both.values) == {
+        *surface.values, 'rotation_deg', 'displacement_cm', 'calibration.base'}
     assert all(both.values[name] == value for name, value in surface.values.items())
     assert set(surface.comments) <= set(both.comments)
 
@@ -354,7 +355,8 @@ BAD_INPUTS = {
     'missing camera': (lambda: ('board', '--camera', '/dev/video99', *BOARD),
                        'cannot open camera'),
     'missing video': (lambda: ('board', '--camera', 'none.avi', *BOARD), 'there is no such file'),
-    'neither picture nor camera': (lambda: ('board', *BOARD), 'PICTURE --camera is required'),
+    'neither picture nor camera': (lambda: ('board', *BOARD),
+                                   'expected pictures of the board, or --camera'),
     'missing intrinsics': (lambda: ('board', board_picture(), *BOARD, '--intrinsics', 'none.yaml'),
                            "cannot read the camera_info file 'none.yaml'"),
     'intrinsics of another size': (
@@ -527,7 +529,7 @@ def test_points_with_the_errors_of_clicks_are_taken_and_mm_are_doubted(report):
     write_points(points, pixels)
     found = report('points', 'points.csv', '-o', 'a.yaml', '--image-size', '640x480')
     assert found['warnings'] == []
-    write_points(100 * points, pixels)
+    write_points(16 * points, pixels)
     found = report('points', 'points.csv', '-o', 'b.yaml', '--image-size', '640x480')
     assert 'which is an unusual table: are all numbers in cm?' in found['warnings'][-1]
 
@@ -554,6 +556,24 @@ def test_pixel_near_the_horizon_cannot_be_checked(run):
     assert code == 1 and 'near the horizon' in error
 
 
+@pytest.mark.parametrize('factor, said', [
+    (0.01, r'span 0\.\d+ cm, which is no table: are the numbers in m instead'),
+    (100, r'span \d+ cm|span .*e\+03 cm, which is no table: are the numbers in mm instead')])
+def test_points_of_a_stamp_or_a_hall_are_refused(run, factor, said):
+    points = np.array([[x, y] for y in (-2.0, 4.0, 9.0, 14.0) for x in (-2.0, 10.0, 22.0)])
+    pixels = project(pixel_from_surface(), points)
+    rows = [','.join(map(repr, row)) for row in np.hstack([factor * points, pixels]).tolist()]
+    Path('a.csv').write_text('\n'.join(['x_cm,y_cm,u_px,v_px', *rows]))
+    code, output, error = run('points', 'a.csv', '--image-size', '640x480', '-o', 'surface.yaml')
+    assert (code, output) == (1, '') and re.search(said, error), error
+    assert not Path('surface.yaml').exists()
+
+
+def test_blurred_board_is_doubted(report):
+    found = report('board', board_picture(blur=12), *BOARD, '-o', 'surface.yaml')
+    assert any('is the picture blurred, or the board bent' in text for text in found['warnings'])
+
+
 def test_sheet_is_drawn_for_the_command_that_it_names(report, run):
     found = report('sheet', '-o', 'board.png')
     assert found['warnings'] == [] and found['corners'] == [9, 6]
@@ -570,7 +590,7 @@ def test_status_tells_the_way_from_a_surface_to_a_cell(run):
     code, output, error = run('status', 'cell.yaml')
     assert (code, error) == (0, '')
     assert 'surface: homography for pictures of 640 x 480 px, from points.csv, 20' in output
-    assert 'next: calibrate base PAIRS.csv --surface cell.yaml -o cell.yaml --force\n' in output
+    assert 'next: calibrate base --live cell.yaml\n' in output
     for _ in range(2):
         code, *_ = run('base', touched(), '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
         assert code == 0

@@ -166,16 +166,30 @@ def test_largest_object_is_the_tutorials_to_the_pixel(threshold, closing_size, m
     assert seen > 100 and len(KINDS) * FRAMES_OF_A_KIND - seen > 20 and equals > 10
 
 
-def test_largest_of_a_camera_sized_frame_is_the_tutorials_to_the_pixel():
-    rng = np.random.default_rng(5)
-    background = rng.normal(200, 4, (480, 640, 3)).astype(np.uint8)
-    for _ in range(10):
-        frame = rng.normal(200, 4, (480, 640, 3)).astype(np.uint8)
-        for _ in range(8):
-            x, y, radius = rng.integers(0, [640, 480, 70]).tolist()
-            cv2.circle(frame, (x, y), radius, (40, 50, 60), -1)
-        found = AbsoluteDifferenceDetector(background).detect(frame)
-        assert detected_object(found) == tutorial_object(contours_of(background, frame, 95, 20, 5))
+def objects_on_a_table(rng, table):
+    frame = table + rng.normal(0, 1.5, table.shape)
+    for _ in range(rng.integers(1, 9)):
+        x, y, radius = rng.integers(0, [640, 480, 60]).tolist()
+        cv2.circle(frame, (x, y), radius, rng.integers(20, 110, 3).tolist(), -1, cv2.LINE_AA)
+    return frame.clip(0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize('level', [200, 165, 140, 60])
+@pytest.mark.parametrize('texture', [0, 12])
+def test_all_objects_of_a_camera_sized_frame_are_the_tutorials(level, texture):
+    rng = np.random.default_rng((level, texture))
+    table = cv2.GaussianBlur(rng.normal(0, 12 * texture, (480, 640, 1)), (0, 0), 4) + level
+    background = np.repeat(table[:, :, None], 3, 2).clip(0, 255).astype(np.uint8)
+    detector = AbsoluteDifferenceDetector(background)
+    for _ in range(20):
+        frame = objects_on_a_table(rng, np.repeat(table[:, :, None], 3, 2))
+        detections = detector.detect(frame)
+        contours = contours_of(background, frame, 95, 20, 5)
+        assert detected_object(detections) == tutorial_object(contours)
+        expected = equality.outer_outlines(equality.tutorial_mask(frame, background))
+        assert len(detections) == len(expected)
+        for detection, outline in zip(detections, expected):
+            np.testing.assert_array_equal(detection.outline, outline)
 
 
 def dark_rectangles(*boxes, size=(120, 160)):

@@ -209,11 +209,11 @@ def test_unknown_encoding_is_an_error_that_names_it_until_a_good_picture_comes(r
     assert send_until(ros, publisher, bad, lambda: received.has_failed and lines)
     assert "on /image: picture encoding 'bayer_rggb8'" in str(received.topic.error)
     assert received.topic.state is ReaderState.WAITING
-    assert received.topic.damaged_in_a_row == received.topic.counts.damaged > 1
+    assert received.topic.snapshot().damaged_in_a_row == received.topic.counts.damaged > 1
     assert [line.level for line in lines] == [ERROR]  # once in 5 s
     assert 'bayer_rggb8' in lines[0].text and 'bgr8' in lines[0].text
     assert send_until(ros, publisher, image(random_picture()), lambda: received.frames)
-    assert received.topic.error is None and received.topic.damaged_in_a_row == 0
+    assert received.topic.error is None and received.topic.snapshot().damaged_in_a_row == 0
     assert received.topic.state is ReaderState.RUNNING
 
 
@@ -222,9 +222,9 @@ def test_single_bad_picture_does_not_lose_the_driver(ros):
     good, bad = image(random_picture()), image(random_picture())
     bad.step = 0
     assert send_until(ros, publisher, good, lambda: received.frames)
-    assert send_until(ros, publisher, bad, lambda: received.topic.damaged_in_a_row)
+    assert send_until(ros, publisher, bad, lambda: received.topic.snapshot().damaged_in_a_row)
     assert received.topic.state is ReaderState.RUNNING
-    assert 'step' in received.topic.last_damage.sentence
+    assert 'step' in received.topic.snapshot().last_damage.sentence
 
 
 def test_publisher_whose_reliability_cannot_match_is_an_error_with_the_cure(ros):
@@ -244,7 +244,7 @@ def test_topic_without_a_publisher_asks_for_the_driver_after_a_second(ros):
     received = Received(ros)
     assert received.topic.error is None and received.topic.state is ReaderState.WAITING
     assert ros.spin_until(lambda: received.has_failed, 2.0)
-    assert_in_time(abs(received.topic.seconds_without_frame - 1.0), 0.3)
+    assert_in_time(abs(received.topic.snapshot().seconds_without_frame - 1.0), 0.3)
     assert str(received.topic.error) == 'no picture on /image: is the camera driver running?'
 
 
@@ -289,7 +289,7 @@ def test_slow_but_regular_topic_is_not_lost_between_its_pictures(ros):
     states_at_a_rate(ros, received, publisher, 1.4, 4.5)  # it shows its rate
     assert states_at_a_rate(ros, received, publisher, 1.4, 6.0) == [ReaderState.RUNNING]
     assert received.topic.error is None
-    seen_at = time.monotonic() - received.topic.seconds_without_frame
+    seen_at = time.monotonic() - received.topic.snapshot().seconds_without_frame
     assert ros.spin_until(lambda: received.topic.state is ReaderState.LOST, 5.0)
     assert_in_time(abs(time.monotonic() - seen_at - 2.5 * 1.4), 0.3)
     assert received.topic.reason.kind == 'camera_lost'
@@ -328,18 +328,46 @@ def test_damaged_jpeg_is_counted_and_never_given(ros, spoil, complaint):
     good, before = len(received.frames), received.topic.counts.damaged
     assert ros.spin_until(lambda: publisher.publish(compressed(spoil(content())))
                           or received.topic.counts.damaged > before + 2)
-    assert complaint in received.topic.last_damage.sentence
+    assert complaint in received.topic.snapshot().last_damage.sentence
     assert len(received.frames) == good
 
 
-def test_topic_is_remapped_and_asks_for_sensor_data_of_which_only_the_newest_waits(ros):
-    received = Received(ros, '-r', '__ns:=/cell', '-r', 'image:=usb_cam/image_raw')
+@pytest.mark.parametrize('reliability', [
+    ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT])
+@pytest.mark.parametrize('driver_is_first', [True, False])
+def test_subscription_is_as_reliable_as_the_driver(ros, reliability, driver_is_first):
+    def make_driver():
+        return driver(ros, qos=QoSProfile(depth=1, reliability=reliability))
+
+    first = make_driver() if driver_is_first else None
+    received = Received(ros)
+    publisher = first or make_driver()
+    message = image(random_picture())
+    assert send_until(ros, publisher, message, lambda: received.frames)
+    info, = received.node.get_subscriptions_info_by_topic('/image')
+    assert info.qos_profile.reliability == reliability
+    assert not received.has_failed
+
+
+def test_driver_that_is_not_reliable_any_more_is_received_again(ros):
+    received = Received(ros)
+    message = image(random_picture())
+    reliable = driver(ros, qos=QoSProfile(depth=1))
+    assert send_until(ros, reliable, message, lambda: received.frames)
+    ros.node.destroy_publisher(reliable)
+    received.frames.clear()
+    assert send_until(ros, driver(ros), message, lambda: received.frames)
+
+
+def test_topic_is_remapped_and_its_reliability_can_be_chosen(ros):
+    name = 'qos_overrides./cell/usb_cam/image_raw.subscription.reliability'
+    received = Received(ros, '-r', '__ns:=/cell', '-r', 'image:=usb_cam/image_raw',
+                        '-p', f'{name}:=best_effort')
     assert received.topic.topic_name == '/cell/usb_cam/image_raw'
     qos = received.node.get_subscriptions_info_by_topic('/cell/usb_cam/image_raw')[0].qos_profile
     assert qos.reliability == ReliabilityPolicy.BEST_EFFORT
     assert [name for name in received.node.list_parameters([], 0).names
-            if name.startswith('qos_overrides./cell')] == [
-        'qos_overrides./cell/usb_cam/image_raw.subscription.reliability']
+            if name.startswith('qos_overrides./cell')] == [name]
 
 
 def test_closed_topic_gives_no_more_frames(ros):

@@ -64,6 +64,13 @@ def test_of_several_namespaces_one_must_be_chosen(read):
         assert read(text, name).camera.period == 2.0
 
 
+def test_namespace_that_a_file_does_not_have_is_refused(read):
+    text = section('/left/camera_publisher', 'period: 1')
+    with pytest.raises(InvalidValueError, match="namespace 'lfet', but for those in /left"):
+        read(text, 'lfet')
+    assert read(text + section('/**', 'period: 2.0'), 'lfet').camera.period == 2.0
+
+
 def test_as_ros_reads_a_file_so_does_it(read, ros, tmp_path):
     import rclpy
     from rclpy.node import Node

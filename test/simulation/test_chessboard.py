@@ -13,8 +13,8 @@
 # limitations under the License.
 
 
-from camera_to_base.calibration.board import find_board
-from camera_to_base.calibration.board_frame import board_points
+from camera_to_base.calibration.boards.board import find_board
+from camera_to_base.calibration.boards.board_frame import board_points
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.chessboard import SimulatedChessboard

@@ -112,6 +112,16 @@ def test_old_frames_that_a_busy_machine_reads_slowly_are_told_by_their_stamps():
     assert any(judge_stamps(Freshness(), [(wait, None) for wait, _ in live + queued])[62:])
 
 
+def test_old_frames_are_told_soon_after_an_opening_on_a_busy_machine():
+    # Seen with a real stream, 1.3 s after it was opened: three frames come 0.09 s late, the stream
+    # stalls for 1 s, and its server then sends what it has kept at 25 frames a second.
+    live = [(0.05, 0.05 * k) for k in range(24)]
+    late = [(0.14, 1.2), (0.05, 1.25), (0.05, 1.3)]
+    queued = [(1.05, 1.35)] + [(0.04, 1.35 + 0.05 * k) for k in range(1, 60)]
+    fresh = judge_stamps(Freshness(), live + late + queued)
+    assert all(fresh[5:27]) and not any(fresh[27:])
+
+
 def test_frames_gathered_at_the_opening_are_told_by_their_stamps():
     # 2 s of frames at 20 Hz, each read in 20 ms, and then live ones.
     gathered = [(0.02, 0.05 * k) for k in range(66)]

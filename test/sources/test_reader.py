@@ -26,7 +26,7 @@ from camera_to_base.sources.reader_status import ReaderState
 from mjpeg_server import MjpegServer
 import numpy as np
 import pytest
-from rtsp_server import RtspServer
+from rtsp_server import KeepingRtspServer, RtspServer
 import scenes
 
 ODD = Reason('odd', Level.ERROR, 'its first level is odd')
@@ -94,7 +94,7 @@ def read():
     readers = []
 
     def start(camera, **options):
-        readers.append(FrameReader(camera, may_lag=False, **options))
+        readers.append(FrameReader(camera, **{'may_lag': False, **options}))
         return readers[-1]
 
     yield start
@@ -190,7 +190,7 @@ def test_damaged_frame_is_counted_and_never_given(read):
         taken = []
         assert wait_until(lambda: taken.append(reader.take()) or taken[-1] is not None)
         assert taken[-1].image[0, 0, 0] % 2 == 0
-    assert reader.counts.damaged >= 9 and reader.last_damage is ODD
+    assert reader.counts.damaged >= 9 and reader.snapshot().last_damage is ODD
 
 
 def test_consumer_is_told_of_each_frame(read):
@@ -228,3 +228,41 @@ def test_process_ends_cleanly_while_the_camera_hangs(protocol, wait):
     assert child.returncode == 0, child.stderr
     assert 'closed True' in child.stdout
     assert float(child.stdout.split()[-1]) < 2.0
+
+
+def test_snapshot_is_of_one_moment_and_stays_as_it_was(read):
+    reader = read(Numbers(), damage=lambda frame: ODD)
+    snapshots = []
+
+    def is_long():
+        snapshots.append(reader.snapshot())
+        return snapshots[-1].damaged_in_a_row >= 5
+
+    assert wait_until(is_long)
+    reader.close()
+    for seen in snapshots:
+        assert (seen.last_damage is ODD) == (seen.damaged_in_a_row > 0)
+        assert seen.counts.damaged in (seen.damaged_in_a_row, seen.damaged_in_a_row - 1)
+    assert snapshots[0].damaged_in_a_row < snapshots[-1].damaged_in_a_row
+
+
+def age_s(frame):
+    """Tell how old a frame of :class:`scenes.Clock` is."""
+    columns = np.nonzero(frame[200:280, :, 0] < 90)[1]
+    return scenes.clock_age(columns.mean(), time.time())
+
+
+@pytest.mark.slow
+def test_frames_that_a_stream_has_kept_in_a_stall_are_not_given(read, tell):
+    with KeepingRtspServer(scenes.Clock(has_disc=True, texture=10)) as server:
+        reader = read(Camera(server.url, open_now=False), may_lag=True)
+        ages, begin = [], time.monotonic()
+        while time.monotonic() - begin < 18:
+            (server.freeze if 3 < (time.monotonic() - begin) % 4.5 < 4 else server.thaw)()
+            taken = reader.take()
+            if taken is not None:
+                ages.append(age_s(taken.image))
+            time.sleep(0.005)
+    tell(f'{len(ages)} frames of a stream that stalls, the oldest {max(ages):.2f} s old; '
+         f'{reader.counts}')
+    assert len(ages) > 60 and max(ages) < 0.4

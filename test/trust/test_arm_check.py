@@ -34,8 +34,8 @@ WIDE = np.array([0.5, -0.5, 0.3, -0.3])
 class Camera:
     """A pipeline on a table, with a clock of its own."""
 
-    def __init__(self, name='plain', detector=DetectorSettings(), kind=DEVICE):
-        self.table = scenes.Table(name, np.random.default_rng(5))
+    def __init__(self, name='plain', detector=DetectorSettings(), kind=DEVICE, seed=5):
+        self.table = scenes.Table(name, np.random.default_rng(seed))
         self.pipeline = CameraPipeline(
             ParallelSurface(36.0, 640), detector, Limits(confirm_jump_px=0.0), kind=kind)
         self._now = time.monotonic() + 3600
@@ -112,6 +112,54 @@ def test_known_coin_at_rest_stays_published_in_a_shadow_and_a_new_one_does_not()
     assert is_coin(camera.see(shadow, camera.coin()))
     camera = Camera()
     assert camera.see(shadow, camera.coin()) == []
+
+
+def beside(at=COIN):
+    """Give the cover of a palm whose shadow falls on the coin, and which does not cover it."""
+    return scenes.arm_cover((at[0] - 90, -80), np.subtract(at, (62, 50)), 60)
+
+
+@pytest.mark.parametrize('levels', [-60, 60])
+@pytest.mark.parametrize('name', ['plain', 'wood', 'print'])
+def test_known_coin_stays_published_where_an_arm_beside_it_shades_it(name, levels):
+    camera = Camera(name)
+    camera.see(camera.coin(), seconds=0.3)
+    draw = scenes.shadow(beside()), scenes.arm(beside(), camera.table.colour + levels)
+    for _ in range(10):
+        assert is_coin(camera.see(camera.coin(), *draw))
+
+
+@pytest.mark.parametrize('now', [None, (COIN[0] + 7, COIN[1] - 5)])
+def test_known_coin_that_is_taken_or_moved_in_a_shadow_is_not_published_where_it_was(now):
+    camera = Camera()
+    camera.see(camera.coin(), seconds=0.3)
+    draw = scenes.shadow(beside()), scenes.arm(beside(), camera.table.colour - 60)
+    assert is_coin(camera.see(camera.coin(), *draw))
+    coin = [] if now is None else [camera.coin(now)]
+    assert camera.see(*coin, *draw) == []
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_hand_is_not_published_on_a_table_that_shows_hardly_more_than_noise(seed):
+    camera = Camera(seed=seed)
+    assert camera.see(camera.arm(9), island(camera)) == []
+    assert camera.sighting.left_out
+
+
+def test_object_of_the_background_that_moves_by_half_its_width_gives_no_wrong_position():
+    camera = Camera()
+    camera.pipeline.capture_background(1)
+    camera.see(camera.coin(), seconds=0.2)
+    for way in (8, 14, 20, 26, 34):
+        for at in camera.see(camera.coin((COIN[0] + way, COIN[1])), seconds=0.2):
+            assert np.hypot(*np.subtract(at, (COIN[0] + way, COIN[1]))) < 5
+
+
+@pytest.mark.parametrize('name', ['print', 'tiles', 'speckle'])
+def test_object_on_a_strong_pattern_is_published_everywhere(name):
+    camera = Camera(name)
+    for at in np.random.default_rng(1).uniform((40, 40), (600, 440), (15, 2)):
+        assert is_coin(camera.see(camera.coin(at)), at)
 
 
 def test_coin_that_is_half_covered_is_left_out():

@@ -72,8 +72,9 @@ def test_new_surface_or_detector_takes_effect_and_holds_no_frame_back(pipeline):
     assert see(pipeline, picture()) == []
 
 
-def test_new_limits_keep_the_detector(pipeline):
+@pytest.mark.parametrize('limits', [
+    Limits(max_frame_age_s=50.0), Limits(max_frame_age_s=60.0, confirm_jump_px=5.0)])
+def test_new_limits_keep_the_detector_and_hold_no_frame_back(pipeline, limits):
     locator = pipeline._locator
-    pipeline.configure(surface(), DETECTOR, Limits(max_frame_age_s=50.0))
-    see(pipeline, picture())
+    pipeline.configure(surface(), DETECTOR, limits)
     assert len(see(pipeline, picture())) == 1 and pipeline._locator is locator

@@ -24,7 +24,8 @@ Each step is a module of its own:
 - `search`, `regions`: where such pixels are connected, for the long way.
 - `foreign_light`: shade from outside of the picture, which is no object.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
-- `shadow`, `highlight`: what of a region is its object's shade, and what its gloss.
+- `shadow`, `thing_and_shade`, `highlight`: what of a region is its object's shade, and what its
+  gloss.
 - `shaded`: what lies in the shade of an arm.
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.

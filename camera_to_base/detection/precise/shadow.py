@@ -17,12 +17,11 @@ Splits an object's own shadow off its region.
 
 A shadow takes a part of the table's light, in all colours alike. So a region is an object and its
 shade where it has two parts, of which one can be shade and the other cannot: it is lighter than
-the table, or coloured, or clearly darker than the shade. A table's pattern and a smooth gradient
-look like two parts, too; so the *frame* must show the step between them, and a sharp one.
+the table, or coloured, or clearly darker than the shade. `thing_and_shade` tests such a pair.
 
-A box seen from the side has a light top and a dark wall. The wall lies away from the picture's
-middle, and what is beside it is convex; a shadow's object is convex, and the shadow a crescent, or
-it points somewhere else. Such a pair stays together.
+An object may be lighter than its shadow: then the shadow is a crescent, and the object is convex.
+A box seen from the side has a light top and a dark wall, which look the same, but the wall lies
+away from the picture's middle. Such a pair stays together.
 """
 
 from typing import NamedTuple, Optional, Tuple
@@ -31,31 +30,28 @@ from camera_to_base.detection.precise.highlight import find_highlight
 from camera_to_base.detection.precise.piece import (
     channel_extremes, in_clearest_colour, largest_part, Look, look_at, outline_of, Piece, quantile,
     square)
+from camera_to_base.detection.precise.thing_and_shade import (
+    has_free_rim, has_step, is_thing_and_shade, least_area)
 import cv2
 import numpy as np
 
-# What shade can be: the least and the largest ratio, and the strongest tint.
-_DEEPEST, _FAINTEST, _TINT = 0.2, 0.985, 1.25
 # What shade cannot be: lighter, or of a colour.
 _LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
 # Logarithms of ratios: from where a thing is much lighter than the table, the part of that at
 # which it ends, and what shows at all.
 _MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
-_LEAST_CORE, _LEAST_PART, _LEAST_THING, _LEAST_RING = 20, 8, 16, 4
+_LEAST_CORE, _LEAST_PART = 20, 8
 _SATURATED, _MOST_SATURATED = 0.97, 0.02
-_LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.15, 0.25
 # A highlight on glass lies inside of the rim; an object's rim is free where no shadow lies.
 _LEAST_FREE_RIM_OF_SPOT = 0.45
-_LEAST_SHADE, _LEAST_DULL, _LEAST_LUMP, _LEAST_SHADE_BESIDE = 0.8, 0.6, 0.6, 0.15
-# Two levels are apart by this much; the step between them is at least this high, is this part of
-# the whole difference, and the object hardly changes on the way to it.
-_LEVELS_APART, _LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _STEEPEST = 0.15, 0.12, 0.4, 0.35, 0.2
+_LEAST_DULL, _LEAST_SHADE_BESIDE = 0.6, 0.15
+# Two levels are apart by this much, logarithm.
+_LEVELS_APART = 0.15
 # JPEG and a sensor's colour filter make a step between colours less sharp.
 _STEEPEST_COLOUR = 0.35
-_NEAR, _CLOSE, _FARTHER = (1.5, 4.0), (3.0, 5.0), (6.0, 9.0)
 _STEPS, _LOWEST = 80, -3.0
-# Cosine of the angle between a wall and the way out of the picture, and how much more convex a
-# top is.
+# Cosine of the angle between a wall and the way out of the picture, and how much more convex an
+# object is than its shadow, where it is lighter.
 _OUTWARD, _MORE_CONVEX = 0.8, 0.2
 _LEAST_LIGHT = 1e-3
 # A thing is of one colour where this part of it has that colour.
@@ -90,7 +86,7 @@ def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Opti
     share = cv2.countNonZero(special & core) / cv2.countNonZero(core)
     spot = find_highlight(piece)
     thing = _special_thing(piece, look, core, special) if share > _LEAST_SPECIAL else None
-    if thing is not None and spot is not None and not _has_free_rim(
+    if thing is not None and spot is not None and not has_free_rim(
             thing.mask, piece.mask, _LEAST_FREE_RIM_OF_SPOT):
         thing = None
     if thing is None and share < 0.5 and not _is_dazzled(piece):
@@ -133,7 +129,7 @@ def _special_thing(
         return _light_thing(piece, look, _END_OF_LIGHT * light)
     if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
         thing = _up_to_half(thing, piece)
-    is_thing = _is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
+    is_thing = is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
     return Thing(thing, False) if is_thing else None
 
 
@@ -163,11 +159,11 @@ def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
     if (cv2.countNonZero(rest & marked & dull) < _LEAST_DULL * cv2.countNonZero(rest & marked)
             or cv2.countNonZero(rest & shade) < _LEAST_SHADE_BESIDE * cv2.countNonZero(rest)):
         return None
-    is_large = cv2.countNonZero(thing) >= _least_area(marked)
+    is_large = cv2.countNonZero(thing) >= least_area(marked)
     may_surround = quantile(look.ratio[rest > 0]) > _DEEPEST_AROUND
-    if not is_large or not (may_surround or _has_free_rim(thing, piece.mask)):
+    if not is_large or not (may_surround or has_free_rim(thing, piece.mask)):
         return None
-    return Thing(thing, True) if _has_step(thing, thing, rest, piece) else None
+    return Thing(thing, True) if has_step(thing, thing, rest, piece) else None
 
 
 def _darker_thing(
@@ -193,7 +189,7 @@ def _darker_thing(
         if _is_wall(thing, rest, outward):
             return None
         thing = darker = rest
-    return Thing(thing, False) if _is_thing_and_shade(thing, darker, piece, look) else None
+    return Thing(thing, False) if is_thing_and_shade(thing, darker, piece, look) else None
 
 
 def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -227,102 +223,3 @@ def _otsu(ratios: np.ndarray) -> float:
     steps = np.clip(np.rint((ratios - _LOWEST) * _STEPS), 0, 255).astype(np.uint8)
     level, _ = cv2.threshold(steps.reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
     return level / _STEPS + _LOWEST
-
-
-def _is_thing_and_shade(
-    thing: np.ndarray, marked: np.ndarray, piece: Piece, look: Look,
-    steepest: float = _STEEPEST,
-) -> bool:
-    # `marked` is `thing` without its holes.
-    mask = piece.mask
-    rest = mask & (1 - cv2.dilate(thing, square(3)))
-    return (cv2.countNonZero(thing) >= _least_area(mask)
-            and _is_lump_of_shade(cv2.erode(rest, square(3)), look)
-            and _has_free_rim(thing, mask)
-            and _has_sharp_step(thing, marked, rest, piece, steepest))
-
-
-def _least_area(mask: np.ndarray) -> float:
-    return max(_LEAST_THING, _LEAST_SHARE_OF_REGION * cv2.countNonZero(mask))
-
-
-def _is_lump_of_shade(rest: np.ndarray, look: Look) -> bool:
-    area = cv2.countNonZero(rest)
-    shade = (look.smallest > _DEEPEST) & (look.largest < _FAINTEST) & (look.tint < _TINT)
-    if area < _LEAST_PART or cv2.countNonZero(
-            rest & shade.astype(np.uint8)) < _LEAST_SHADE * area:
-        return False
-    outlines, _ = cv2.findContours(rest, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    areas = [cv2.contourArea(outline) + len(outline) / 2 for outline in outlines]
-    return max(areas) > _LEAST_LUMP * sum(areas)
-
-
-def _has_free_rim(
-    thing: np.ndarray, mask: np.ndarray, least: float = _LEAST_FREE_RIM
-) -> bool:
-    # A shadow lies to one side of its object; a highlight or a print is surrounded.
-    rim = thing & (1 - cv2.erode(thing, square(3)))
-    free = rim & (1 - cv2.erode(mask, square(9)))
-    return cv2.countNonZero(free) >= least * cv2.countNonZero(rim)
-
-
-def _has_sharp_step(
-    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece, steepest: float
-) -> bool:
-    sides, light, level, ratio = _sides(thing, marked, rest, piece)
-    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
-    if in_frame is None:
-        return False
-    whole = abs(sides.step(ratio, 0.0, np.inf))
-    is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
-               and abs(in_ratio) >= _OF_WHOLE * whole)
-    return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
-
-
-def _has_step(
-    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
-) -> bool:
-    # Where only the ratio has a step, the table has it: nothing ends there.
-    sides, _, level, ratio = _sides(thing, marked, rest, piece)
-    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
-    return in_frame is None or abs(in_frame) >= _FRAME_STEP * abs(in_ratio)
-
-
-def _sides(
-    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
-) -> Tuple['_Sides', np.ndarray, np.ndarray, np.ndarray]:
-    inner = cv2.erode(piece.mask, square(5))
-    light, usual = in_clearest_colour(piece, thing & marked & inner, rest & inner)
-    level = cv2.log(light)
-    sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
-                   cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
-                   cv2.distanceTransform(1 - thing, cv2.DIST_L2, 3))
-    return sides, light, level, level - cv2.log(usual)
-
-
-class _Sides(NamedTuple):
-    """Both sides of the border between an object and its shade."""
-
-    thing: np.ndarray
-    rest: np.ndarray
-    to_rest: np.ndarray
-    to_thing: np.ndarray
-
-    def step(self, values: np.ndarray, near: float, far: float) -> Optional[float]:
-        """How much higher the median is on the shade's side, between two distances in px."""
-        inside, outside = (_median(values, side, distances, near, far) for side, distances in (
-            (self.thing, self.to_rest), (self.rest, self.to_thing)))
-        return None if inside is None or outside is None else outside - inside
-
-    def slope(self, values: np.ndarray) -> float:
-        """How much the object's own side changes on the way to the border."""
-        near, farther = (_median(values, self.thing, self.to_rest, *distances)
-                         for distances in (_CLOSE, _FARTHER))
-        return 0.0 if near is None or farther is None else abs(near - farther)
-
-
-def _median(
-    values: np.ndarray, side: np.ndarray, distances: np.ndarray, near: float, far: float
-) -> Optional[float]:
-    chosen = values[(side > 0) & (distances > near) & (distances <= far)]
-    return float(quantile(chosen)) if len(chosen) >= _LEAST_RING else None

@@ -17,7 +17,7 @@
 from dataclasses import asdict
 import math
 
-from camera_to_base.detection.detection import locate_on_surface
+from camera_to_base.detection.on_surface import object_on_surface
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 from camera_to_base.simulation.board import SimulatedBoard
@@ -66,7 +66,7 @@ def test_tilt_is_corrected_on_the_surface():
     detector = PreciseDifferenceDetector(board.read())
     for _ in range(15):
         detection, = detector.detect(board.read())
-        point = locate_on_surface(locate, detection)
+        point = object_on_surface(locate, detection).point
         assert math.dist(point, board.true_objects[0].point) < 0.003
 
 

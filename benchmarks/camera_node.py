@@ -1,0 +1,152 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Measures the camera node on a topic of pictures: latency, CPU time, memory.
+
+    scripts/benchmark camera_node [--quick] [--json FILE]
+
+Another process publishes pictures of a grained table with one coin. The latency is from a
+picture's stamp to the arrival of its position in this process. The CPU time of the node is that of
+all its threads, in per cent of one core. `lost` counts the pictures without a position.
+"""
+
+import argparse
+from array import array
+import json
+import os
+import subprocess
+import sys
+import time
+from typing import List, Tuple
+
+import cv2
+from geometry_msgs.msg import PointStamped
+from nodes import cpu_seconds, executable, resident_megabytes
+import numpy as np
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import CompressedImage, Image
+from whole_way import make_frames, table
+
+SIZES = (640, 480), (1280, 720), (1920, 1080)
+RATE_HZ = 30
+_EMPTY_S, _SETTLING_S = 2.0, 2.0
+_PICTURES = 20
+
+
+def feed(size: Tuple[int, int], is_compressed: bool, seconds: float) -> None:
+    """Publish pictures: of the empty table first, then with a coin."""
+    surface = table(size, is_textured=True)
+    empty, coin = (
+        [_message(frame, is_compressed) for frame in make_frames(surface, count, _PICTURES)]
+        for count in (0, 1))
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node('feeder')
+    publisher = node.create_publisher(
+        CompressedImage if is_compressed else Image,
+        'image/compressed' if is_compressed else 'image', 10)
+    while not publisher.get_subscription_count():
+        time.sleep(0.05)
+    begin = time.monotonic()
+    for number in range(round((_EMPTY_S + _SETTLING_S + seconds) * RATE_HZ)):
+        time.sleep(max(0.0, begin + number / RATE_HZ - time.monotonic()))
+        messages = empty if number < _EMPTY_S * RATE_HZ else coin
+        message = messages[number % _PICTURES]
+        message.header.stamp = node.get_clock().now().to_msg()
+        publisher.publish(message)
+
+
+def _message(frame: np.ndarray, is_compressed: bool) -> object:
+    if is_compressed:
+        jpeg = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, 85])[1]
+        return CompressedImage(format='jpeg', data=array('B', jpeg.tobytes()))
+    height, width = frame.shape[:2]
+    return Image(height=height, width=width, encoding='bgr8', step=3 * width,
+                 data=array('B', frame.tobytes()))
+
+
+def measure(size: Tuple[int, int], is_compressed: bool, seconds: float) -> dict:
+    """Start the node and a feeder; return the row of the table."""
+    camera = subprocess.Popen(
+        [executable('camera_publisher'), '--ros-args', '-p',
+         f'source:={"compressed_topic" if is_compressed else "topic"}'],
+        stderr=subprocess.DEVNULL)
+    feeder = subprocess.Popen([sys.executable, __file__, '--feed', *map(str, size),
+                               str(int(is_compressed)), str(seconds)])
+    node = rclpy.create_node('benchmark')
+    latencies_s: List[float] = []
+    node.create_subscription(
+        PointStamped, 'pos_in_cam_frame/point',
+        lambda message: latencies_s.append(_age_s(node, message.header.stamp)), 10)
+    try:
+        while not latencies_s:
+            rclpy.spin_once(node, timeout_sec=0.1)
+        _spin(node, _SETTLING_S)
+        latencies_s.clear()
+        begin, before = time.monotonic(), cpu_seconds(camera.pid)
+        _spin(node, seconds - 0.5)
+        elapsed = time.monotonic() - begin
+        cpu_s, megabytes = cpu_seconds(camera.pid) - before, resident_megabytes(camera.pid)
+    finally:
+        for process in (feeder, camera):
+            process.kill()
+            process.wait()
+        node.destroy_node()
+    p50, p99 = np.percentile(latencies_s, [50, 99]) * 1e3
+    return {'width': size[0], 'height': size[1], 'picture': 'jpeg' if is_compressed else 'raw',
+            'p50_ms': round(p50, 1), 'p99_ms': round(p99, 1),
+            'cpu_percent': round(100 * cpu_s / elapsed),
+            'lost': max(0, round(elapsed * RATE_HZ) - len(latencies_s)),
+            'resident_mb': round(megabytes)}
+
+
+def _age_s(node, stamp) -> float:
+    return node.get_clock().now().nanoseconds / 1e9 - stamp.sec - stamp.nanosec / 1e9
+
+
+def _spin(node, seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        rclpy.spin_once(node, timeout_sec=0.1)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--quick', action='store_true', help='few seconds, for its exit code')
+    parser.add_argument('--json', metavar='FILE', help='write the rows as a list of objects')
+    parser.add_argument('--feed', nargs=4, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.feed:
+        width, height, is_compressed, seconds = arguments.feed
+        feed((int(width), int(height)), bool(int(is_compressed)), float(seconds))
+        return
+    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    rows = []
+    for size in SIZES[:1] if arguments.quick else SIZES:
+        for is_compressed in (False, True):
+            rows.append(measure(size, is_compressed, 3.0 if arguments.quick else 15.0))
+            print('  '.join(f'{name} {value}' for name, value in rows[-1].items()), flush=True)
+    if arguments.json:
+        with open(arguments.json, 'w', encoding='utf-8') as file:
+            json.dump(rows, file, indent=1)
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()

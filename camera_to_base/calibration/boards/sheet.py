@@ -1,0 +1,157 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Draws a chessboard to print, with a ruler to check the print and the camera frame's axes."""
+
+import io
+from typing import Any, Tuple
+
+from camera_to_base.calibration.boards.charuco import MARKER_SHARE, marker_squares
+from camera_to_base.checks import finite_number, whole_number
+from camera_to_base.detection import CELLS, marker_cells
+from camera_to_base.errors import InvalidValueError
+import numpy as np
+
+# Width and height as the sheet lies, in mm.
+PAPERS = {'A4': (297.0, 210.0), 'A3': (420.0, 297.0), 'Letter': (279.4, 215.9)}
+FORMATS = ('pdf', 'svg', 'png')
+_MM_PER_INCH = 25.4
+_PNG_DPI = 300
+# Printers leave an edge white; the texts and the ruler take the rest.
+_SIDE_MM, _TOP_MM, _BOTTOM_MM = 6.0, 12.0, 20.0
+_RULER_MM = 100
+_GREY = '0.35'
+
+
+def sheet_content(
+    paper: str, columns: int, rows: int, square_mm: float, file_format: str = 'pdf', *,
+    with_markers: bool = False,
+) -> bytes:
+    """
+    Draw a sheet.
+
+    :param paper: One of PAPERS.
+    :param columns: Inner corners along a row.
+    :param rows: Inner corners along a column.
+    :param square_mm: A square's edge.
+    :param file_format: One of FORMATS.
+    :param with_markers: Whether to draw a ChArUco board.
+    :returns: The file's content.
+    :raises InvalidValueError: If the board does not fit on the paper; the text names the largest
+        square that does.
+    """
+    columns = whole_number('the count of inner corners along a row', columns, 3, 1000)
+    rows = whole_number('the count of inner corners along a column', rows, 3, 1000)
+    square_mm = finite_number('square_mm', square_mm, 1, 1000)
+    _refuse_too_large(paper, columns, rows, square_mm)
+    # pyplot would look for a display and keep the figure.
+    from matplotlib.figure import Figure
+
+    width, height = _size(paper, columns, rows)
+    figure = Figure((width / _MM_PER_INCH, height / _MM_PER_INCH))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set_axis_off()
+    # In mm from the sheet's top-left corner, y downwards.
+    axes.set(xlim=(0, width), ylim=(height, 0))
+    left = (width - (columns + 1) * square_mm) / 2
+    _draw_squares(axes, (left, _TOP_MM), columns, rows, square_mm)
+    if with_markers:
+        _draw_markers(axes, (left, _TOP_MM), columns, rows, square_mm)
+    _draw_axes(axes, (left, _TOP_MM), columns, rows, square_mm, with_markers)
+    _draw_ruler(axes, width, height)
+    charuco = '--charuco ' if with_markers else ''
+    axes.text(width / 2, height - 4.5, f'{columns} x {rows} inner corners, {square_mm:g} mm:   '
+              f'calibrate board --camera 0 --corners {columns}x{rows} --square-mm {square_mm:g} '
+              f'{charuco}-o cell.yaml', ha='center', va='center', fontsize=8, color=_GREY)
+    content = io.BytesIO()
+    figure.savefig(content, format=file_format, dpi=_PNG_DPI)
+    return content.getvalue()
+
+
+def has_one_origin(columns: int, rows: int) -> bool:
+    """Return whether a board has one end with dark corner squares, and so one first corner."""
+    return (columns + rows) % 2 == 1
+
+
+def _size(paper: str, columns: int, rows: int) -> Tuple[float, float]:
+    """Return the sheet's width and height in mm: upright for a board that is higher than wide."""
+    return PAPERS[paper] if columns >= rows else PAPERS[paper][::-1]
+
+
+def _refuse_too_large(paper: str, columns: int, rows: int, square_mm: float) -> None:
+    width, height = _size(paper, columns, rows)
+    largest = min((width - 2 * _SIDE_MM) / (columns + 1),
+                  (height - _TOP_MM - _BOTTOM_MM) / (rows + 1))
+    if square_mm > largest:
+        cure = f'squares of {int(largest)} mm do' if largest >= 1 else 'choose fewer'
+        raise InvalidValueError(
+            f'a board of {columns + 1} x {rows + 1} squares of {square_mm:g} mm does not fit on '
+            f'{paper}: {cure}')
+
+
+def _draw_squares(
+    axes: Any, corner: Tuple[float, float], columns: int, rows: int, square_mm: float
+) -> None:
+    from matplotlib.patches import Rectangle
+
+    for row in range(rows + 1):
+        for column in range(row % 2, columns + 1, 2):
+            place = corner[0] + column * square_mm, corner[1] + row * square_mm
+            axes.add_patch(Rectangle(place, square_mm, square_mm, facecolor='black', linewidth=0))
+
+
+def _draw_markers(
+    axes: Any, corner: Tuple[float, float], columns: int, rows: int, square_mm: float
+) -> None:
+    from matplotlib.patches import Rectangle
+
+    cell = square_mm * MARKER_SHARE / CELLS
+    for number, square in marker_squares(columns, rows).items():
+        left, top = (place + square_mm * (index + (1 - MARKER_SHARE) / 2)
+                     for place, index in zip(corner, square))
+        for row, column in np.argwhere(marker_cells(number)):
+            # A little larger than a cell: viewers draw a bright line between neighbours.
+            axes.add_patch(Rectangle(
+                (left + column * cell, top + row * cell), 1.01 * cell, 1.01 * cell,
+                facecolor='black', linewidth=0))
+
+
+def _draw_axes(
+    axes: Any, corner: Tuple[float, float], columns: int, rows: int, square_mm: float,
+    with_markers: bool,
+) -> None:
+    """Draw x and y beside the board, from the first inner corner's place on."""
+    (left, top), length = corner, 1.5 * square_mm
+    if not with_markers and not has_one_origin(columns, rows):
+        axes.text(left, top - 5, 'origin: the corner that the picture shows nearest to its '
+                  'top-left pixel', fontsize=8, color=_GREY, va='center')
+        return
+    arrow = {'arrowstyle': '-|>', 'color': _GREY}
+    start = left + square_mm, top + square_mm
+    axes.annotate('', (start[0] + length, top - 3), (start[0], top - 3), arrowprops=arrow)
+    axes.annotate('', (left - 3, start[1] + length), (left - 3, start[1]), arrowprops=arrow)
+    axes.text(start[0] + length + 2, top - 3, 'x   (the arrows start at the inner corner that is '
+              "the camera frame's origin, however the sheet lies)", fontsize=8, color=_GREY,
+              va='center')
+    axes.text(left - 3, start[1] + length + 3, 'y', fontsize=8, color=_GREY, ha='center')
+
+
+def _draw_ruler(axes: Any, width: float, height: float) -> None:
+    left, line = (width - _RULER_MM) / 2 - 40, height - 10
+    axes.plot([left, left + _RULER_MM], [line, line], color='black', linewidth=0.5)
+    for mark in range(_RULER_MM + 1):
+        length = 4 if mark % 10 == 0 else 2.5 if mark % 5 == 0 else 1.5
+        axes.plot([left + mark] * 2, [line, line - length], color='black', linewidth=0.3)
+    axes.text(left + _RULER_MM + 4, line - 1.5, f'0 to {_RULER_MM} mm: measure it after printing '
+              "at 100 % (not 'fit to page')", fontsize=8, va='center')

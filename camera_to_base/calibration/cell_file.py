@@ -1,0 +1,79 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The parts of a parameter file that grows with each step of a calibration."""
+
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional
+
+SURFACE, BASE = 'the surface', 'the base frame'
+_BASE_NAMES = ('rotation_deg', 'displacement_cm', 'calibration.base')
+_SURFACE_NAMES = ('calibration.surface', 'calibration.device', 'calibration.thumbnail')
+# Set by a user, for any surface.
+_OPTIONS = ('surface.reject_outside_hull',)
+# In cm of the camera frame, which another surface puts elsewhere.
+_AREAS = ('work_area', 'ignored_areas')
+_HEIGHT = 'object_height_cm'
+
+
+class GrownFile(NamedTuple):
+    """
+    A file's parameters after a step.
+
+    :param values: By full name.
+    :param dropped: What was left out because it depends on a part that has changed.
+    """
+
+    values: Dict[str, Any]
+    dropped: List[str]
+
+
+def parts_of(values: Mapping[str, Any]) -> List[str]:
+    """List the parts that a file holds: SURFACE, BASE."""
+    held = {_part(name) for name in values}
+    return [part for part in (SURFACE, BASE) if part in held]
+
+
+def parts_to_lose(values: Mapping[str, Any], part: str) -> List[str]:
+    """List the parts that a new part replaces, or makes wrong."""
+    return [held for held in parts_of(values) if held == part or part == SURFACE]
+
+
+def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFile:
+    """
+    Add a part to a file's parameters, or replace it; keep what does not depend on it.
+
+    :param old: The file's parameters by full name.
+    :param new: Those of the part.
+    :param part: SURFACE or BASE.
+    """
+    if part == BASE:
+        kept = {name: value for name, value in old.items() if _part(name) != BASE}
+        return GrownFile({**kept, **new}, [])
+    kept = {name: value for name, value in old.items() if _part(name) is None}
+    dropped = [BASE] if BASE in parts_of(old) else []
+    # A list that is empty, or 0, depends on nothing.
+    for name in (name for name in _AREAS if kept.get(name)):
+        dropped.append(name)
+        del kept[name]
+    if kept.get(_HEIGHT) and not new.get('surface.camera_height_cm'):
+        dropped.append(f"{_HEIGHT}, which needs the camera's height")
+        del kept[_HEIGHT]
+    return GrownFile({**kept, **new}, dropped)
+
+
+def _part(name: str) -> Optional[str]:
+    if name in _BASE_NAMES:
+        return BASE
+    is_surface = name.startswith('surface.') and name not in _OPTIONS
+    return SURFACE if is_surface or name in _SURFACE_NAMES else None

@@ -1,0 +1,112 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The error that is to be expected, everywhere in the picture."""
+
+from typing import Any, List, Mapping, Optional, Sequence, Tuple
+
+from camera_to_base.calibration.report_text import Report
+from camera_to_base.errors import HorizonError
+from camera_to_base.parameters import checked_values, TRANSFORM_SPECS
+from camera_to_base.surface import ImageSize, make_surface, SURFACE_SPECS
+from camera_to_base.uncertainty import (
+    error_ellipse, position_uncertainty, uncertain_transform_of, UNCERTAINTY_SPECS)
+import cv2
+import numpy as np
+
+# Row by row from the picture's top left, in mm; None beyond the horizon.
+ErrorRows = Sequence[Sequence[Optional[float]]]
+_SHARE, _MM_PER_CM = 0.95, 10
+# Places of the map, along the picture's width and height.
+COLUMNS, ROWS = 8, 6
+_FONT = cv2.FONT_HERSHEY_SIMPLEX
+# The colours go from this to this many mm; errors are compared by their ratio.
+_LEAST_MM, _MOST_MM = 0.3, 30.0
+
+
+class ErrorMap:
+    """
+    The long half axis of the ellipse that contains 95 % of the errors, over the picture.
+
+    :param values: The parameters of a calibration by full name; missing ones have their defaults.
+        The base transform counts where they have it.
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        known = {**checked_values([*SURFACE_SPECS, *UNCERTAINTY_SPECS], values),
+                 'detector.method': values.get('detector.method', 'precise')}
+        self.image_size: ImageSize = tuple(known['surface.image_size'])
+        self._uncertainty = position_uncertainty(known, make_surface(known))
+        self._transform = None
+        if 'displacement_cm' in values:
+            self._transform = uncertain_transform_of(checked_values(TRANSFORM_SPECS, values))
+
+    @property
+    def has_base(self) -> bool:
+        """Whether the base transform is included."""
+        return self._transform is not None
+
+    @property
+    def fields(self) -> Report:
+        """Return a report's fields of the map."""
+        return {'error_map_mm': self.errors_mm(), 'error_map_has_base': self.has_base}
+
+    def errors_mm(self, columns: int = COLUMNS, rows: int = ROWS) -> List[List[Optional[float]]]:
+        """
+        Return the map, row by row from the picture's top left.
+
+        :returns: Errors in mm at the middles of equal parts; None beyond the horizon.
+        """
+        width, height = self.image_size
+        return [[self._at(((column + 0.5) * width / columns, (row + 0.5) * height / rows))
+                 for column in range(columns)] for row in range(rows)]
+
+    def _at(self, pixel: Tuple[float, float]) -> Optional[float]:
+        try:
+            x, y = self._uncertainty.surface.locate([pixel])[0].tolist()
+        except HorizonError:
+            return None
+        covariance = self._uncertainty.of_pixel(pixel, self.image_size).matrix
+        if self._transform is not None:
+            covariance = self._transform.base_covariance((x, y, 0.0), covariance)
+        return _MM_PER_CM * error_ellipse(covariance, _SHARE).long
+
+
+def map_picture(image: np.ndarray, errors: ErrorRows) -> np.ndarray:
+    """
+    Draw a map over a picture: green for small errors, red for large ones, and the numbers.
+
+    :param image: Shape (h, w, 3), uint8, BGR.
+    :returns: Of the same shape.
+    """
+    height, width = image.shape[:2]
+    numbers = np.array([[np.nan if error is None else error for error in row] for row in errors])
+    share = np.log(np.clip(numbers, _LEAST_MM, _MOST_MM) / _LEAST_MM) / np.log(
+        _MOST_MM / _LEAST_MM)
+    # From blue-green over yellow to red.
+    hue = np.nan_to_num(90 * (1 - share)).astype(np.uint8)
+    cells = cv2.merge([hue, np.full_like(hue, 200), np.where(np.isnan(share), 0, 220).astype(
+        np.uint8)])
+    colours = cv2.resize(cv2.cvtColor(cells, cv2.COLOR_HSV2BGR), (width, height),
+                         interpolation=cv2.INTER_CUBIC)
+    drawn = cv2.addWeighted(image, 0.55, colours, 0.45, 0)
+    scale = height / 480 * 0.5
+    for (row, column), error in np.ndenumerate(numbers):
+        text = '-' if np.isnan(error) else f'{error:.1f}'
+        (across, up), _ = cv2.getTextSize(text, _FONT, scale, 1)
+        place = (round((column + 0.5) * width / numbers.shape[1] - across / 2),
+                 round((row + 0.5) * height / numbers.shape[0] + up / 2))
+        for colour, thickness in (((0, 0, 0), 3), ((255, 255, 255), 1)):
+            cv2.putText(drawn, text, place, _FONT, scale, colour, thickness, cv2.LINE_AA)
+    return drawn

@@ -1,0 +1,111 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`calibrate base`: the transform into the base frame, from a table or from objects one by one."""
+
+import argparse
+from typing import List, Optional
+
+from camera_to_base.calibration import (
+    BASE, calibrate_base, Calibration, parts_of, read_pairs, Report, SURFACE)
+from camera_to_base.commands.calibrate_files import check_outputs, Outputs, write_part
+from camera_to_base.commands.live_pairs import collect, LivePair, measure_again
+from camera_to_base.commands.live_sources import open_positions, open_robot, Positions, Robot
+from camera_to_base.commands.prompts import ask, tell
+from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.parameters import read_parameter_file
+from camera_to_base.surface import PointPairs
+import numpy as np
+
+
+def run_base(options: argparse.Namespace) -> Report:
+    """Calibrate the base frame, and write the file."""
+    if options.live is not None:
+        return _run_live(options)
+    if options.table is None or options.output is None:
+        raise InvalidValueError(
+            'expected a table and a file to write, as in calibrate base PAIRS.csv --surface '
+            'cell.yaml -o cell.yaml, or --live cell.yaml without a table')
+    outputs = check_outputs(options, BASE, options.table, may_picture=False)
+    pairs = read_pairs(options.table)
+    outputs = _with_surface(outputs, options.surface)
+    return _write(_fit(pairs, outputs, options), outputs)
+
+
+def _with_surface(outputs: Outputs, path: Optional[str]) -> Outputs:
+    """Return the outputs with the content of the surface file instead of the old one."""
+    return outputs if path is None else outputs._replace(old=read_parameter_file(path))
+
+
+def _fit(pairs: PointPairs, outputs: Outputs, options: argparse.Namespace) -> Calibration:
+    has_surface = outputs.old is not None and (
+        options.surface is not None or SURFACE in parts_of(outputs.old.values))
+    return calibrate_base(
+        pairs, source=options.table or 'objects that the robot touched', base_z=options.base_z,
+        surface_values=outputs.old.values if has_surface else None,
+        points_are='place' if options.live else 'row')
+
+
+def _write(calibration: Calibration, outputs: Outputs, thumbnail: str = '') -> Report:
+    values = {'calibration.thumbnail': thumbnail} if thumbnail else {}
+    return write_part(calibration, outputs, BASE, values)
+
+
+def _run_live(options: argparse.Namespace) -> Report:
+    for name, value in (('a table', options.table), ('--surface', options.surface)):
+        if value is not None:
+            raise InvalidValueError(f'--live takes the file with the surface alone, not {name}')
+    options.output = options.output or options.live
+    file = read_parameter_file(options.live)
+    if SURFACE not in parts_of(file.values):
+        raise InvalidValueError(
+            f"'{options.live}' holds no surface: calibrate board comes first")
+    outputs = check_outputs(options, BASE, may_picture=False)._replace(old=file)
+    if options.places < 3:
+        raise InvalidValueError(f'--places must be 3 or more, got {options.places}')
+    robot = open_robot(options.robot_topic)
+    try:
+        positions = open_positions(options.live, options.namespace, options.camera)
+        try:
+            pairs = collect(positions, robot, options.places)
+            calibration = _agreed(pairs, positions, robot, outputs, options)
+            return _write(calibration, outputs, positions.thumbnail)
+        finally:
+            positions.close()
+    finally:
+        robot.close()
+
+
+def _agreed(
+    pairs: List[LivePair], positions: Positions, robot: Robot, outputs: Outputs,
+    options: argparse.Namespace,
+) -> Calibration:
+    """Fit the pairs; where they do not fit, let single ones be measured again."""
+    while True:
+        try:
+            return _fit(_point_pairs(pairs), outputs, options)
+        except CalibrationError as error:
+            tell(f'The pairs do not fit: {error}')
+            answer = ask('Type the number of a pair to measure it again, or q to stop without a '
+                         'file:')
+            if answer.lower() == 'q':
+                raise
+            if answer.isdecimal() and 1 <= int(answer) <= len(pairs):
+                measure_again(pairs, int(answer) - 1, positions, robot)
+
+
+def _point_pairs(pairs: List[LivePair]) -> PointPairs:
+    camera = [(*pair.camera_point, 0.0) for pair in pairs]
+    base = [(*pair.base_point, 0.0) for pair in pairs]
+    return PointPairs(np.array(camera), np.array(base))

@@ -1,0 +1,83 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Square markers (ArUco) in a picture; the only module that knows OpenCV's interfaces to them.
+
+OpenCV 4.7 and later have classes, 4.6 has functions. Where OpenCV was built without the module
+aruco, everything else works.
+"""
+
+from types import ModuleType
+from typing import Any, Dict
+
+from camera_to_base.errors import CalibrationError
+import cv2
+import numpy as np
+
+# Cells along an edge of a marker, its black border included.
+CELLS = 6
+# The dictionaries of 4 x 4 bits are the beginnings of the longest one: marker 3 is the same in
+# all of them.
+MARKER_COUNT = 250
+
+
+def find_markers(grey: np.ndarray) -> Dict[int, np.ndarray]:
+    """
+    Find the markers in a picture, of 4 x 4 bits, with their corners to a fraction of a pixel.
+
+    :param grey: Shape (h, w), uint8.
+    :returns: By the marker's number its corners, shape (4, 2), u and v, in px: as it is printed,
+        from the top left clockwise. A number that is there twice is left out.
+    :raises CalibrationError: If OpenCV has no module aruco.
+    """
+    aruco = _aruco()
+    dictionary = _dictionary(aruco)
+    if hasattr(aruco, 'ArucoDetector'):
+        parameters = aruco.DetectorParameters()
+        parameters.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
+        corners, ids, _ = aruco.ArucoDetector(dictionary, parameters).detectMarkers(grey)
+    else:
+        parameters = aruco.DetectorParameters_create()
+        parameters.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
+        corners, ids, _ = aruco.detectMarkers(grey, dictionary, parameters=parameters)
+    numbers = [] if ids is None else ids.ravel().tolist()
+    return {number: found.reshape(4, 2).astype(float)
+            for number, found in zip(numbers, corners) if numbers.count(number) == 1}
+
+
+def marker_cells(number: int) -> np.ndarray:
+    """
+    Return a marker to print.
+
+    :param number: 0 to MARKER_COUNT - 1.
+    :returns: Shape (6, 6), whether each cell is black, the border included.
+    :raises CalibrationError: If OpenCV has no module aruco.
+    """
+    aruco = _aruco()
+    draw = getattr(aruco, 'generateImageMarker', None) or aruco.drawMarker
+    return draw(_dictionary(aruco), number, CELLS) < 128
+
+
+def _aruco() -> ModuleType:
+    if not hasattr(cv2, 'aruco'):
+        raise CalibrationError(
+            f'OpenCV {cv2.__version__} was built without markers: install python3-opencv of '
+            'Ubuntu, or opencv-contrib-python-headless of the same version from PyPI')
+    return cv2.aruco
+
+
+def _dictionary(aruco: ModuleType) -> Any:
+    get = getattr(aruco, 'getPredefinedDictionary', None) or aruco.Dictionary_get
+    return get(aruco.DICT_4X4_250)

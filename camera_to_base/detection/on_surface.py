@@ -1,0 +1,73 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where an object of the picture is on the surface, and the surface's scale there."""
+
+from typing import Callable, NamedTuple
+
+from camera_to_base.detection.detection import Detection, Pixel
+from camera_to_base.detection.shape import polygon_centroid
+import numpy as np
+
+# The place itself, and half a pixel left, right, above and below of it.
+_CROSS = np.array([[0.0, 0.0], [-0.5, 0.0], [0.5, 0.0], [0.0, -0.5], [0.0, 0.5]])
+
+Locate = Callable[[np.ndarray], np.ndarray]
+
+
+class OnSurface(NamedTuple):
+    """
+    A place on the surface.
+
+    :param point: Shape (2,), x and y, in cm.
+    :param cm_per_px: Shape (2, 2); its columns are x and y, in cm, of a step of 1 px along u and
+        along v.
+    """
+
+    point: np.ndarray
+    cm_per_px: np.ndarray
+
+
+def pixel_on_surface(locate: Locate, pixel: Pixel) -> OnSurface:
+    """
+    Map a pixel to the surface.
+
+    :param locate: Maps pixels of shape (n, 2) to the surface, shape (n, 2), as Surface.locate.
+    :raises HorizonError: If the pixel lies on the horizon or beyond it.
+    """
+    points = locate(_CROSS + pixel)
+    return OnSurface(points[0], _scale(points))
+
+
+def object_on_surface(locate: Locate, detection: Detection) -> OnSurface:
+    """
+    Map an object to the surface.
+
+    With a tilted camera, the centroid of a disc's picture is not the picture of the disc's centre:
+    the near half looks larger. The difference is computed from the outline, whose centroid is
+    taken in both planes.
+
+    :param locate: Maps pixels of shape (n, 2) to the surface, shape (n, 2), as Surface.locate.
+    :raises HorizonError: If a part of the object lies on the horizon or beyond it.
+    """
+    corners = detection.outline.astype(float)
+    points = locate(np.concatenate(
+        [_CROSS + detection.centre, polygon_centroid(corners)[None], corners]))
+    centre, centroid, outline = points[0], points[len(_CROSS)], points[len(_CROSS) + 1:]
+    return OnSurface(centre + polygon_centroid(outline) - centroid, _scale(points))
+
+
+def _scale(points: np.ndarray) -> np.ndarray:
+    _, left, right, above, below = points[:len(_CROSS)]
+    return np.array([right - left, below - above]).T

@@ -1,0 +1,66 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tells an object's outline from one that is partly that of an object which has left."""
+
+import cv2
+import numpy as np
+
+# Width of the rim on which edges are compared, in px, and how far one reaches into it.
+_RIM_PX, _EDGE = 5, np.ones((5, 5), np.uint8)
+# An edge of the background is strong from this part of the rim's strongest edges on, and lost
+# where the frame has less than that part of it.
+_STRONG, _LOST = 0.5, 0.4
+# The least strength, in levels, and how much of the rim such edges are.
+_LEAST_LEVELS, _LEAST_SHARE = 12.0, 0.12
+
+
+class LeftBehind:
+    """
+    Finds outlines along which the background has an edge and the frame has none.
+
+    Where an object of the background has moved by less than its width, its old and its new place
+    make up one region. An object that is there has an edge all around it.
+
+    :param background: Shape (h, w, 3), uint8, BGR.
+    """
+
+    def __init__(self, background: np.ndarray) -> None:
+        self._edges = _edges(background)
+
+    def is_part_of(self, frame: np.ndarray, outline: np.ndarray, gain: float) -> bool:
+        """
+        Tell whether an outline is partly that of an object which has left.
+
+        :param frame: Shape (h, w, 3), uint8, BGR.
+        :param outline: Shape (n, 2), int32, columns u and v in px.
+        :param gain: How much brighter the frame is than the background.
+        """
+        left, top = np.maximum(outline.min(axis=0) - _RIM_PX, 0)
+        right, bottom = outline.max(axis=0) + _RIM_PX + 1
+        before = self._edges[top:bottom, left:right]
+        rim = np.zeros(before.shape, np.uint8)
+        cv2.polylines(rim, [(outline - (left, top)).astype(np.int32)], True, 1, _RIM_PX)
+        before = before[rim > 0] * gain
+        if (before > _LEAST_LEVELS).mean() < _LEAST_SHARE:
+            return False
+        now = _edges(frame[top:bottom, left:right])[rim > 0]
+        strong = max(_STRONG * float(np.percentile(np.maximum(before, now), 90)), _LEAST_LEVELS)
+        is_lost = (before > strong) & (now < _LOST * before)
+        return float(is_lost.mean()) >= _LEAST_SHARE
+
+
+def _edges(picture: np.ndarray) -> np.ndarray:
+    edges = cv2.split(cv2.morphologyEx(picture, cv2.MORPH_GRADIENT, _EDGE))
+    return cv2.max(cv2.max(edges[0], edges[1]), edges[2])

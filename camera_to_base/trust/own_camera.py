@@ -1,0 +1,82 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Whether a calibration belongs to the camera that is used with it, and to its view."""
+
+from typing import Optional
+
+from camera_to_base.reason import Level, Reason
+from camera_to_base.sources import is_other_camera, lasting_name
+from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.thumbnail import shares_structure
+import numpy as np
+
+
+class OwnCamera:
+    """
+    Compares the camera in use with the one that was calibrated.
+
+    :param source: Name of the source in use.
+    :param calibrated: Lasting name of the calibrated camera; '' if it is not known.
+    :param thumbnail: The calibrated view, see `read_thumbnail`; None if it is not known.
+    """
+
+    def __init__(
+        self, source: str, calibrated: str = '', thumbnail: Optional[np.ndarray] = None
+    ) -> None:
+        self._thumbnail = thumbnail
+        self._background: Optional[np.ndarray] = None
+        self._other_view = False
+        self._device_reason: Optional[Reason] = None
+        if is_other_camera(source, calibrated):
+            self._device_reason = _reason(
+                'other_camera', f"the calibration was made with '{calibrated}', but the frames "
+                f"come from '{lasting_name(source)}': use that camera, or calibrate this one")
+
+    def reason(self, background: Optional[np.ndarray]) -> Optional[Reason]:
+        """
+        Return why the calibration is not this camera's; None if nothing shows that.
+
+        :param background: Shape (h, w, 3), uint8, BGR; None if none was taken yet.
+        """
+        if self._device_reason is not None:
+            return self._device_reason
+        if background is not None and background is not self._background:
+            self._background = background
+            self._other_view = self._thumbnail is not None and (
+                shares_structure(self._thumbnail, background) is False)
+        return _OTHER_VIEW if self._other_view else None
+
+    def judge(
+        self, sighting: Sighting, background: Optional[np.ndarray], is_strict: bool
+    ) -> Sighting:
+        """
+        Hold a sighting back if the calibration is another camera's.
+
+        :param is_strict: False returns the sighting as it is.
+        """
+        reason = self.reason(background) if is_strict else None
+        if reason is None or sighting.reason is not None:
+            return sighting
+        return Sighting([], reason._replace(level=Level.ERROR))
+
+
+def _reason(kind: str, sentence: str) -> Reason:
+    return Reason(kind, Level.WARN, sentence)
+
+
+_OTHER_VIEW = _reason(
+    'other_view', 'the picture shares nothing with the surface that was calibrated: is it another '
+    'camera, or was it moved? Calibrate again; with the same camera in its place, take the '
+    'background again')

@@ -1,0 +1,242 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The uncertainty of a position in the camera frame: the terms of the picture, added up."""
+
+from dataclasses import dataclass, field
+import math
+from typing import Dict, NamedTuple, Optional, Protocol, Tuple
+
+from camera_to_base.errors import HorizonError
+from camera_to_base.image_size import ImageSize
+from camera_to_base.uncertainty.centre import (
+    centre_covariance, Shape, Spread, TUTORIAL_FLOOR_PX, UNKNOWN_ANGLE, yaw_variance)
+from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
+from camera_to_base.uncertainty.picture_warp import Lens, plain_lens, warp_design
+import numpy as np
+
+# How far a table is from flat is not measured.
+_LEAST_Z_CM = 0.1
+# What cannot be computed is not known: 10 m.
+_UNKNOWN_CM2 = 1e6
+# The calibration's terms are the same within a square of this edge, in px, to a few percent.
+_CELL_PX = 8
+_MOST_CELLS = 20000
+
+
+class Surface(Protocol):
+    """Maps pixels to the surface, see the room `surface`."""
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels (n, 2), in px, to points (n, 2), in cm."""
+
+    def for_image_size(self, image_size: ImageSize) -> 'Surface':
+        """Give the model for pictures of a size."""
+
+
+class FrameState(NamedTuple):
+    """
+    What a frame tells beside its objects.
+
+    :param image_size: Width and height, in px.
+    :param noise: Deviation of the sensor's noise, grey levels; NaN for not known.
+    :param shift_px: Deviation of the view's shift that was not corrected, of u and v, in px.
+    """
+
+    image_size: ImageSize
+    noise: float = math.nan
+    shift_px: float = 0.0
+
+
+class PositionCovariance(NamedTuple):
+    """
+    The covariance of a position on the surface.
+
+    :param xx: Variance of x, in cm²; xy and yy, too.
+    :param zz: Variance of z, in cm².
+    :param yaw: Variance of the direction about z, in rad², independent of the position.
+    """
+
+    xx: float
+    xy: float
+    yy: float
+    zz: float
+    yaw: float
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """
+        The covariance of a pose in the camera frame.
+
+        :returns: Shape (6, 6), of x, y, z in cm and the rotations about them in rad. How an object
+            is tilted is not known.
+        """
+        matrix = np.diag([self.xx, self.yy, self.zz, UNKNOWN_ANGLE, UNKNOWN_ANGLE, self.yaw])
+        matrix[0, 1] = matrix[1, 0] = self.xy
+        return matrix
+
+
+_UNKNOWN = PositionCovariance(
+    _UNKNOWN_CM2, 0.0, _UNKNOWN_CM2, _UNKNOWN_CM2, UNKNOWN_ANGLE)
+
+
+class _Place(NamedTuple):
+    """
+    What the calibration says about a place of the picture.
+
+    :param scale: x and y, in cm, of a step of 1 px along u, then along v.
+    :param surface: xx, xy and yy of the calibration's error, in cm².
+    :param slope: How x and y move if the object is higher by 1 cm.
+    """
+
+    scale: Tuple[float, float, float, float]
+    surface: Tuple[float, float, float]
+    slope: Tuple[float, float]
+
+
+@dataclass(frozen=True)
+class PositionUncertainty:
+    """
+    How uncertain positions are in the camera frame.
+
+    :param surface: Maps pixels to the surface below the objects' tops.
+    :param lens: The calibrated lens; None for one without distortion.
+    :param warp_covariance: Of the calibration, shape (14, 14), see `picture_warp`.
+    :param camera: Where the camera is, above the objects' tops; None where it is not known.
+    :param centre_floor_px: What light does to a centre, see `centre`.
+    :param height_tolerance_cm: Standard deviation of the objects' height.
+    :param is_tutorial: Whether the detector is the tutorial's.
+    """
+
+    surface: Surface
+    lens: Optional[Lens]
+    warp_covariance: np.ndarray
+    camera: Optional[CameraPlace] = None
+    centre_floor_px: float = 0.0
+    height_tolerance_cm: float = 0.0
+    is_tutorial: bool = False
+    _places: Dict = field(default_factory=dict, compare=False, repr=False)
+
+    def covariance(self, shape: Shape, frame: FrameState) -> PositionCovariance:
+        """Return the covariance of an object's position; all its numbers are finite."""
+        u, v = shape.pixel
+        place = self._place(frame.image_size, int(u // _CELL_PX), int(v // _CELL_PX))
+        if place is None:
+            return _UNKNOWN
+        in_picture = self.in_picture(shape, frame)
+        xx, xy, yy = _projected(in_picture, place.scale)
+        x, y = place.slope
+        height = self.height_tolerance_cm ** 2
+        found = PositionCovariance(
+            xx + place.surface[0] + height * x * x, xy + place.surface[1] + height * x * y,
+            yy + place.surface[2] + height * y * y, max(height, _LEAST_Z_CM ** 2),
+            min(yaw_variance(shape, in_picture) + self._rotation_variance, UNKNOWN_ANGLE))
+        return found if all(map(math.isfinite, found)) else _UNKNOWN
+
+    def of_pixel(
+        self, pixel: Tuple[float, float], image_size: ImageSize
+    ) -> PositionCovariance:
+        """Return the covariance of the position of a pixel that was not detected but given."""
+        return self.covariance(Shape(pixel, 1.0, Spread(0.0, 0.0, 0.0)), FrameState(image_size))
+
+    def in_picture(self, shape: Shape, frame: FrameState) -> Spread:
+        """Return the covariance of an object's centre in the picture, with the view's shift."""
+        floor_px = self.centre_floor_px
+        if self.is_tutorial:
+            floor_px = max(floor_px, TUTORIAL_FLOOR_PX)
+        return centre_covariance(shape, frame.noise, math.hypot(floor_px, frame.shift_px))
+
+    def pixel_covariance(self, shape: Shape, frame: FrameState) -> Spread:
+        """Return the covariance of a position, mapped back to the picture, in px²."""
+        u, v = shape.pixel
+        place = self._place(frame.image_size, int(u // _CELL_PX), int(v // _CELL_PX))
+        found = self.covariance(shape, frame)
+        x_u, x_v, y_u, y_v = place.scale if place is not None else (1.0, 0.0, 0.0, 1.0)
+        size = x_u * y_v - x_v * y_u or 1.0
+        inverse = y_v / size, -x_v / size, -y_u / size, x_u / size
+        return Spread(*_projected(Spread(found.xx, found.xy, found.yy), inverse))
+
+    def at_pixels(self, pixels: np.ndarray, image_size: ImageSize) -> np.ndarray:
+        """
+        Return what the calibration and the height make uncertain.
+
+        :param pixels: Shape (n, 2), in px.
+        :returns: Shape (n, 2, 2), of x and y, in cm².
+        :raises HorizonError: If a pixel lies on the horizon or beyond it.
+        """
+        surface, lens, camera = self._of_size(image_size)
+        moves = scales_at(surface, pixels) @ warp_design(pixels, image_size, lens)
+        slopes = self.height_tolerance_cm * height_slopes(surface.locate(pixels), camera)
+        return (moves @ self.warp_covariance @ moves.transpose(0, 2, 1)
+                + slopes[:, :, None] * slopes[:, None])
+
+    @property
+    def _rotation_variance(self) -> float:
+        # A warp turns the picture by half the difference of its mixed numbers.
+        warp = self.warp_covariance
+        return float(warp[1, 1] + warp[3, 3] - 2 * warp[1, 3]) / 4
+
+    def _place(self, image_size: ImageSize, column: int, row: int) -> Optional[_Place]:
+        """Return the calibration's terms in a cell of the picture; None beyond the horizon."""
+        key = image_size, column, row
+        if key not in self._places:
+            if len(self._places) > _MOST_CELLS:
+                self._places.clear()
+            self._places[key] = self._made_place(
+                image_size, _CELL_PX * np.array([[column + 0.5, row + 0.5]]))
+        return self._places[key]
+
+    def _made_place(self, image_size: ImageSize, pixels: np.ndarray) -> Optional[_Place]:
+        surface, lens, camera = self._of_size(image_size)
+        try:
+            scales = scales_at(surface, pixels)
+        except HorizonError:
+            return None
+        moves = scales @ warp_design(pixels, image_size, lens)
+        (xx, xy), (_, yy) = (moves @ self.warp_covariance @ moves.transpose(0, 2, 1))[0].tolist()
+        slope = height_slopes(surface.locate(pixels), camera)[0]
+        return _Place(tuple(scales[0].ravel().tolist()), (xx, xy, yy), tuple(slope.tolist()))
+
+    def _of_size(self, image_size: ImageSize) -> Tuple[Surface, Lens, CameraPlace]:
+        found = self._places.get(image_size)
+        if found is None:
+            surface = self.surface.for_image_size(image_size)
+            found = self._places[image_size] = (
+                surface, self.lens or plain_lens(image_size),
+                self.camera or likely_place(surface.locate, image_size))
+        return found
+
+
+def _projected(spread: Spread, scale: Tuple[float, float, float, float]
+               ) -> Tuple[float, float, float]:
+    """Map a covariance in the picture to the surface: xx, xy and yy, in cm²."""
+    (uu, uv, vv), (x_u, x_v, y_u, y_v) = spread, scale
+    return (x_u * x_u * uu + 2 * x_u * x_v * uv + x_v * x_v * vv,
+            x_u * y_u * uu + (x_u * y_v + x_v * y_u) * uv + x_v * y_v * vv,
+            y_u * y_u * uu + 2 * y_u * y_v * uv + y_v * y_v * vv)
+
+
+def scales_at(surface: Surface, pixels: np.ndarray) -> np.ndarray:
+    """
+    Return the steps on the surface that correspond to a step of 1 px.
+
+    :param pixels: Shape (n, 2), in px.
+    :returns: Shape (n, 2, 2); columns are x and y, in cm, of a step along u and along v.
+    """
+    steps = surface.locate((np.asarray(pixels)[:, None] + _STEPS).reshape(-1, 2))
+    steps = steps.reshape(-1, 4, 2)
+    return (steps[:, 0::2] - steps[:, 1::2]).transpose(0, 2, 1)
+
+
+_STEPS = np.array([[0.5, 0], [-0.5, 0], [0, 0.5], [0, -0.5]])
