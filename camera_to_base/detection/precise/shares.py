@@ -95,11 +95,11 @@ def place_whole(piece: Piece) -> Placed:
 
 
 def _no_shade(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    # Inside of the region, what is lighter than the table or of another colour is the object,
+    # Well inside of the region, what is lighter than the table or of another colour is the object,
     # whatever it looks like elsewhere.
     smallest, largest = channel_extremes(ratio)
     other = (largest > _LIGHT) | (largest > _COLOURED * smallest)
-    return cv2.morphologyEx(cv2.erode(mask, square(7)) & other.view(np.uint8),
+    return cv2.morphologyEx(cv2.erode(mask, square(11)) & other.view(np.uint8),
                             cv2.MORPH_OPEN, square(3))
 
 
