@@ -22,7 +22,7 @@ import numpy as np
 
 # The gain is rounded to this many steps per factor e: the limits are seldom made anew.
 _STEPS = 100
-_POINTS = 12, 48  # rows and columns; few rows are read faster
+_POINTS = 24, 24  # rows and columns
 # Darker levels are mostly noise, lighter ones may be cut off.
 _DARKEST, _LIGHTEST = 8, 247
 _LEAST_LIGHT = 1e-3
