@@ -47,18 +47,25 @@ class LeftBehind:
         :param outline: Shape (n, 2), int32, columns u and v in px.
         :param gain: How much brighter the frame is than the background.
         """
-        left, top = np.maximum(outline.min(axis=0) - _RIM_PX, 0)
-        right, bottom = outline.max(axis=0) + _RIM_PX + 1
-        before = self._edges[top:bottom, left:right]
+        left, top, width, height = cv2.boundingRect(outline)
+        left, top = max(left - _RIM_PX, 0), max(top - _RIM_PX, 0)
+        window = np.s_[top:top + height + 2 * _RIM_PX, left:left + width + 2 * _RIM_PX]
+        before = cv2.convertScaleAbs(self._edges[window], alpha=gain)
         rim = np.zeros(before.shape, np.uint8)
-        cv2.polylines(rim, [(outline - (left, top)).astype(np.int32)], True, 1, _RIM_PX)
-        before = before[rim > 0] * gain
-        if (before > _LEAST_LEVELS).mean() < _LEAST_SHARE:
+        cv2.drawContours(rim, [outline], -1, 1, _RIM_PX, offset=(-left, -top))
+        rim = rim.view(bool)
+        before = before[rim]
+        least = _LEAST_SHARE * before.size
+        if np.count_nonzero(before > _LEAST_LEVELS) < least:
             return False
-        now = _edges(frame[top:bottom, left:right])[rim > 0]
-        strong = max(_STRONG * float(np.percentile(np.maximum(before, now), 90)), _LEAST_LEVELS)
+        now = _edges(frame[window])[rim]
+        strong = max(_STRONG * _upper_tenth(np.maximum(before, now)), _LEAST_LEVELS)
         is_lost = (before > strong) & (now < _LOST * before)
-        return float(is_lost.mean()) >= _LEAST_SHARE
+        return np.count_nonzero(is_lost) >= least
+
+
+def _upper_tenth(levels: np.ndarray) -> float:
+    return float(np.sort(levels)[int(0.9 * (levels.size - 1))])
 
 
 def _edges(picture: np.ndarray) -> np.ndarray:

@@ -96,10 +96,10 @@ class ReachingIn:
         picture = self._small(frame)
         ratio = (picture[::_GRID_STEP, ::_GRID_STEP]
                  / self._background[::_GRID_STEP, ::_GRID_STEP]).reshape(-1, 3)
-        gains = np.median(ratio, axis=0)
-        gain = float(np.median(gains))
+        gains = np.median(ratio, axis=0).tolist()
+        gain = sorted(gains)[1]
         most = self._most(gain, shift_px)
-        lit = cv2.multiply(self._background, (*map(float, gains), 0.0), dtype=cv2.CV_8U)
+        lit = cv2.multiply(self._background, (*gains, 0.0), dtype=cv2.CV_8U)
         found = self._changes(picture, lit, most, gain)
         if found.edge_share > _EDGE_SHARE:
             lit = cv2.multiply(self._background, self._smooth_light(ratio), dtype=cv2.CV_8U)
@@ -164,11 +164,11 @@ def covered_share(mask: np.ndarray, outline: np.ndarray, scale: int) -> float:
     :param mask: Shape (h / scale, w / scale), uint8.
     :param outline: Shape (n, 2), int32, columns u and v in px.
     """
-    left, top = np.maximum(outline.min(axis=0) // scale, 0)
-    right, bottom = outline.max(axis=0) // scale + 1
-    piece = mask[top:bottom, left:right]
+    cells = outline // scale
+    left, top, width, height = cv2.boundingRect(cells)
+    piece = mask[top:top + height, left:left + width]
     if not piece.any():
         return 0.0
     inside = np.zeros(piece.shape, np.uint8)
-    cv2.fillPoly(inside, [(outline // scale - (left, top)).astype(np.int32)], 1)
+    cv2.fillPoly(inside, [cells], 1, offset=(-left, -top))
     return cv2.countNonZero(inside & piece) / max(cv2.countNonZero(inside), 1)
