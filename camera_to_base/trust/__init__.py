@@ -22,7 +22,7 @@ jumps and age; the pipeline runs them in order.
 Callers: `nodes` and `commands`. It imports only numpy and OpenCV.
 """
 
-from camera_to_base.trust.arm_check import ArmCheck
+from camera_to_base.trust.arms.arm_check import ArmCheck
 from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
@@ -31,8 +31,8 @@ from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
 from camera_to_base.trust.thumbnail import read_thumbnail, view_thumbnail
-from camera_to_base.trust.view_check import View, ViewCheck
-from camera_to_base.trust.view_watch import ViewWatch
+from camera_to_base.trust.view.view_check import View, ViewCheck
+from camera_to_base.trust.view.view_watch import ViewWatch
 
 __all__ = [
     'ArmCheck', 'CameraPipeline', 'DamageCheck', 'FrameUncertainty', 'LIMIT_SPECS', 'Limits',

@@ -25,14 +25,14 @@ from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
-from camera_to_base.trust.arm_check import ArmCheck
+from camera_to_base.trust.arms.arm_check import ArmCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.sighting import Sighting
-from camera_to_base.trust.view_check import View
-from camera_to_base.trust.view_watch import ViewWatch
+from camera_to_base.trust.view.view_check import View
+from camera_to_base.trust.view.view_watch import ViewWatch
 from camera_to_base.uncertainty import FrameState, PositionUncertainty, ShiftMean
 import numpy as np
 

@@ -15,12 +15,12 @@
 from pathlib import Path
 import sys
 
-from camera_to_base.trust.view_check import View, view_reason, ViewCheck
+from camera_to_base.trust.view.view_check import View, view_reason, ViewCheck
 import cv2
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[2] / 'benchmarks'))
+sys.path.insert(0, str(Path(__file__).parents[3] / 'benchmarks'))
 import view_shift  # noqa: E402, I100
 
 

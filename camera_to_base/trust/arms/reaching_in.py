@@ -23,7 +23,7 @@ import numpy as np
 _LONGEST = 160
 # What differs from the background by more than this in one channel is there, in levels at the
 # background's light; in a dark frame not less than the second, for it is rounded.
-_FAINTEST, _FAINTEST_IN_THE_DARK = 5.0, 2.5
+_FAINTEST, _FAINTEST_IN_THE_DARK = 3.0, 2.5
 # The same in standard deviations of the noise.
 _NOISE_DEVIATIONS = 4.5
 # What is left of a shift of the camera that was measured, in px.

@@ -16,7 +16,7 @@
 
 from typing import NamedTuple
 
-from camera_to_base.trust.patches import Patches
+from camera_to_base.trust.view.patches import Patches
 import cv2
 import numpy as np
 

@@ -18,8 +18,8 @@ from typing import Optional
 
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.quick_look import Look, QuickLook
-from camera_to_base.trust.view_check import View, view_reason, ViewCheck
+from camera_to_base.trust.view.quick_look import Look, QuickLook
+from camera_to_base.trust.view.view_check import View, view_reason, ViewCheck
 import cv2
 import numpy as np
 

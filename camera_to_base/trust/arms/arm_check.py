@@ -20,9 +20,9 @@ from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
 from camera_to_base.reason import Level, Reason
-from camera_to_base.trust.left_behind import LeftBehind
-from camera_to_base.trust.reaching_in import Changes, covered_share, ReachingIn
-from camera_to_base.trust.rim import Rim, rim_of
+from camera_to_base.trust.arms.left_behind import LeftBehind
+from camera_to_base.trust.arms.reaching_in import Changes, covered_share, ReachingIn
+from camera_to_base.trust.arms.rim import Rim, rim_of
 import cv2
 import numpy as np
 

@@ -16,9 +16,9 @@
 
 from typing import NamedTuple, Optional
 
-from camera_to_base.trust.motion_fit import MotionFit
-from camera_to_base.trust.patch_fit import PatchFit
-from camera_to_base.trust.patches import find_places, Patches, step_for
+from camera_to_base.trust.view.motion_fit import MotionFit
+from camera_to_base.trust.view.patch_fit import PatchFit
+from camera_to_base.trust.view.patches import find_places, Patches, step_for
 import cv2
 import numpy as np
 
