@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The view: does the camera still see the surface from where the background was taken?
+The view: whether the camera still sees the surface from where the background was taken.
 
 In: the background, and frames of the same size. Out: how far the view has moved, or the reason why
 that cannot be told. `quick_look` looks at every frame, `view_check` compares all of a frame, and
