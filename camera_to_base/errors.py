@@ -49,3 +49,7 @@ class HorizonError(CameraToBaseError):
 
 class CalibrationError(CameraToBaseError):
     """A calibration cannot be computed from the given points or picture."""
+
+
+class InputEndedError(InvalidValueError):
+    """The person at the terminal does not answer any more."""

@@ -20,8 +20,8 @@ from typing import Any, Iterator, List, Optional, Protocol, Tuple
 from camera_to_base.calibration import (
     FRAMES, read_typed_position, suggested_places, Suggestion)
 from camera_to_base.commands.live_camera import CameraPositions, SimulatedPositions
-from camera_to_base.commands.prompts import ask, ask_for_object, InputEnded, tell
-from camera_to_base.errors import InvalidValueError
+from camera_to_base.commands.prompts import ask, ask_for_object, tell
+from camera_to_base.errors import InputEndedError, InvalidValueError
 from camera_to_base.parameters import read_parameter_file
 from camera_to_base.settings import CameraSettings, open_named_source, read_node_settings
 from camera_to_base.sources import kind_of, SIMULATED
@@ -76,7 +76,7 @@ class TypedRobot:
                 return read_typed_position(ask(
                     f'{_TOUCH} type x and y as its display shows them, in cm, or with mm or m '
                     'behind:'))
-            except InputEnded:
+            except InputEndedError:
                 raise
             except InvalidValueError as error:
                 tell(f'  {error}')

@@ -18,13 +18,9 @@ import sys
 from typing import Callable, TypeVar
 
 from camera_to_base.calibration import Suggestion
-from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.errors import CameraToBaseError, InputEndedError
 
 T = TypeVar('T')
-
-
-class InputEnded(InvalidValueError):
-    """Nobody answers any more."""
 
 
 def ask(question: str) -> str:
@@ -33,13 +29,13 @@ def ask(question: str) -> str:
 
     Questions go to standard error: standard output carries the report alone.
 
-    :raises InputEnded: If the input has ended.
+    :raises InputEndedError: If the input has ended.
     """
     print(question, end=' ', file=sys.stderr, flush=True)
     line = sys.stdin.readline()
     if not line:
         print(file=sys.stderr)
-        raise InputEnded(
+        raise InputEndedError(
             'the input has ended before all questions were answered: run it in a terminal')
     return line.strip()
 
@@ -58,7 +54,7 @@ def until_right(step: Callable[[], T], again: str) -> T:
     while True:
         try:
             return step()
-        except InputEnded:
+        except InputEndedError:
             raise
         except CameraToBaseError as error:
             tell(f'  {error}')

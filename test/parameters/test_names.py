@@ -53,5 +53,5 @@ def test_new_name_holds_where_both_are_given():
 
 
 def test_old_name_is_none_of_another_parameter():
-    # Both nodes take the placement and the name of the camera frame.
-    assert len(NAMES) == len(set(NAMES)) + 3
+    # Both nodes take the placement, the camera frame's name and the record of the calibration.
+    assert len(NAMES) == len(set(NAMES)) + 6
