@@ -19,10 +19,17 @@ It knows nothing of the checks. Everything is drawn on the table, in px of the c
 bumped; the camera then takes its picture, with vignetting, light and noise.
 """
 
+from pathlib import Path
+import sys
+
 import cv2
 import numpy as np
 
-WIDTH, HEIGHT, MARGIN = 640, 480, 90
+sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
+from bumped_camera import seen_at, smooth_noise, view_of  # noqa: E402, I100
+
+SIZE = WIDTH, HEIGHT = 640, 480
+MARGIN = 90
 SHAPE = HEIGHT + 2 * MARGIN, WIDTH + 2 * MARGIN
 EDGES = 'left', 'right', 'top', 'bottom'
 SKINS = ((134, 169, 222), (103, 143, 198), (75, 110, 170), (60, 85, 140), (40, 60, 105),
@@ -30,9 +37,7 @@ SKINS = ((134, 169, 222), (103, 143, 198), (75, 110, 170), (60, 85, 140), (40, 6
 
 
 def _field(random, width, height):
-    field = random.standard_normal(SHAPE).astype(np.float32)
-    field = cv2.GaussianBlur(field, (0, 0), sigmaX=width, sigmaY=height)
-    return field / field.std()
+    return smooth_noise(random, SHAPE, width, height)
 
 
 def wood(random):
@@ -170,24 +175,15 @@ class Table:
         canvas = self.canvas.copy() if draw else self.canvas
         for function in draw:
             function(canvas)
-        picture = cv2.warpAffine(canvas, warp(move), (WIDTH, HEIGHT)) * self._lens * light
+        picture = cv2.warpAffine(canvas, view_of(move, SIZE, MARGIN), SIZE) * self._lens * light
         v, u = self._random.integers(0, 16, 2)
         picture += self._noises[self._random.integers(3)][v:v + HEIGHT, u:u + WIDTH]
         return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
 
-def warp(move):
-    """Give the map from the canvas to the picture, shape (2, 3)."""
-    du, dv, angle, growth = move
-    matrix = cv2.getRotationMatrix2D((MARGIN + WIDTH / 2, MARGIN + HEIGHT / 2), angle, 1 + growth)
-    matrix[:, 2] += du - MARGIN, dv - MARGIN
-    return matrix
-
-
 def moved(move, points):
     """Tell where points of the unmoved picture are in that of a moved camera, shape (n, 2)."""
-    matrix = warp(move)
-    return (np.asarray(points, float) + MARGIN) @ matrix[:, :2].T + matrix[:, 2]
+    return seen_at(move, points, SIZE, MARGIN)
 
 
 def coin(at, radius=21.0, colour=(52, 60, 70)):

@@ -19,10 +19,13 @@ It knows nothing of the checks. The canvas is larger than the picture, so that a
 what lies beside it. Lengths are in px of the camera before it is bumped; 1 px is 0.5625 mm.
 """
 
+import bumped_camera
+from bumped_camera import smooth_noise, view_of
 import cv2
 import numpy as np
 
-WIDTH, HEIGHT, MARGIN = 320, 240, 40
+SIZE = WIDTH, HEIGHT = 320, 240
+MARGIN = 40
 SHAPE = HEIGHT + 2 * MARGIN, WIDTH + 2 * MARGIN
 MM_PER_PX, FRAMES_PER_S = 0.5625, 12
 AT_REST = np.zeros(4)
@@ -134,7 +137,8 @@ class World:
             thing.draw(canvas)
         for arm, reach in self.arms:
             arm.draw(canvas, reach)
-        picture = cv2.warpAffine(canvas, warp(self.pose + self.shift), (WIDTH, HEIGHT))
+        picture = cv2.warpAffine(canvas, view_of(
+            self.pose + self.shift, SIZE, MARGIN), SIZE)
         picture = cv2.convertScaleAbs(picture, alpha=self.light * self.flicker)
         v, u, which = self._random.integers((16, 16, 3))
         return cv2.add(picture, self._noises[which][v:v + HEIGHT, u:u + WIDTH], dtype=cv2.CV_8U)
@@ -159,24 +163,13 @@ class World:
                                      + random.uniform(-8, 8, 3), 5, 250), at)
 
 
-def warp(pose):
-    """Give the map from the canvas to the picture of a camera, shape (2, 3)."""
-    du, dv, angle, growth = pose
-    matrix = cv2.getRotationMatrix2D((MARGIN + WIDTH / 2, MARGIN + HEIGHT / 2), angle, 1 + growth)
-    matrix[:, 2] += du - MARGIN, dv - MARGIN
-    return matrix
-
-
 def seen_at(pose, place):
     """Tell where a camera sees a place, in px."""
-    matrix = warp(pose)
-    return matrix[:, :2] @ (np.asarray(place) + MARGIN) + matrix[:, 2]
+    return bumped_camera.seen_at(pose, place, SIZE, MARGIN)
 
 
 def _field(random, width, height):
-    field = random.standard_normal(SHAPE).astype(np.float32)
-    field = cv2.GaussianBlur(field, (0, 0), sigmaX=width, sigmaY=height)
-    return field / field.std()
+    return smooth_noise(random, SHAPE, width, height)
 
 
 def _wood(random):

@@ -67,7 +67,8 @@ class ImageTopic(ReaderStatus):
         self._refused_at = -LOST_AFTER_S
         self._mismatch: Optional[FrameSourceError] = None
         self._last_number: Optional[int] = None
-        self._is_compressed = compressed
+        self._message_type = CompressedImage if compressed else Image
+        self._topic = 'image/compressed' if compressed else 'image'
         # A large picture comes in many packets: on a busy machine most pictures are lost unless
         # both ends are reliable.
         self._subscription = self._subscribe(
@@ -109,8 +110,7 @@ class ImageTopic(ReaderStatus):
     ) -> Subscription:
         # Depth 1: only the newest picture is of use.
         return self._node.create_subscription(
-            CompressedImage if self._is_compressed else Image,
-            'image/compressed' if self._is_compressed else 'image', self._on_message,
+            self._message_type, self._topic, self._on_message,
             QoSProfile(depth=1, reliability=reliability),
             event_callbacks=SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch),
             qos_overriding_options=options)

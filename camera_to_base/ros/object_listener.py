@@ -57,6 +57,17 @@ class Listener:
             self._executor.spin_once(timeout_sec=0.05)
         return is_done()
 
+    def receive_anew(self, messages: List[Any], count: int, seconds: float) -> bool:
+        """
+        Wait for new messages; those that waited in the queue are dropped.
+
+        :param messages: The list that the subscription appends to.
+        :returns: Whether as many came in time.
+        """
+        self.spin_until(lambda: False, _DRAIN_S)
+        messages.clear()
+        return self.spin_until(lambda: len(messages) >= count, seconds)
+
     def close(self) -> None:
         """End the node."""
         self._executor.shutdown()
@@ -112,9 +123,7 @@ class ObjectListener(Listener):
         :returns: For each frame x and y of each object, in cm, the largest first.
         :raises CalibrationError: If they do not come; it tells what the node says about it.
         """
-        self.spin_until(lambda: False, _DRAIN_S)
-        self._frames.clear()
-        if not self.spin_until(lambda: len(self._frames) >= count, _LONGEST_WAIT_S):
+        if not self.receive_anew(self._frames, count, _LONGEST_WAIT_S):
             raise CalibrationError(
                 f'{len(self._frames)} of {count} frames came within {_LONGEST_WAIT_S:g} s: '
                 f'{self._told or "is the node still running?"}')

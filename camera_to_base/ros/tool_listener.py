@@ -49,10 +49,7 @@ class ToolListener(Listener):
         :returns: x and y, in cm, in the frame of the messages.
         :raises CalibrationError: If no poses come, the tool moves, or their frame changes.
         """
-        # What waited in the queue is older than the touch.
-        self.spin_until(lambda: False, 0.2)
-        self._poses.clear()
-        if not self.spin_until(lambda: len(self._poses) >= _MESSAGES, _LONGEST_WAIT_S):
+        if not self.receive_anew(self._poses, _MESSAGES, _LONGEST_WAIT_S):
             raise CalibrationError(
                 f'{len(self._poses)} poses came on the topic {self._topic} within '
                 f'{_LONGEST_WAIT_S:g} s: does the robot publish geometry_msgs/PoseStamped there?')

@@ -68,35 +68,30 @@ class StreamClock:
         delay = _Delay(came_at, came_at - stamp_s)
         _append(self._recent, delay, _RECENT_S)
         usual_s = self._usual_s()
-        is_known = usual_s is not None
-        if not is_known:
-            usual_s = self._first_delay_s()
         is_late = usual_s is not None and delay.seconds - usual_s > _LARGEST_DELAY_S
         self._late_since = (self._late_since or came_at) if is_late else None
+        is_known = usual_s is not None and self._usual_time_s >= _SHORTEST_MEMORY_S
         return is_late or not is_known and self._is_useful and self._falls(delay)
 
     def accept(self) -> None:
         """Take the frame that was judged last for a new one."""
         _append(self._usual, self._recent[-1], _MEMORY_S)
 
+    @property
+    def _usual_time_s(self) -> float:
+        return self._usual[-1].at - self._usual[0].at
+
     def _usual_s(self) -> Optional[float]:
         if not self._usual:
             return None
-        delays = [delay.seconds for delay in self._usual]
-        time_s = self._usual[-1].at - self._usual[0].at
-        if time_s < _SHORTEST_MEMORY_S or len(delays) < 2:
-            return None
+        delays, time_s = [delay.seconds for delay in self._usual], self._usual_time_s
+        if time_s < _SHORTEST_MEMORY_S:
+            # Steady delays tell a sudden step already: a stall soon after the start.
+            return min(delays) if max(delays) - min(delays) <= _LARGEST_FALL_S else None
         # A busy machine or network makes frames late, none early: the least delays count.
         before, after = min(delays[:len(delays) // 2]), min(delays[len(delays) // 2:])
         runs_like_the_clock = -_LARGEST_FALL_S <= after - before <= _LARGEST_DRIFT * time_s
         return min(before, after) if runs_like_the_clock else None
-
-    def _first_delay_s(self) -> Optional[float]:
-        # Before the usual delay is known, a sudden step is told: a stall soon after the start.
-        delays = [delay.seconds for delay in self._usual]
-        is_young = bool(delays) and self._usual[-1].at - self._usual[0].at < _SHORTEST_MEMORY_S
-        is_steady = is_young and max(delays) - min(delays) <= _LARGEST_FALL_S
-        return min(delays) if is_steady else None
 
     def _falls(self, delay: _Delay) -> bool:
         falls = max(self._recent, key=_seconds).seconds - delay.seconds > _LARGEST_DELAY_S

@@ -83,13 +83,13 @@ def shares_structure(thumbnail: np.ndarray, picture: np.ndarray) -> Optional[boo
     :param picture: Shape (h, w, 3), uint8, BGR.
     :returns: None if one of them has too little structure, or too little of it is known.
     """
-    known = cv2.erode((thumbnail != _UNKNOWN).astype(np.uint8), np.ones((3, 3)))
+    known = thumbnail != _UNKNOWN
     # The known mean, so that the edge of what was hidden is no structure.
-    filled = np.where(thumbnail != _UNKNOWN, thumbnail, thumbnail[thumbnail != _UNKNOWN].mean()
-                      if (thumbnail != _UNKNOWN).any() else 0).astype(np.float32)
-    there, here = _bands(filled), _bands(_small(picture))
+    mean = thumbnail[known].mean() if known.any() else 0
+    there = _bands(np.where(known, thumbnail, mean).astype(np.float32))
+    here = _bands(_small(picture))
     inner = np.s_[_REACH:-_REACH, _REACH:-_REACH]
-    mask = known[inner] > 0
+    mask = cv2.erode(known.astype(np.uint8), np.ones((3, 3)))[inner] > 0
     if mask.mean() < _LEAST_KNOWN or min(
             there[inner][mask].std(), here[inner].std()) < _LEAST_CONTRAST:
         return None

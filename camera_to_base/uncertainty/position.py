@@ -127,11 +127,9 @@ class PositionUncertainty:
         :returns: Shape (n, 2, 2), of x and y, in cm².
         :raises HorizonError: If a pixel lies on the horizon or beyond it.
         """
-        surface, lens, camera = self._of_size(image_size)
-        moves = scales_at(surface, pixels) @ warp_design(pixels, image_size, lens)
-        slopes = self.height_tolerance_cm * height_slopes(surface.locate(pixels), camera)
-        return (moves @ self.warp_covariance @ moves.transpose(0, 2, 1)
-                + slopes[:, :, None] * slopes[:, None])
+        _, covariances, slopes = self._calibration_at(pixels, image_size)
+        slopes = self.height_tolerance_cm * slopes
+        return covariances + slopes[:, :, None] * slopes[:, None]
 
     @property
     def _rotation_variance(self) -> float:
@@ -150,15 +148,22 @@ class PositionUncertainty:
         return self._places[key]
 
     def _made_place(self, image_size: ImageSize, pixels: np.ndarray) -> Optional[_Place]:
-        surface, lens, camera = self._of_size(image_size)
         try:
-            scales = scales_at(surface, pixels)
+            scales, covariances, slopes = self._calibration_at(pixels, image_size)
         except HorizonError:
             return None
+        (xx, xy), (_, yy) = covariances[0].tolist()
+        return _Place(tuple(scales[0].ravel().tolist()), (xx, xy, yy), tuple(slopes[0].tolist()))
+
+    def _calibration_at(
+        self, pixels: np.ndarray, image_size: ImageSize
+    ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return scales (n, 2, 2), covariances (n, 2, 2) and slopes (n, 2), see `_Place`."""
+        surface, lens, camera = self._of_size(image_size)
+        scales = scales_at(surface, pixels)
         moves = scales @ warp_design(pixels, image_size, lens)
-        (xx, xy), (_, yy) = (moves @ self.warp_covariance @ moves.transpose(0, 2, 1))[0].tolist()
-        slope = height_slopes(surface.locate(pixels), camera)[0]
-        return _Place(tuple(scales[0].ravel().tolist()), (xx, xy, yy), tuple(slope.tolist()))
+        return (scales, moves @ self.warp_covariance @ moves.transpose(0, 2, 1),
+                height_slopes(surface.locate(pixels), camera))
 
     def _of_size(self, image_size: ImageSize) -> Tuple[Surface, Lens, CameraPlace]:
         found = self._places.get(image_size)

@@ -39,7 +39,3 @@ class ShiftMean:
         """Add a frame's shift, in px."""
         self._count = min(self._count + 1, _FRAMES)
         self._square += (shift_px ** 2 - self._square) / self._count
-
-    def forget(self) -> None:
-        """Start anew, as with a new background."""
-        self._square = self._count = 0.0

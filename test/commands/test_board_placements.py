@@ -14,6 +14,7 @@
 
 """`calibrate board` with a board that lies in several places, one picture each."""
 
+from functools import partial
 import json
 from pathlib import Path
 
@@ -29,17 +30,10 @@ CAMERA = pixel_from_surface(25, 10, away_cm=90.0)
 PLACES = [(0, -12.0, -10.0), (8, 14.0, -9.0), (-5, -13.0, 11.0), (176, 35.0, 22.0)]
 
 
-@pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.fixture
-def run(capsys):
-    def run_command(*arguments):
-        code = main([str(argument) for argument in arguments])
-        return code, *capsys.readouterr()
-    return run_command
+def run(run_main):
+    """Run the command; give exit code, standard output and standard error."""
+    return partial(run_main, main)
 
 
 def placed(turn_deg, x, y):

@@ -15,6 +15,7 @@
 
 """The command `calibrate`, on pictures and tables that the tests make themselves."""
 
+from functools import partial
 import json
 from pathlib import Path
 import re
@@ -44,21 +45,10 @@ PAIRS = ('x_cam_cm,y_cam_cm,x_base_cm,y_base_cm\n'
 TOUCHED = np.array([[1.0, 1.0], [18.5, 1.5], [17.0, 11.0], [2.0, 10.5], [9.0, 4.0], [11.0, 9.0]])
 
 
-@pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.fixture
-def run(capsys):
+def run(run_main):
     """Run the command; give exit code, standard output and standard error."""
-    def run_command(*arguments):
-        try:
-            code = main([str(argument) for argument in arguments])
-        except SystemExit as end:
-            code = end.code
-        return code, *capsys.readouterr()
-    return run_command
+    return partial(run_main, main)
 
 
 @pytest.fixture

@@ -27,11 +27,6 @@ import numpy as np
 import pytest
 
 
-@pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
 class Person(io.TextIOBase):
     """
     Somebody at the terminal, who types what the simulated robot's display shows.

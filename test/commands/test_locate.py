@@ -16,6 +16,7 @@
 
 import csv
 import fcntl
+from functools import partial
 import os
 from pathlib import Path
 import pty
@@ -42,22 +43,15 @@ COMMAND = [sys.executable, '-m', 'camera_to_base.commands.locate']
 
 
 @pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path, monkeypatch):
+def with_a_recording(in_a_folder_of_its_own, monkeypatch):
     monkeypatch.setenv('PYTHONPATH', os.pathsep.join(filter(None, sys.path)))
-    monkeypatch.chdir(tmp_path)
     write_video('disc.avi', [None, *PATH])
 
 
 @pytest.fixture
-def run(capsys):
+def run(run_main):
     """Run the command; give exit code, standard output and standard error."""
-    def run_command(*arguments):
-        try:
-            code = locate.main([str(argument) for argument in arguments])
-        except SystemExit as end:
-            code = end.code
-        return code, *capsys.readouterr()
-    return run_command
+    return partial(run_main, locate.main)
 
 
 def parameters(text, name='cell.yaml'):
