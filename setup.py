@@ -34,7 +34,8 @@ setup(
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
-    install_requires=['matplotlib', 'numpy', 'opencv-python-headless', 'PyYAML', 'scipy', 'tqdm'],
+    install_requires=[
+        'matplotlib', 'numpy', 'opencv-python-headless', 'PyYAML', 'scipy', 'tornado', 'tqdm'],
     zip_safe=True,
     options={'build_scripts': {'executable': interpreter}},
     maintainer='The camera_to_base authors',

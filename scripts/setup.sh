@@ -15,8 +15,8 @@ use_sourced_ros() {
     python=${PYTHON:-python3}
     command -v colcon > /dev/null ||
         fail "colcon is missing: sudo apt install python3-colcon-common-extensions"
-    "$python" -c 'import cv2, matplotlib, numpy, rclpy, scipy, tqdm, yaml' 2> /dev/null ||
-        fail "rclpy, numpy, OpenCV, matplotlib, scipy, tqdm or yaml is missing: rosdep install --from-paths . --ignore-src -y"
+    "$python" -c 'import cv2, matplotlib, numpy, rclpy, scipy, tornado, tqdm, yaml' 2> /dev/null ||
+        fail "rclpy, numpy, OpenCV, matplotlib, scipy, tornado, tqdm or yaml is missing: rosdep install --from-paths . --ignore-src -y"
 }
 
 check_python() {
