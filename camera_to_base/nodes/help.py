@@ -78,6 +78,20 @@ examples:
   ros2 run camera_to_base {name} --ros-args --params-file cell.yaml
   ros2 run camera_to_base {name} --ros-args -p reach_cm:=35.0
 """,
+    'dashboard': """
+Serves a page on which a cell is set up and watched in a browser; it prints the page's address.
+
+It needs the other two nodes, on this machine or on another one of the same ROS domain.
+
+parameters that are used most:
+  host                       127.0.0.1 (default) for this machine alone, 0.0.0.0 for all networks
+  port                       8080
+  params_file                the parameter file that is written when a calibration is saved
+
+examples:
+  ros2 run camera_to_base {name} --ros-args -p params_file:=$PWD/cell.yaml
+  ros2 run camera_to_base {name} --ros-args -p host:=0.0.0.0 -p port:=8081
+""",
 }
 _USAGE = 'usage: ros2 run camera_to_base {name} [--ros-args ROS_ARGUMENTS]\n'
 _MORE = """
