@@ -35,12 +35,12 @@ function filled(node, properties, children) {
   return node;
 }
 
-/** Set an attribute, or remove it where the value is null or false. */
+/** Set an attribute; null removes it, and so does false, except for those of ARIA. */
 export function setAttribute(node, name, value) {
-  if (value === null || value === undefined || value === false) node.removeAttribute(name);
-  else if (node.getAttribute(name) !== String(value)) {
-    node.setAttribute(name, value === true ? '' : value);
-  }
+  const isState = typeof value === 'boolean' && !name.startsWith('aria-');
+  const text = isState ? '' : String(value);
+  if (value === null || value === undefined || isState && !value) node.removeAttribute(name);
+  else if (node.getAttribute(name) !== text) node.setAttribute(name, text);
 }
 
 /** Set a text only where it differs: a live region is not read out again. */

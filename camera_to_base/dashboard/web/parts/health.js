@@ -82,6 +82,6 @@ function createLog() {
     messages = items;
     draw();
   };
-  return {update, node: element('div', {}, element('p', {},
+  return {update, node: element('div', {class: 'log-box'}, element('p', {},
     element('label', {for: 'log-level'}, 'Show '), choice), list.node)};
 }

@@ -23,7 +23,7 @@ const HEADS = ['No.', 'Seen x, y in cm', 'Touched x, y in cm', 'Error in mm',
 
 /** Make the card. */
 export function createPairs() {
-  const list = table('Pairs', HEADS);
+  const list = table('Seen by the camera and touched by the robot', HEADS, {class: 'numbers'});
   const none = element('p', {class: 'quiet'}, 'No pair yet.');
   const node = card('Pairs', none, list.node);
   const update = ({pairs}) => {
@@ -36,6 +36,7 @@ export function createPairs() {
 
 function pairRow(number) {
   const node = row(HEADS.length);
+  node.cells[5].className = 'words';
   node.cells[6].append(
     button('Again', () => robot('again', {number}), {
       class: 'quiet small', 'aria-label': `Measure pair ${number} again`}),

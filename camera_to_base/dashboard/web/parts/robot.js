@@ -31,8 +31,8 @@ export function createRobot(store) {
   const touch = createTouch();
   const pairs = createPairs();
   const fit = createFit();
-  const work = element('div', {}, element('div', {class: 'columns'}, see.node,
-    element('div', {}, touch.node, pairs.node)));
+  const work = element('div', {}, element('div', {class: 'columns'}, see.node, touch.node),
+    pairs.node);
   let isShown = false;
   const follow = () => {
     if (isShown && store.get('robot')?.step === 'measuring') see.start();

@@ -43,11 +43,11 @@ function state(store) {
   if (connection === 'lost') return {level: 'error', sentence: LOST, more: LOST_CURE};
   if (connection !== 'open') return {level: 'error', sentence: connection};
   if (!watch) return {level: 'warn', sentence: 'Waiting for the nodes …'};
-  if (watch.silence) return silenceState(watch.silence);
+  if (watch.silence ?? watch.warning) return problemState(watch.silence ?? watch.warning);
   return {level: 'ok', sentence: published(watch)};
 }
 
-function silenceState({level, sentence}) {
+function problemState({level, sentence}) {
   // The first sentence or clause is the problem, the rest is the cure.
   const [, problem, cure] = sentence.match(/^(.+?[.:;])\s+(.+)$/s) ?? [null, sentence, ''];
   return {level, sentence: problem.replace(/[:;]$/, '.'), more: upper(cure)};

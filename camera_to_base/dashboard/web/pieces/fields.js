@@ -68,10 +68,10 @@ export function createField(spec, id, change) {
   return {node, update};
 }
 
-function describe({description, constraints, unit, read_only: isFixed}) {
-  const limits = constraints && !description.includes(constraints) ? `Limits: ${constraints}.` : '';
+function describe({description, constraints, read_only: isFixed}) {
+  const limits = constraints && !choicesOf({constraints}) ? `Limits: ${constraints}.` : '';
   const fixedNote = isFixed ? 'It is read at the start of the node only.' : '';
-  return [description, limits || (unit && `In ${unit}.`), fixedNote].filter(Boolean).join(' ');
+  return [description, limits, fixedNote].filter(Boolean).join(' ');
 }
 
 function makeControl(spec, id, tell) {

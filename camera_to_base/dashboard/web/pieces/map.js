@@ -32,7 +32,7 @@ export function createMap(choose) {
       ...(watch.truth ?? []).map(([x, y]) => truth(x, y, box)),
       ...watch.objects.filter((object) => object.base).map(
         (object) => mark(object, box, selection.is(object), choose)));
-    setText(note, legend(watch));
+    setText(note, legend(watch, box));
   };
   return {node: element('div', {}, drawing, note), update};
 }
@@ -44,15 +44,21 @@ function summary({objects, map}) {
   return `Map in the base frame: ${list || 'no object'}${map?.view ? '; the view of the camera' : ''}.`;
 }
 
-function legend({map, truth: places}) {
+function legend({map, truth: places}, box) {
   return ['Base frame, in cm.', map?.view && 'Blue: what the camera sees.',
-    reach(map) && 'Dashed: the reach of the robot.', map?.work_area && 'Green: the work area.',
+    isInside(map, box) && 'Dashed: the reach of the robot.', map?.work_area && 'Green: the work area.',
     places?.length && 'Rings: where the simulated objects really are.',
   ].filter(Boolean).join(' ');
 }
 
 function reach(map) {
   return map?.reach_cm && map.reach_cm[1] <= LARGEST_CM ? map.reach_cm : null;
+}
+
+/** Tell whether the line of the reach can be seen. */
+function isInside(map, {left, top, width, height}) {
+  const far = Math.hypot(Math.max(-left, left + width), Math.max(top, height - top));
+  return (reach(map) ?? []).some((radius) => radius > 0 && radius < far);
 }
 
 /** Return what the map shows: the view, the objects, and the robot's base. */

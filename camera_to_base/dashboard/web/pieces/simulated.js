@@ -20,7 +20,7 @@ import {attempt} from '../base/notices.js';
 import {fixed} from '../base/numbers.js';
 
 const SHOWS = {
-  objects: 'Moving objects', still_objects: 'Objects at rest', board: 'Board', empty: 'Empty table'};
+  objects: 'Moving objects', still_objects: 'Objects at rest', empty: 'Nothing', board: 'Board'};
 const BUMP = {'simulated.camera_shift_px': [6, 4]};
 const BACK = {'simulated.camera_shift_px': [0, 0]};
 
@@ -36,16 +36,18 @@ export function createSimulated(store) {
   const sentence = element('p', {class: 'quiet'});
   const lay = (kind, place = Number(placement.value) || 1) => attempt(
     () => act('/api/simulated/show', {shows: kind, placement: place}), () => null);
-  panel.append(element('details', {open: true}, element('summary', {}, 'Simulated table'),
-    element('p', {class: 'quiet'}, 'No real camera is used. Do here what you would do by hand.'),
+  const isWide = matchMedia('(min-width: 50rem)').matches;
+  panel.append(element('details', {open: isWide}, element('summary', {},
+    'Simulated table: do here what you would do by hand'),
+  element('div', {class: 'lines'},
     line('On the table', element('div', {class: 'buttons', role: 'group', 'aria-label': 'On the table'},
       ...shows.map(([, node]) => node))),
     line('Place of the board', placement, 'placement'),
     line('The robot touches', touch),
     line("The robot's display", display),
     line('Camera', element('div', {class: 'buttons'},
-      button('Bump the camera', () => nudge(BUMP)), button('Put it back', () => nudge(BACK)))),
-    sentence));
+      button('Bump', () => nudge(BUMP)), button('Put back', () => nudge(BACK))))),
+  sentence));
   store.on('simulated', (state) => {
     show(panel, state.shown);
     for (const [kind, node] of shows) setAttribute(node, 'aria-pressed', kind === state.shows);
@@ -58,7 +60,8 @@ export function createSimulated(store) {
     setText(sentence, state.sentence ?? '');
   });
   store.on('watch', ({objects}) => sync(touch, objects, ({number}) => number,
-    ({number}) => button(`Object ${number}`, () => reach(store, number)), () => {}));
+    ({number}) => button(String(number), () => reach(store, number),
+      {'aria-label': `Object ${number}`}), () => {}));
 }
 
 function line(name, content, id) {
