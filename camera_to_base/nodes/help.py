@@ -26,6 +26,9 @@ publishes:
   pos_in_cam_frame/pose      geometry_msgs/PoseWithCovarianceStamped: the same, with its covariance
   objects_in_cam_frame       geometry_msgs/PoseArray: every object, largest first, in m
   objects_in_cam_frame/ellipses  visualization_msgs/MarkerArray: where 95 % of errors lie, for RViz
+  objects_in_cam_frame/left_out  visualization_msgs/MarkerArray: what is not published, and why
+  frame/compressed           sensor_msgs/CompressedImage: the frame as JPEG, at most 10 a second
+  mask/compressed, background/compressed  likewise as PNG; the background when it is taken
   debug_image, mask          sensor_msgs/Image: the objects found, drawn if there is a subscriber
   debug_image/compressed     sensor_msgs/CompressedImage: the same as JPEG
   true_pos_in_cam_frame      with source:=simulated only: true position of the coin, in cm

@@ -43,7 +43,7 @@ class State(NamedTuple):
 def silence(state: State) -> Optional[Dict[str, Any]]:
     """Return why no positions come, in the camera frame or in the base frame; None if they do."""
     if state.silent_s <= SILENT_S:
-        return None if state.cell.transform is not None else _reason(
+        return None if state.cell.transform is not None else _told(
             'transform_not_running', 'warn',
             'robot_base_publisher does not run, so there are no positions in the base frame: '
             + _start('robot_base_publisher', state.cell))
@@ -51,12 +51,12 @@ def silence(state: State) -> Optional[Dict[str, Any]]:
         return _no_camera_node(state)
     report = state.camera
     if report is not None and report.is_stale:
-        return _reason('node_hangs', 'error', (
+        return _told('node_hangs', 'error', (
             f'camera_publisher has not reported for {report.age_s:.0f} s: look at its terminal, '
             'and start it anew'))
     if report is not None and report.level != 'ok':
-        return _reason(report.reason, report.level, report.sentence)
-    return _reason('waiting', 'warn', 'waiting for the first positions of camera_publisher')
+        return _told(report.reason, report.level, report.sentence)
+    return _told('waiting', 'warn', 'waiting for the first positions of camera_publisher')
 
 
 def warning(state: State) -> Optional[Dict[str, Any]]:
@@ -65,16 +65,16 @@ def warning(state: State) -> Optional[Dict[str, Any]]:
         return None
     for report in (state.camera, state.transform):
         if report is not None and report.level != 'ok' and not report.is_stale:
-            return _reason(report.reason, report.level, report.sentence)
+            return _told(report.reason, report.level, report.sentence)
     return None
 
 
 def _no_camera_node(state: State) -> Dict[str, Any]:
     if state.was_seen:
-        return _reason('node_ended', 'error', (
+        return _told('node_ended', 'error', (
             'camera_publisher has ended: its terminal says why. '
             + _start('camera_publisher', state.cell).capitalize()))
-    return _reason('not_running', 'error', (
+    return _told('not_running', 'error', (
         'camera_publisher does not run, or this machine does not find it: '
         + _start('camera_publisher', state.cell)))
 
@@ -85,5 +85,5 @@ def _start(node: str, cell: Cell) -> str:
         f' --ros-args{in_cell}' if in_cell else '')
 
 
-def _reason(kind: str, level: str, sentence: str) -> Dict[str, Any]:
+def _told(kind: str, level: str, sentence: str) -> Dict[str, Any]:
     return {'reason': kind, 'level': level, 'sentence': sentence}
