@@ -15,13 +15,14 @@
 // Short messages at the page's edge; a screen reader reads them out.
 
 import {button, element} from './dom.js';
+import {sentence as asSentence} from './numbers.js';
 
 const SHOWN_MS = 8000;
 
 /** Show a message; one that tells of an error stays until it is closed. */
 export function notice(sentence, level = 'info') {
   const place = document.getElementById('notices');
-  const note = element('div', {class: `notice ${level}`}, element('p', {}, sentence));
+  const note = element('div', {class: `notice ${level}`}, element('p', {}, asSentence(sentence)));
   note.append(button('Close', () => note.remove(), {class: 'quiet'}));
   place.append(note);
   while (place.children.length > 3) place.firstChild.remove();

@@ -40,6 +40,11 @@ export function ago(seconds) {
   return `${Math.round(seconds / 60)} min ago`;
 }
 
+/** Begin a sentence with a capital letter. */
+export function sentence(text) {
+  return text ? text.charAt(0).toUpperCase() + text.slice(1) : '';
+}
+
 /** Write a time of day. */
 export function clock(unixSeconds) {
   return new Date(1000 * unixSeconds).toLocaleTimeString([], {hour12: false});

@@ -24,10 +24,10 @@ import {LivePicture} from '../pieces/pictures.js';
 const TITLES = {
   detector: 'Detection', '': 'General', view: 'Check of the view', surface: 'Surface',
   uncertainty: 'Uncertainty', debug_image: 'Debug image', calibration: 'Calibration',
-  simulated: 'Simulated camera', transform: 'Base frame',
+  simulated: 'Simulated camera', transform: 'Base frame', qos_overrides: 'Quality of service',
 };
 const ORDER = ['detector', '', 'transform', 'view', 'uncertainty', 'debug_image', 'simulated',
-  'surface', 'calibration'];
+  'surface', 'calibration', 'qos_overrides'];
 
 /** Make the part. */
 export function createDetect(store) {
@@ -53,7 +53,8 @@ export function createDetect(store) {
 function createBackground() {
   const take = button('Take the background now', async () => {
     take.disabled = true;
-    await attempt(() => act('/api/background'));
+    await attempt(() => act('/api/background'),
+      (answer) => `The background is new: ${answer.sentence}.`);
     take.disabled = false;
   }, {class: 'primary'});
   return card('Background', element('p', {},
@@ -74,8 +75,9 @@ function createFields(store) {
     for (const node of ['camera', 'transform']) {
       for (const spec of parameters[node] ?? []) {
         const key = `${node}:${spec.name}`;
-        if (fields.has(key)) fields.get(key).update(spec);
-        else fields.set(key, addField(groups, place, node, spec));
+        if (!fields.has(key)) fields.set(key, addField(groups, place, node, spec));
+        fields.get(key).update(spec);
+        fields.get(key).node.classList.toggle('idle', isIdle(spec, parameters[node]));
       }
     }
     show(none, !fields.size);
@@ -83,6 +85,15 @@ function createFields(store) {
   });
   return {node: element('div', {}, none, element('p', {class: 'search'},
     element('label', {for: 'find-parameter'}, 'Find a parameter '), search), result, place)};
+}
+
+/** Tell whether a parameter belongs to a choice that is not taken, such as another method. */
+function isIdle({name, description}, specs) {
+  const choice = description.match(/^(\w+): /)?.[1];
+  const group = name.split('.')[0];
+  const chooser = specs.find((spec) => spec.name.startsWith(`${group}.`) &&
+    spec.choices?.includes(choice));
+  return Boolean(chooser) && chooser.value !== choice;
 }
 
 function addField(groups, place, node, spec) {

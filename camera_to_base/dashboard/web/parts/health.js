@@ -16,7 +16,7 @@
 
 import {createChart} from '../pieces/charts.js';
 import {card, element, fillRow, row, setAttribute, setText, show, sync, table} from '../base/dom.js';
-import {ago, clock} from '../base/numbers.js';
+import {ago, clock, sentence as asSentence} from '../base/numbers.js';
 
 const WORDS = {ok: 'Well', warn: 'Warning', error: 'Fault', stale: 'Silent'};
 const SEVERITY = {debug: 0, info: 1, warn: 2, error: 3, fatal: 4};
@@ -54,7 +54,7 @@ function fillNode(node, {level, sentence, reason, age_s: age, values}) {
   const mark = node.querySelector('.mark');
   setAttribute(mark, 'class', `mark pill ${level}`);
   setText(mark, WORDS[level] ?? level);
-  setText(node.children[1], sentence);
+  setText(node.children[1], asSentence(sentence));
   setText(node.children[2], `${ago(age)}${reason && reason !== 'ok' ? ` · ${reason}` : ''}`);
   const pairs = Object.entries(values ?? {});
   sync(node.querySelector('tbody'), pairs, ([key]) => key, () => row(2),

@@ -37,7 +37,7 @@ export function createWatch(store) {
   const picture = new LivePicture('annotated', KINDS.annotated[1]);
   const map = createMap((object) => selection.choose(object));
   const list = table('Objects on the surface', [
-    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction', '± mm'], {class: 'numbers'});
+    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction', '± mm (95 %)'], {class: 'numbers'});
   const empty = element('p', {class: 'quiet'}, 'No object.');
   const figures = createFigures();
   const leftOut = createLeftOut();

@@ -14,7 +14,7 @@
 
 // The sentence above all parts: whether positions are published, and if not, why.
 
-import {fixed} from '../base/numbers.js';
+import {fixed, sentence as asSentence} from '../base/numbers.js';
 import {setText} from '../base/dom.js';
 
 const LOST = 'The dashboard does not answer.';
@@ -50,11 +50,7 @@ function state(store) {
 function problemState({level, sentence}) {
   // The first sentence or clause is the problem, the rest is the cure.
   const [, problem, cure] = sentence.match(/^(.+?[.:;])\s+(.+)$/s) ?? [null, sentence, ''];
-  return {level, sentence: problem.replace(/[:;]$/, '.'), more: upper(cure)};
-}
-
-function upper(text) {
-  return text.charAt(0).toUpperCase() + text.slice(1);
+  return {level, sentence: asSentence(problem).replace(/[:;]$/, '.'), more: asSentence(cure)};
 }
 
 function published({objects, rate_hz: rate}) {

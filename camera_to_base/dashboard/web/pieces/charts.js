@@ -19,6 +19,7 @@ import {fixed} from '../base/numbers.js';
 
 const WIDTH = 240;
 const HEIGHT = 64;
+const LENGTH = 60;
 
 /** Make a chart with a title and a unit; a number that is missing leaves a gap. */
 export function createChart(title, unit) {
@@ -28,7 +29,8 @@ export function createChart(title, unit) {
   svg('path', {class: 'grid', d: `M0 ${HEIGHT - 1}H${WIDTH}M0 1H${WIDTH}`}), line);
   const now = element('strong');
   const range = element('span', {class: 'quiet'});
-  const update = (values) => {
+  const update = (newest) => {
+    const values = [...Array(Math.max(LENGTH - newest.length, 0)).fill(null), ...newest];
     const known = values.filter((value) => value !== null);
     const top = Math.max(...known, 1e-9) * 1.1;
     const last = values.at(-1) ?? null;
