@@ -158,7 +158,7 @@ class Page:
         self.driver.execute_cdp_cmd('Emulation.setEmulatedMedia', {
             'features': [{'name': 'prefers-color-scheme', 'value': scheme}]})
 
-    def open(self, part):
+    def go_to(self, part):
         """Open a part by its tab."""
         self.element(f'#tab-{part}').click()
         self.clicks += 1

@@ -56,7 +56,7 @@ def test_dead_dashboard_is_told_and_its_return(page, cell):
     cell.kill('dashboard')
     page.wait_for('The dashboard does not answer', '#banner')
     page.wait_for('Not connected', 'header')
-    page.open('detect')
+    page.go_to('detect')
     page.click('Take the background now')
     page.wait_for('Nothing was changed', '#notices')
     cell.start('dashboard')
@@ -82,7 +82,7 @@ def test_camera_that_is_unplugged_is_told_and_its_return(start_cell, open_page):
 
 
 def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
-    page.open('calibrate')
+    page.go_to('calibrate')
     page.click('Board', '#simulated')
     page.click('Start', '#part-calibrate')
     page.click('Keep this placement', '#part-calibrate')
@@ -96,7 +96,7 @@ def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
 def test_full_disk_is_told_on_save_and_the_old_file_stays(page, cell, tmp_path):
     path = tmp_path / 'cell.yaml'
     path.write_text('# the old one\n')
-    page.open('save')
+    page.go_to('save')
     number = cell.pid('dashboard')
     limits = resource.prlimit(number, resource.RLIMIT_FSIZE)
     resource.prlimit(number, resource.RLIMIT_FSIZE, (100, limits[1]))

@@ -43,14 +43,14 @@ def has_picture(page, selector):
 def test_no_part_has_a_serious_accessibility_problem(page, width, scheme):
     page.resize(width, 844, scheme)
     for part in PARTS:
-        page.open(part)
+        page.go_to(part)
         assert page.serious_problems() == [], part
 
 
 def test_no_part_is_wider_than_a_small_phone(page):
     page.resize(360, 740)
     for part in PARTS:
-        page.open(part)
+        page.go_to(part)
         wide = page.run('return document.documentElement.scrollWidth')
         assert wide <= 360, part
 
@@ -76,14 +76,14 @@ def test_click_on_an_object_marks_it_in_the_picture(page):
 
 
 def test_mask_is_beside_the_picture(page):
-    page.open('detect')
+    page.go_to('detect')
     for index in (1, 2):
         selector = f'#part-detect figure:nth-of-type({index}) img'
         wait_until(lambda: has_picture(page, selector), lambda: f'no {selector}')
 
 
 def test_parameter_takes_effect_and_goes_back_to_its_default(page):
-    page.open('detect')
+    page.go_to('detect')
     page.wait_for('detector.faintest', '#part-detect')
     page.fill('detector.faintest', '31')
     page.click('detector.faintest: back to the default')
@@ -92,7 +92,7 @@ def test_parameter_takes_effect_and_goes_back_to_its_default(page):
 
 
 def test_refused_parameter_shows_why_and_the_old_value(page):
-    page.open('detect')
+    page.go_to('detect')
     page.wait_for('detector.median_size', '#part-detect')
     page.fill('detector.median_size', '4')
     name = 'p-camera-detector-median_size'
@@ -107,9 +107,9 @@ def test_second_page_sees_what_the_first_has_changed(page, open_page, cell, brow
     second = browser.current_window_handle
     try:
         other = open_page(cell)
-        other.open('detect')
+        other.go_to('detect')
         browser.switch_to.window(first)
-        page.open('detect')
+        page.go_to('detect')
         page.wait_for('detector.threshold', '#part-detect')
         page.fill('detector.threshold', '77')
         browser.switch_to.window(second)
@@ -122,7 +122,7 @@ def test_second_page_sees_what_the_first_has_changed(page, open_page, cell, brow
 
 
 def test_background_is_taken_anew(page):
-    page.open('detect')
+    page.go_to('detect')
     page.click('Take the background now')
     page.wait_for('The background is new', '#notices')
 
@@ -135,7 +135,7 @@ def test_tabs_follow_the_arrow_keys(page):
 
 
 def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
-    page.open('detect')
+    page.go_to('detect')
     page.click('Draw an area to ignore')
     picture = page.element('#part-detect .picture[role=application]')
     for moves in (RIGHT * 3, DOWN * 3, RIGHT * 3):
@@ -148,7 +148,7 @@ def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
 
 
 def test_health_tells_of_both_nodes_in_words(page):
-    page.open('health')
+    page.go_to('health')
     page.wait_for('Objects on the surface are published', '#part-health')
     page.wait_for('Positions are transformed', '#part-health')
     page.wait_for('/camera_publisher', '#part-health .log')
@@ -157,7 +157,7 @@ def test_health_tells_of_both_nodes_in_words(page):
 
 def test_picture_is_only_asked_for_where_it_is_shown(page):
     wait_until(lambda: has_picture(page, '#part-watch img'), lambda: 'no picture')
-    page.open('save')
+    page.go_to('save')
     source = page.run("return document.querySelector('#part-watch img').src")
     page.run('return new Promise((done) => setTimeout(done, 500))')
     assert page.run("return document.querySelector('#part-watch img').src") == source

@@ -35,11 +35,13 @@ export function createDetect(store) {
   const mask = new LivePicture('mask', 'The mask: pixels that belong to objects are white.');
   const areas = createAreas(store, picture);
   const fields = createFields(store);
+  const effect = card('Effect', element('div', {class: 'side-by-side'},
+    element('figure', {}, picture.node, element('figcaption', {}, 'Picture')),
+    element('figure', {}, mask.node, element('figcaption', {}, 'Mask: white belongs to objects'))));
+  effect.classList.add('effect');
   const node = element('div', {class: 'detect'},
     element('div', {class: 'sticky'},
-      card('Effect', element('div', {class: 'side-by-side'},
-        element('figure', {}, picture.node, element('figcaption', {}, 'Picture')),
-        element('figure', {}, mask.node, element('figcaption', {}, 'Mask: white belongs to objects')))),
+      effect,
       createBackground(),
       areas.node),
     card('Parameters', fields.node));

@@ -38,7 +38,7 @@ export function createSimulated(store) {
     () => act('/api/simulated/show', {shows: kind, placement: place}), () => null);
   const isWide = matchMedia('(min-width: 50rem)').matches;
   panel.append(element('details', {open: isWide}, element('summary', {},
-    'Simulated table: do here what you would do by hand'),
+    'Simulated table', element('span', {}, ': do here what you would do by hand')),
   element('div', {class: 'lines'},
     line('On the table', element('div', {class: 'buttons', role: 'group', 'aria-label': 'On the table'},
       ...shows.map(([, node]) => node))),
