@@ -167,6 +167,10 @@ class Page:
         """Return the first element of a CSS selector."""
         return self.driver.find_element('css selector', selector)
 
+    def elements(self, selector):
+        """Return all elements of a CSS selector."""
+        return self.driver.find_elements('css selector', selector)
+
     def read(self, selector='main'):
         """Return the text that can be seen in an element."""
         return self.element(selector).text

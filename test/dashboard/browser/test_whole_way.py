@@ -53,13 +53,21 @@ def calibrate_board(page):
     page.click('Start', '#part-calibrate')
     for place in PLACES:
         place_board(page, place)
-        time.sleep(0.5)  # the picture of the last place is still shown
-        page.click('Keep this placement', '#part-calibrate')
-        wait_until(lambda: len(page.driver.find_elements('css selector', '.placements li')) == place,
-                   lambda: page.read('#part-calibrate'))
+        keep_placement(page, place)
     page.click('Fit', '#part-calibrate')
     page.click('Accept: use it now', '#part-calibrate')
     page.wait_for('Next: clear the table', '#part-calibrate')
+
+
+def keep_placement(page, count):
+    """Click until the placement is kept: the page may still show the board in its last place."""
+    def is_kept():
+        if len(page.elements('.placements li')) < count:
+            page.click('Keep this placement', '#part-calibrate')
+            time.sleep(1)
+        return len(page.elements('.placements li')) == count
+
+    wait_until(is_kept, lambda: page.read('#part-calibrate'))
 
 
 def take_background(page):
@@ -81,8 +89,8 @@ def measure_pairs(page):
         page.wait_for("robot's display", '#part-robot')
         x, y = display(page, number)
         page.fill("x and y on the robot's display", f'{x} {y}')
-        wait_until(lambda: len(page.driver.find_elements(
-            'css selector', '#part-robot tbody tr')) == number, lambda: page.read('#part-robot'))
+        wait_until(lambda: len(page.elements('#part-robot tbody tr')) == number,
+                   lambda: page.read('#part-robot'))
     page.click('Accept: use it now', '#part-robot')
     page.wait_for('Next: save the file', '#part-robot')
 
@@ -96,7 +104,7 @@ def display(page, number):
 
 def listed(page):
     """Return the base positions in the list, shape (n, 2), in cm."""
-    texts = page.run("return [...document.querySelectorAll('#part-watch table:not(.grey) tbody tr')]"
+    texts = page.run("return [...document.querySelectorAll('#part-watch .numbers tbody tr')]"
                      '.map((row) => row.cells[1].textContent.replaceAll("−", "-"))')
     return np.array([[float(number) for number in text.split(', ')] for text in texts])
 

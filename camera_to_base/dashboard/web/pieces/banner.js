@@ -14,7 +14,7 @@
 
 // The sentence above all parts: whether positions are published, and if not, why.
 
-import {fixed, sentence as asSentence} from '../base/numbers.js';
+import {sentence as asSentence} from '../base/numbers.js';
 import {setText} from '../base/dom.js';
 
 const LOST = 'The dashboard does not answer.';
@@ -53,9 +53,8 @@ function problemState({level, sentence}) {
   return {level, sentence: asSentence(problem).replace(/[:;]$/, '.'), more: asSentence(cure)};
 }
 
-function published({objects, rate_hz: rate}) {
-  const often = rate ? `, ${fixed(rate, 0)} times a second` : '';
-  if (!objects?.length) return `The surface is empty; this is published${often}.`;
-  const what = objects.length === 1 ? '1 object is' : `${objects.length} objects are`;
-  return `${what} published${often}.`;
+function published({objects}) {
+  // No rate: a screen reader would read out each change of it.
+  if (!objects?.length) return 'The surface is empty, and this is published.';
+  return objects.length === 1 ? '1 object is published.' : `${objects.length} objects are published.`;
 }

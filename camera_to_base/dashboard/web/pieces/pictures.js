@@ -19,6 +19,7 @@ import {socket} from '../base/state.js';
 
 const LEAST_GAP_MS = 70;
 const RETRY_MS = 1500;
+const OLD_AFTER_MS = 3000;
 
 /** A picture with a layer for drawing above it, in the pixels of the camera. */
 export class LivePicture {
@@ -28,6 +29,7 @@ export class LivePicture {
   #isWanted = false;
   #kind;
   #sentSize = null;
+  #oldTimer = null;
 
   /** `kind` is what the server sends; `text` says what can be seen. */
   constructor(kind, text) {
@@ -35,6 +37,7 @@ export class LivePicture {
     this.node = element('div', {class: 'picture empty'}, this.#image, this.overlay, this.#waiting);
     this.size = {width: 640, height: 480};
     this.#image.onload = () => this.#onShown();
+    this.#image.onerror = () => this.#askNext();
     this.choose(kind, text);
     setText(this.#waiting, 'Waiting for a picture …');
   }
@@ -111,6 +114,12 @@ export class LivePicture {
     setAttribute(this.overlay, 'viewBox', `-0.5 -0.5 ${this.size.width} ${this.size.height}`);
     this.node.classList.remove('empty', 'old');
     show(this.#waiting, false);
+    clearTimeout(this.#oldTimer);
+    this.#oldTimer = setTimeout(() => this.node.classList.add('old'), OLD_AFTER_MS);
+    this.#askNext();
+  }
+
+  #askNext() {
     const line = this.#line;
     setTimeout(() => line?.readyState === WebSocket.OPEN && line.send('next'), LEAST_GAP_MS);
   }
