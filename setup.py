@@ -13,6 +13,7 @@
 # limitations under the License.
 
 from glob import glob
+import os
 import sys
 
 from setuptools import find_packages, setup
@@ -33,7 +34,9 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
-    package_data={f'{package_name}.dashboard': ['web/*']},
+    package_data={f'{package_name}.dashboard': [
+        os.path.relpath(path, f'{package_name}/dashboard')
+        for path in glob(f'{package_name}/dashboard/web/**/*.*', recursive=True)]},
     python_requires='>=3.10',
     install_requires=[
         'matplotlib', 'numpy', 'opencv-python-headless', 'PyYAML', 'scipy', 'tornado', 'tqdm'],

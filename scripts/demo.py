@@ -12,12 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Starts both nodes as processes, and prints each object that they publish."""
+"""Starts both nodes and the dashboard, and prints each object that they publish."""
 
 import json
 import math
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -27,6 +28,9 @@ import cv2
 import numpy as np
 
 PICTURE = 'demo.png'
+# What is set up on the dashboard's page is saved here.
+CELL_FILE = 'cell.yaml'
+DASHBOARD_PORT = 8080
 # A frame's true position is sent right before its position; the frame before is 100 ms older.
 LONGEST_LAG_NS = 30_000_000
 # A signal only sets this flag: an exception raised inside rclpy is not always passed on.
@@ -46,19 +50,33 @@ def main(arguments):
     remove_old_picture()
     print(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the source '
           f"'{source}'; Ctrl-C ends them", flush=True)
-    nodes = []
+    nodes, others = [], []
     try:
         nodes.append(start('robot_base_publisher', {}))
         nodes.append(start('camera_publisher', {
             'source': source, 'wait_for_subscribers': 2, 'wait_for_camera': False,
             **method_for(source)}))
+        # Positions are printed with or without it.
+        others.append(start('dashboard', {
+            'port': port_for_dashboard(), 'params_file': os.path.abspath(CELL_FILE)}))
         return listen(nodes)
     except BrokenPipeError:
         # The reader has closed the pipe. Further output is discarded.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     finally:
-        stop(nodes)
+        stop([*nodes, *others])
+
+
+def port_for_dashboard():
+    """Return the usual port, or 0 for any one if that is taken."""
+    with socket.socket() as one:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            one.bind(('127.0.0.1', DASHBOARD_PORT))
+        except OSError:
+            return 0
+    return DASHBOARD_PORT
 
 
 def method_for(source):

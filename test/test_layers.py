@@ -156,6 +156,10 @@ def test_a_room_with_ros_does_not_import_where_there_is_none():
     assert 'is blocked' in child.stderr
 
 
+def test_the_web_server_is_in_the_dashboard_only():
+    assert {module.room for module in MODULES if 'tornado' in module.foreign()} == {'dashboard'}
+
+
 def test_the_core_imports_numpy_and_opencv_alone():
     allowed = {'numpy', 'cv2'} | sys.stdlib_module_names
     wrong = [(module.name, module.foreign() - allowed)

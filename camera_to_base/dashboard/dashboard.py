@@ -23,7 +23,9 @@ from camera_to_base.dashboard.server.web_server import WebServer
 from camera_to_base.dashboard.specs import dashboard_settings, DASHBOARD_SPECS
 from camera_to_base.dashboard.watched_cells import WatchedCells
 from camera_to_base.nodes import run, whole_or_gone
+from camera_to_base.parameters import all_names, TRANSFORM_SPECS
 from camera_to_base.ros import Heartbeat, NodeParameters
+from camera_to_base.settings import CAMERA_SPECS
 from rclpy.node import Node
 from sensor_msgs.msg import CompressedImage
 
@@ -38,6 +40,7 @@ class Dashboard(Node):
         with whole_or_gone(self):
             parameters = NodeParameters(
                 self, DASHBOARD_SPECS, dashboard_settings,
+                others=all_names([*CAMERA_SPECS, *TRANSFORM_SPECS]),
                 cli_args=node_options.get('cli_args'))
             Heartbeat(self)
             cells = WatchedCells(self, self._on_part, self._on_picture)

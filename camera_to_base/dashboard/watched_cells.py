@@ -18,6 +18,7 @@ from typing import Any, Callable, Dict, List
 
 from camera_to_base.dashboard.live.cell_watch import CellWatch
 from camera_to_base.dashboard.live.cells import Cells
+from camera_to_base.dashboard.live.log_lines import Lines, no_lines
 from camera_to_base.dashboard.live.picture_topics import OnPicture, PictureTopics
 from camera_to_base.errors import InvalidValueError
 from rclpy.node import Node
@@ -39,6 +40,8 @@ class WatchedCells:
         self._cells = Cells(node)
         self._pictures = PictureTopics(node, on_picture)
         self._watches: Dict[str, CellWatch] = {}
+        # Kept while nobody looks: a page that is loaded again shows them again.
+        self._lines: Dict[str, Lines] = {}
 
     def all_cells(self) -> List[Dict[str, Any]]:
         """Return all cells as JSON."""
@@ -49,7 +52,8 @@ class WatchedCells:
         if namespace not in self._watches:
             self._watches[namespace] = CellWatch(
                 self._node, namespace, self._cells,
-                lambda part, data: self._on_part(namespace, part, data))
+                lambda part, data: self._on_part(namespace, part, data),
+                self._lines.setdefault(namespace, no_lines()))
 
     def look_away(self, namespace: str) -> None:
         """End the watch of a cell."""

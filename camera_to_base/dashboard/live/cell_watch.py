@@ -21,7 +21,7 @@ from camera_to_base.dashboard.live.cells import CAMERA, Cell, Cells, full_name, 
 from camera_to_base.dashboard.live.charts import Charts
 from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.health import CellHealth
-from camera_to_base.dashboard.live.log_lines import LogLines
+from camera_to_base.dashboard.live.log_lines import Lines, LogLines
 from camera_to_base.dashboard.live.positions import CellPositions
 from camera_to_base.dashboard.live.remote_parameters import RemoteParameters
 from camera_to_base.dashboard.live.silence import silence, SILENT_S, State, warning
@@ -49,9 +49,12 @@ class CellWatch:
     :param namespace: The cell's.
     :param cells: All cells.
     :param on_part: Called with a part's name and its data.
+    :param lines: What its nodes have logged before.
     """
 
-    def __init__(self, node: Node, namespace: str, cells: Cells, on_part: OnPart) -> None:
+    def __init__(
+        self, node: Node, namespace: str, cells: Cells, on_part: OnPart, lines: Lines
+    ) -> None:
         self._node, self._namespace, self._cells = node, namespace, cells
         self._on_part = on_part
         self._sent: Dict[str, Any] = {}
@@ -67,7 +70,7 @@ class CellWatch:
             ParameterEvent, '/parameter_events', self._on_event, 100)
         self.positions = CellPositions(node, namespace)
         self._health = CellHealth(node, names.values())
-        self._log = LogLines(node, names.values())
+        self._log = LogLines(node, names.values(), lines)
         self._charts = Charts()
         self._capture = node.create_client(
             Trigger, f'{names[CAMERA]}/capture_background')

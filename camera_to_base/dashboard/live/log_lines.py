@@ -25,19 +25,28 @@ _MOST_LINES = 100
 _LEVELS = {10: 'debug', 20: 'info', 30: 'warn', 40: 'error', 50: 'fatal'}
 
 
+Lines = Deque[Dict[str, Any]]
+
+
+def no_lines() -> Lines:
+    """Return an empty list of messages."""
+    return deque(maxlen=_MOST_LINES)
+
+
 class LogLines:
     """
     Keeps the last hundred messages.
 
     :param node: The node that listens.
     :param names: Full names of the nodes whose messages are kept.
+    :param lines: Those that were kept before, and to which new ones are added.
     """
 
-    def __init__(self, node: Node, names: Collection[str]) -> None:
+    def __init__(self, node: Node, names: Collection[str], lines: Lines) -> None:
         self._node = node
         # A logger's name is the node's full name with dots.
         self._names = {name.strip('/').replace('/', '.'): name for name in names}
-        self._lines: Deque[Dict[str, Any]] = deque(maxlen=_MOST_LINES)
+        self._lines = lines
         # What a node said before the page was opened is sent again.
         self._subscription = node.create_subscription(Log, '/rosout', self._on_line, QoSProfile(
             depth=_MOST_LINES, durability=DurabilityPolicy.TRANSIENT_LOCAL))
@@ -53,7 +62,8 @@ class LogLines:
 
     def _on_line(self, line: Log) -> None:
         if line.name in self._names:
-            self._lines.append({
-                'time': line.stamp.sec + line.stamp.nanosec / 1e9,
-                'level': _LEVELS.get(line.level, 'info'),
-                'node': self._names[line.name], 'text': line.msg})
+            told = {'time': line.stamp.sec + line.stamp.nanosec / 1e9,
+                    'level': _LEVELS.get(line.level, 'info'),
+                    'node': self._names[line.name], 'text': line.msg}
+            if told not in self._lines:
+                self._lines.append(told)
