@@ -29,8 +29,9 @@ PACKAGE = Path(camera_to_base.__file__).parent
 # the modules beside the rooms.
 GROUND = 'ground'
 ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'markers', 'sources', 'simulation',
-         'detection', 'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands', 'launching']
-WITH_ROS = {'ros', 'nodes'}
+         'detection', 'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands',
+         'dashboard', 'launching']
+WITH_ROS = {'ros', 'nodes', 'dashboard'}
 NUMPY_AND_OPENCV_ALONE = ['surface', 'markers', 'simulation', 'detection', 'trust']
 NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]
 # Each is imported within the functions that need it.
