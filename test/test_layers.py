@@ -28,11 +28,11 @@ PACKAGE = Path(camera_to_base.__file__).parent
 # A module imports from its own room and from the faces of the rooms before it. The ground floor is
 # the modules beside the rooms.
 GROUND = 'ground'
-ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'sources', 'simulation', 'detection',
-         'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands', 'dashboard',
-         'launching']
+ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'markers', 'sources', 'simulation',
+         'detection', 'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands',
+         'dashboard', 'launching']
 WITH_ROS = {'ros', 'nodes', 'dashboard'}
-NUMPY_AND_OPENCV_ALONE = ['surface', 'simulation', 'detection', 'trust']
+NUMPY_AND_OPENCV_ALONE = ['surface', 'markers', 'simulation', 'detection', 'trust']
 NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]
 # Each is imported within the functions that need it.
 HEAVY = {'matplotlib', 'rosbags', 'scipy', 'tqdm'}

@@ -83,7 +83,8 @@ class ArmCheck:
         if not found.objects and not found.left_out and not self._fills:
             self._known = []
             return found
-        changes = self._reaching_in.find(frame, shift_px)
+        changes = self._reaching_in.find(
+            frame, shift_px, [one.detection.outline for one in found.objects])
         found = self._without_left(frame, found, changes)
         fill = changes.reaching_in
         if taken_at is None:
