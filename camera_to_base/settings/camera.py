@@ -183,7 +183,7 @@ def camera_settings(values: Values) -> CameraSettings:
 def _simulation(values: Values) -> SimulationSettings:
     settings = simulation_settings(grouped(values, 'simulated.'))
     if kind_of(values['source']) == SIMULATED:
-        settings.check_view(tuple(values['surface.image_size']))
+        settings.check_scene(tuple(values['surface.image_size']))
     return settings
 
 
