@@ -54,8 +54,8 @@ class Correction(NamedTuple):
         """Tell that positions are corrected."""
         return Reason('view_corrected', Level.WARN, (
             f'the camera was nudged by {self.shift_px:.1f} px ({self.shift_mm:.1f} mm): positions '
-            f'are corrected, to about {max(self.error_mm, 0.1):.1f} mm, until the node ends: move '
-            'the camera back, or calibrate anew'))
+            f'are corrected, to about {max(self.error_mm, 0.1):.1f} mm: move the camera back, or '
+            'calibrate anew (after a restart, only a background_file tells that it was nudged)'))
 
 
 def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction:
@@ -83,11 +83,14 @@ def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction
         _MM_PER_CM * max(errors_cm), max(map(_deviation, covariances)))
 
 
-def corrected_surface(correction: Correction, base: SurfaceInForce) -> SurfaceInForce:
+def corrected_surface(
+    correction: Correction, base: SurfaceInForce, size: ImageSize
+) -> SurfaceInForce:
     """
     Give the surface that holds for the nudged camera.
 
     :param base: That which holds for the background.
+    :param size: Width and height of the pictures, in px.
     """
     nudge = correction.nudge
     background_from_frame = nudge.frame_from_background.inverse
@@ -98,7 +101,7 @@ def corrected_surface(correction: Correction, base: SurfaceInForce) -> SurfaceIn
         covariance += base.covariance
     before = base.frame_from_calibrated
     return SurfaceInForce(
-        NudgedSurface(base.surface, background_from_frame), covariance, correction.reason,
+        NudgedSurface(base.surface, background_from_frame, size), covariance, correction.reason,
         base.replaces, nudge.frame_from_background if before is None
         else nudge.frame_from_background.after(before))
 
