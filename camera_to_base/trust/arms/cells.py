@@ -53,11 +53,23 @@ class Cells:
         :param pixels: Shape (scale * rows, scale * columns, 3), uint8.
         :returns: Shape (rows, columns, 3), uint8.
         """
+        return self.means_of_samples(self.sampled(pixels))
+
+    def sampled(self, pixels: np.ndarray) -> np.ndarray:
+        """
+        Return the pixels that count.
+
+        :param pixels: Shape (scale * rows, scale * columns, 3), uint8.
+        :returns: Shape (samples * rows, samples * columns, 3), uint8.
+        """
+        if self.samples == self.scale:
+            return pixels
+        share = self.samples / self.scale
+        return cv2.resize(pixels, None, fx=share, fy=share, interpolation=cv2.INTER_NEAREST)
+
+    def means_of_samples(self, pixels: np.ndarray) -> np.ndarray:
+        """Return the mean colour of each cell from the pixels that count, see `sampled`."""
         samples = self.samples
-        if samples != self.scale:
-            share = samples / self.scale
-            pixels = cv2.resize(
-                pixels, None, fx=share, fy=share, interpolation=cv2.INTER_NEAREST)
         # Halving is several times as fast as other ratios.
         while samples > 1:
             height, width = pixels.shape[:2]
