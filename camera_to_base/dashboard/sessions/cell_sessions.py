@@ -24,7 +24,8 @@ from camera_to_base.dashboard.sessions.board_session import BoardSession
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
 from camera_to_base.dashboard.sessions.robot_session import RobotSession
 from camera_to_base.dashboard.sessions.save_session import SaveSession
-from camera_to_base.dashboard.sessions.simulated_cell import show, simulated_data, touch
+from camera_to_base.dashboard.sessions.simulated_cell import (
+    show, simulated_data, TOOL_TOPIC, touch)
 from camera_to_base.dashboard.sessions.worker import Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import Values
@@ -74,8 +75,10 @@ class CellSessions:
 
     @property
     def tool_topic(self) -> str:
-        """The topic whose poses go to :meth:`see_tool`; '' for none."""
-        return self._robot.tool.topic if self._robot.wants_objects else ''
+        """The topic whose poses go to :meth:`see_tool`, in the cell's namespace; '' for none."""
+        with self._lock:
+            is_on = self._robot.wants_objects or simulated_data(self._values)['shown']
+            return self._robot.tool.topic if is_on else ''
 
     def see_frame(self, image: np.ndarray) -> None:
         """Take the newest frame, shape (h, w, 3), uint8, BGR."""
@@ -90,7 +93,10 @@ class CellSessions:
     def see_tool(self, x: float, y: float, frame_id: str = '') -> None:
         """Take a pose of the robot's tool: x and y, in cm, in the base frame."""
         with self._lock:
+            before = self._robot.tool.data
             self._robot.tool.see(x, y, frame_id)
+            if self._robot.tool.data != before:
+                self._on_change('robot')
 
     def see_background(self, mark: Any) -> None:
         """Take something that changes with each background."""
@@ -104,6 +110,10 @@ class CellSessions:
             self._values.see(node, values)
             if before == getattr(self._values, node):
                 return
+            if simulated_data(self._values)['shown']:
+                # What is touched may be another object now.
+                self._robot.tool.listen(self._robot.tool.topic or TOOL_TOPIC)
+                self._robot.tool.forget()
             self._robot.check_again()
             for part in PARTS:
                 self._on_change(part)

@@ -22,6 +22,8 @@ from camera_to_base.sources import kind_of, SIMULATED
 
 _SHOWS, _PLACEMENT, _TOUCHED = 'simulated.shows', 'simulated.placement', 'simulated.touched'
 _PLACEMENTS = 8
+# Where the simulated robot publishes its tool's pose, in the cell's namespace.
+TOOL_TOPIC = 'simulated_tool'
 _WORDS = {'objects': 'Coins move over the simulated table.',
           'still_objects': 'Five coins lie on the simulated table.',
           'board': 'The printed board lies on the simulated table.',

@@ -68,6 +68,10 @@ class ToolPlace:
         self._poses.clear()
         return True
 
+    def forget(self) -> None:
+        """Forget the poses so far."""
+        self._poses.clear()
+
     def see(self, x: float, y: float, frame_id: str = '') -> None:
         """Take a pose: x and y, in cm, in the frame of the message."""
         if frame_id != self._frame_id:
