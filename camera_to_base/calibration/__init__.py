@@ -26,13 +26,14 @@ from camera_to_base.calibration.base_calibration import calibrate_base
 from camera_to_base.calibration.board_calibration import calibrate_placements
 from camera_to_base.calibration.boards.board_look import BoardLook, look_for
 from camera_to_base.calibration.boards.placement import (
-    make_placement, Placement, refuse_unlike, shares_of)
+    make_placement, Placement, refuse_unlike, renumbered, shares_of)
 from camera_to_base.calibration.boards.printed_board import PrintedBoard
 from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.cell_file import (
     BASE, cell_text, grown, part_values, parts_of, parts_to_lose, SURFACE, TITLE)
-from camera_to_base.calibration.coverage_map import covered_shares, map_lines, uncovered
+from camera_to_base.calibration.coverage_map import (
+    covered_shares, map_lines, NINTHS, uncovered)
 from camera_to_base.calibration.fits.rigid_fit import pair_figures, PairFigures
 from camera_to_base.calibration.report_text import Report, report_lines
 from camera_to_base.calibration.result import Calibration
@@ -50,10 +51,10 @@ __all__ = [
     'add_camera_pose', 'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements',
     'calibrate_surface', 'calibrate_touches', 'Calibration', 'cell_text', 'check_surface',
     'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin', 'look_for',
-    'make_placement', 'map_lines', 'measured_place', 'pair_figures', 'PairFigures', 'PAPERS',
-    'part_values', 'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs',
+    'make_placement', 'map_lines', 'measured_place', 'NINTHS', 'pair_figures', 'PairFigures',
+    'PAPERS', 'part_values', 'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs',
     'PrintedBoard', 'read_camera_info', 'read_pairs', 'read_points', 'read_typed_position',
-    'refuse_other_size', 'refuse_unlike', 'Report', 'report_lines', 'report_of', 'shares_of',
-    'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE', 'TITLE', 'TouchedPair',
-    'uncovered', 'without_base',
+    'refuse_other_size', 'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of',
+    'shares_of', 'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE', 'TITLE',
+    'TouchedPair', 'uncovered', 'without_base',
 ]

@@ -14,6 +14,7 @@
 
 """Calibrates the surface from the placements of a board."""
 
+from dataclasses import replace
 from typing import Optional, Sequence
 
 from camera_to_base.calibration.boards.placement import outer_edge, Placement, shares_of
@@ -55,5 +56,5 @@ def calibrate_placements(
     report['covered_map'] = map_lines(shares_of(placements))
     report['not_covered'] = uncovered(shares_of(placements))
     thumbnail = view_thumbnail(first.image, [outer_edge(first)])
-    return Calibration(report, {'calibration.thumbnail': thumbnail, **calibration.values},
-                       calibration.picture)
+    return replace(
+        calibration, values={'calibration.thumbnail': thumbnail, **calibration.values})

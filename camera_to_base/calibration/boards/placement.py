@@ -60,9 +60,21 @@ def make_placement(
         if not says_name:
             raise
         raise CalibrationError(f'{name}: {error}') from error
-    points = board.first_points() if number == 0 else board.further_points()
-    return Placement(image, name, MatchedPoints(points[numbers], pixels), numbers,
+    return Placement(image, name, _matched(board, numbers, pixels, number), numbers,
                      Hull(pixels).corners, doubts)
+
+
+def renumbered(board: PrintedBoard, placement: Placement, number: int) -> Placement:
+    """Give a placement another number, after one before it was removed."""
+    matched = _matched(board, placement.numbers, placement.matched.pixels, number)
+    return placement._replace(matched=matched, name=f'placement {number + 1}')
+
+
+def _matched(
+    board: PrintedBoard, numbers: np.ndarray, pixels: np.ndarray, number: int
+) -> MatchedPoints:
+    points = board.first_points() if number == 0 else board.further_points()
+    return MatchedPoints(points[numbers], pixels)
 
 
 def refuse_unlike(placements: Sequence[Placement]) -> None:

@@ -97,7 +97,10 @@ def measure_pairs(page):
 
 def display(page, number):
     """Read the simulated robot's display once it touches an object."""
-    page.wait_for(f'object {number}', '#simulated')
+    button = page.button(f'Object {number}', '#simulated')
+    wait_until(lambda: button.get_attribute('aria-pressed') == 'true'
+               and 'cm' in page.read('#simulated .display'), lambda: page.read('#simulated'))
+    time.sleep(0.5)  # a person reads slower than the display changes
     words = page.read('#simulated .display').replace('−', '-').split()
     return words[1], words[3]
 

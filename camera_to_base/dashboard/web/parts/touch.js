@@ -15,14 +15,13 @@
 // The open pair: the object is seen in some frames, and then touched by the robot.
 
 import {button, card, element, setText, show} from '../base/dom.js';
-import {fixed, point} from '../base/numbers.js';
+import {point, sentence as asSentence} from '../base/numbers.js';
 import {robot} from '../base/sessions.js';
 
 /** Make the card. */
 export function createTouch() {
   const sentence = element('p', {role: 'status'});
   const bar = element('progress', {max: 20, value: 0, 'aria-label': 'Frames that show the object'});
-  const place = element('p', {class: 'quiet'});
   const input = element('input', {type: 'text', id: 'touch', autocomplete: 'off',
     'aria-describedby': 'touch-help'});
   const typed = element('form', {class: 'buttons', onsubmit: async (event) => {
@@ -34,11 +33,11 @@ export function createTouch() {
   const help = element('p', {class: 'quiet', id: 'touch-help'},
     'In cm: 12.5 -3.4. With another unit, write it: 125 -34 mm.');
   const topic = createTopic();
-  const body = element('div', {}, bar, place, typed, help, topic.node);
+  const body = element('div', {}, bar, typed, help, topic.node);
   const node = card('2. Touch it with the robot', sentence, body);
   const update = ({step, open, tool}) => {
     show(node, step === 'measuring');
-    setText(sentence, open ? open.sentence : 'No object is chosen yet.');
+    setText(sentence, open ? asSentence(open.sentence) : 'No object is chosen yet.');
     show(body, open);
     if (!open) return;
     const isSeen = open.frames >= open.of;
@@ -48,9 +47,6 @@ export function createTouch() {
     show(typed, isSeen);
     show(help, isSeen);
     show(topic.node, isSeen);
-    setText(place, open.camera ? `Seen at ${point(open.camera)} cm in the camera frame` +
-      (open.spread_mm === null || open.spread_mm === undefined ? '.'
-        : `, spread ${fixed(open.spread_mm, 2)} mm.`) : '');
     topic.update(tool);
   };
   return {node, update};

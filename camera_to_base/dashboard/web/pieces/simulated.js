@@ -48,6 +48,14 @@ export function createSimulated(store) {
     line('Camera', element('div', {class: 'buttons'},
       button('Bump', () => nudge(BUMP)), button('Put back', () => nudge(BACK))))),
   sentence));
+  const update = () => {
+    const {touched, robot} = store.get('simulated') ?? {};
+    const tool = touched ? robot ?? store.get('robot')?.tool.position : null;
+    setText(display, tool ? `x ${fixed(tool.x, 2)}  y ${fixed(tool.y, 2)} cm` : 'touches nothing');
+    for (const node of touch.children) {
+      setAttribute(node, 'aria-pressed', node.dataset.key === String(touched));
+    }
+  };
   store.on('simulated', (state) => {
     show(panel, state.shown);
     for (const [kind, node] of shows) setAttribute(node, 'aria-pressed', kind === state.shows);
@@ -55,13 +63,15 @@ export function createSimulated(store) {
     sync(placement, places, (place) => place, (place) => element('option', {}, String(place)),
       () => {});
     placement.value = state.placement;
-    setText(display, state.robot
-      ? `x ${fixed(state.robot.x, 2)}  y ${fixed(state.robot.y, 2)} cm` : 'touches nothing');
     setText(sentence, state.sentence ?? '');
+    update();
   });
-  store.on('watch', ({objects}) => sync(touch, objects, ({number}) => number,
-    ({number}) => button(String(number), () => reach(store, number),
-      {'aria-label': `Object ${number}`}), () => {}));
+  store.on('robot', update);
+  store.on('watch', ({objects}) => {
+    sync(touch, objects, ({number}) => number, ({number}) => button(String(number),
+      () => reach(store, number), {'aria-label': `Object ${number}`}), () => {});
+    update();
+  });
 }
 
 function line(name, content, id) {
