@@ -203,13 +203,10 @@ class Report:
         print(line, flush=True)
 
     def _origin(self, stamp, x, y):
-        # A position has no stamp. The transform keeps the order, so a position belongs to the next
-        # one that was sent before it; the first position belongs to the one that it agrees with.
+        # A position has no stamp, and a busy machine may lose one: it belongs to the camera position
+        # that it agrees with.
         waiting = [position for position in self._camera_positions
                    if self._last_stamp < position[0] <= stamp]
-        in_order = self._last_stamp and len(waiting) <= 10
-        if in_order and waiting:
-            return waiting[0]
         return min(waiting, default=None, key=lambda position: math.dist(
             (x, y), self._conversion.convert_point(*position[1])[:2]))
 
