@@ -104,6 +104,11 @@ class SimulatedBoard:
         return largest_shift_px(self._start, self._view)
 
     @property
+    def shift_cm(self) -> float:
+        """The same on the table, by the scale at the picture's middle at tilt 0, in cm."""
+        return self.shift_px * self._start.cm_per_px
+
+    @property
     def pixel_from_surface(self) -> np.ndarray:
         """Homography from cm in the camera frame to px, shape (3, 3)."""
         return self._view.pixel_from_surface.copy()
