@@ -81,7 +81,7 @@ class ReachingIn:
             cv2.morphologyEx(means, cv2.MORPH_GRADIENT, np.ones((3, 3))))
         noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
         self._is_textured = cv2.dilate(
-            (self._background.range.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8),
+            (self._background.spread.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8),
             np.ones((3, 3)))
         # Of the mean of a cell; that of a frame and the background's together.
         self._noise = float(noise) / 0.6745 / self._cells.samples
