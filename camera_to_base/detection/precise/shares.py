@@ -44,9 +44,6 @@ _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
 _LEAST_CORE, _SMALLEST = 6, 6
-# From four channels, three colours and a count, to the colours and to the count three times.
-_COLOURS = np.eye(3, 4, dtype=np.float32)
-_COUNT = np.float32([[0, 0, 0, 1]] * 3)
 
 
 class Placed(NamedTuple):
@@ -153,11 +150,12 @@ def _light_at_rim(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
 def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray:
     """Continue values by their mean over a window, over a wider one, or over all."""
     # The fourth channel counts the known pixels.
-    weighted = cv2.merge([cv2.copyTo(values, known), np.float32(known)])
+    weighted = cv2.copyTo(cv2.cvtColor(values, cv2.COLOR_BGR2BGRA), known)
     total = cv2.scaleAdd(_mean(weighted, _WIDER_WINDOW), _WIDER, _mean(weighted, window))
     anywhere = cv2.mean(values, known)[:3]
     total = cv2.add(total, (*(_ANYWHERE * value for value in anywhere), _ANYWHERE))
-    return cv2.transform(total, _COLOURS) / cv2.transform(total, _COUNT)
+    count = cv2.cvtColor(cv2.extractChannel(total, 3), cv2.COLOR_GRAY2BGR)
+    return cv2.cvtColor(total, cv2.COLOR_BGRA2BGR) / count
 
 
 def _mean(values: np.ndarray, window: int) -> np.ndarray:
