@@ -29,7 +29,8 @@ from camera_to_base.detection.precise.piece import (
 import cv2
 import numpy as np
 
-_TURNS = 3
+# Turns at most, and which part of the object may still change in the last one.
+_TURNS, _SETTLED = 3, 0.01
 # Ratios of light that no shade has, and of the largest to the smallest colour's.
 _LIGHT, _COLOURED = 1.2, 1.8
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
@@ -76,7 +77,8 @@ def place(piece: Piece) -> Placed:
         shares = np.maximum(_shares(piece, mask, ratio), sure)
         covered = (shares > 0.5).view(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
-        if cv2.countNonZero(covered) < _SMALLEST or np.array_equal(covered, mask):
+        area = cv2.countNonZero(covered)
+        if area < _SMALLEST or cv2.countNonZero(covered ^ mask) <= _SETTLED * area:
             break
         mask = covered
     shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
