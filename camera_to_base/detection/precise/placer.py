@@ -60,7 +60,7 @@ class Placer:
         is_at_edge = touches_edge(region.box, frame)
         if is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return unplaced(region.outline, frame)
-        if not is_at_edge:
+        if not is_at_edge and not region.in_other_light:
             window = grown(region.box, 1, frame)
             placed = place_plain(frame, window, filled(region.outline, window, 255),
                                  region.outline, reference)
