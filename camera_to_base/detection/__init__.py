@@ -42,8 +42,8 @@ from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDiffer
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'CELLS', 'changed_blocks', 'check_frame', 'check_same_size',
-    'Detection', 'DETECTOR_SPECS', 'DetectorSettings', 'find_markers', 'Found', 'LeftOut',
-    'locate_pixel', 'LocatedObject', 'marker_cells', 'MARKER_COUNT', 'mean_blocks',
-    'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel', 'Point',
-    'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
+    'Detection', 'DETECTOR_SPECS', 'DetectorSettings', 'find_markers', 'Found',
+    'has_changed_block', 'LeftOut', 'locate_pixel', 'LocatedObject', 'marker_cells',
+    'MARKER_COUNT', 'mean_blocks', 'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel',
+    'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
 ]
