@@ -222,8 +222,8 @@ class Report:
         print(line, flush=True)
 
     def _origin(self, stamp, x, y):
-        # A position has no stamp, and a busy machine may lose one: it belongs to the camera position
-        # that it agrees with.
+        # A position has no stamp, and a busy machine may lose one: it belongs to the camera
+        # position that it agrees with.
         waiting = [position for position in self._camera_positions
                    if self._last_stamp < position[0] <= stamp]
         return min(waiting, default=None, key=lambda position: math.dist(

@@ -95,7 +95,7 @@ class Light(NamedTuple):
 
     :param factors: How much brighter each channel is: three numbers, or shape (h, w, 3).
     :param least: What counts as a difference everywhere, in levels.
-    :param slack: How much of the range of its neighbours a cell may differ by.
+    :param slack: How much of its `spread` a cell may differ by.
     """
 
     factors: object
@@ -108,7 +108,7 @@ class CellBackground(NamedTuple):
     The background in cells, or a part of it.
 
     :param levels: Shape (h, w, 3), float32, at least 1.
-    :param spread: Shape (h, w, 3), uint8, the range of a cell's neighbours.
+    :param spread: Shape (h, w, 3), uint8, the range of a cell and its neighbours.
     """
 
     levels: np.ndarray
@@ -139,4 +139,4 @@ def any_channel(excess: np.ndarray) -> np.ndarray:
 def medians(ratios: np.ndarray) -> List[float]:
     """Return the median of each column of an array of shape (n, 3), the upper one of two."""
     half = len(ratios) // 2
-    return [float(np.partition(column, half)[half]) for column in ratios.T.copy()]
+    return np.partition(ratios, half, axis=0)[half].tolist()

@@ -55,6 +55,11 @@ class Changes(NamedTuple):
     gain: float
 
     @property
+    def any_reaching_in(self) -> bool:
+        """Whether anything reaches in."""
+        return cv2.countNonZero(self.reaching_in) > 0
+
+    @property
     def edge_share(self) -> float:
         """How much of the picture's edge something reaches in from, 0..1."""
         mask = self.reaching_in
