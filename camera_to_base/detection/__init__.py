@@ -26,7 +26,7 @@ from camera_to_base.detection.areas import Area, Areas, read_areas
 from camera_to_base.detection.background_taker import BackgroundTaker
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
-from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
+from camera_to_base.detection.frame_blocks import changed_blocks, has_changed_block, mean_blocks
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
 from camera_to_base.detection.on_surface import object_on_surface

@@ -14,7 +14,7 @@
 
 import math
 
-from camera_to_base.calibration import find_board
+from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.errors import CalibrationError
 from camera_to_base.markers import find_markers
 from camera_to_base.simulation import CameraMove, Scene, SimulatedBoard, Touch

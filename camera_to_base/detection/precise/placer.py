@@ -93,10 +93,9 @@ class Placer:
             piece = piece._replace(mask=thing.mask)
         if thing is None or not thing.is_light:
             piece = piece._replace(mask=close_around_highlights(piece))
-        outline = outline_of(piece.mask)
+        outline = outline_of(piece.mask, window)
         if outline is None:
             return []
-        outline = outline + np.int32([window.x, window.y])
         if touches_edge(Box(*cv2.boundingRect(outline)), frame):
             return unplaced(outline, frame)
         is_whole = thing is not None and thing.is_light
@@ -113,10 +112,9 @@ class Placer:
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:
     moments = placed.moments(window.x, window.y)
-    outline = outline_of(placed.mask) if placed.outline is None else placed.outline
+    outline = outline_of(placed.mask, window) if placed.outline is None else placed.outline
     if not moments['m00'] or outline is None:
         return []
-    outline = outline + np.int32([window.x, window.y])
     centre = Pixel(moments['m10'] / moments['m00'], moments['m01'] / moments['m00'])
     return [Detection(
         Box(*cv2.boundingRect(outline)), centre, moments['m00'], outline[:, 0], False, moments)]

@@ -28,7 +28,8 @@ from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
-from camera_to_base.detection.precise.tiles import changed_parts, changed_strips
+from camera_to_base.detection.precise.strips import Strips
+from camera_to_base.detection.precise.tiles import changed_parts
 import cv2
 import numpy as np
 
@@ -109,4 +110,6 @@ def _is_inside(box: Box, window: Box) -> bool:
 def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
     """Find the parts of a frame that have changed."""
     lit, limits = reference.lit, reference.limits
-    return changed_parts(frame, lit, changed_strips(frame, lit, limits), limits)
+    rows = ([slice(0, len(frame))] if limits.has_field
+            else Strips(frame.shape).changed(frame, lit, limits))
+    return changed_parts(frame, lit, rows, limits)

@@ -55,7 +55,8 @@ class Placed(NamedTuple):
 
     :param shares: How much of each pixel it covers, shape (h, w), float32.
     :param mask: The pixels of which it covers more than half, without holes, uint8.
-    :param outline: The mask's outline, shape (n, 1, 2), int32; None if it is not known yet.
+    :param outline: The mask's outline, shape (n, 1, 2), int32, in px of the picture; None if it is
+        not known yet.
     """
 
     shares: np.ndarray

@@ -83,7 +83,8 @@ class ArmCheck:
         if not found.objects and not found.left_out and not self._fills:
             self._known = []
             return found
-        changes = self._reaching_in.find(frame, shift_px)
+        changes = self._reaching_in.find(
+            frame, shift_px, [one.detection.outline for one in found.objects])
         found = self._without_left(frame, found, changes)
         fill = changes.reaching_in
         if taken_at is None:
@@ -155,7 +156,8 @@ def _is_same(one: Detection, other: Detection) -> bool:
 
 def _divided(found: Found, reasons: Sequence[Optional[Reason]]) -> Found:
     pairs = list(zip(found.objects, reasons))
-    touched = tuple(LeftOut(one.detection, reason) for one, reason in pairs if reason is not None)
+    touched = tuple(LeftOut(one.detection, reason, one.point)
+                    for one, reason in pairs if reason is not None)
     return Found([one for one, reason in pairs if reason is None], (*found.left_out, *touched))
 
 
