@@ -28,7 +28,7 @@ from ros_helpers import Process
 DRIVERS = ('/usr/bin/chromedriver', 'chromedriver')
 BROWSERS = ('/usr/bin/chromium', 'chromium', 'chromium-browser', 'google-chrome')
 # The machine may be busy with other tests.
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 ENTER, RIGHT, DOWN = '\ue007', '\ue014', '\ue015'
 # The browser itself says so about a server that a test has ended.
 EXPECTED_ERRORS = (

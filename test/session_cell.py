@@ -19,7 +19,7 @@ import time
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
 from camera_to_base.parameters import default_values, TRANSFORM_SPECS
-from camera_to_base.settings import CAMERA_SPECS
+from camera_to_base.settings import camera_settings, CAMERA_SPECS
 from camera_to_base.simulation import SimulatedChessboard
 import numpy as np
 
@@ -85,9 +85,14 @@ class Cell:
         assert self.fit()['error'] is None
         return self.do('board', 'accept')
 
+    def clicked_point(self):
+        """Return the point of the surface that the open pair's pixel shows, in cm."""
+        surface = camera_settings(self.values['camera']).surface
+        return tuple(surface.locate([self.state('robot')['open']['pixel']])[0].tolist())
+
     def measure_pair(self, camera_point, error=(0.0, 0.0), noise=0.005, **touch):
         """Put an object down, click it, and touch it."""
-        u, v = self.sessions._values.pixel_of(camera_point)
+        (u, v), = camera_settings(self.values['camera']).surface.pixels([camera_point])
         self.do('robot', 'see', u=u + 4, v=v - 4)
         random = np.random.default_rng(1)
         for _ in range(20):

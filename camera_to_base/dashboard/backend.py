@@ -16,10 +16,13 @@
 
 import asyncio
 from concurrent.futures import Future
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Mapping
 
+from camera_to_base.dashboard.all_sessions import AllSessions
 from camera_to_base.dashboard.live.remote_parameters import RefusedError
 from camera_to_base.dashboard.server.guarded import Refused
+from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
+from camera_to_base.dashboard.watched_cells import WatchedCells
 from camera_to_base.errors import CameraToBaseError
 
 # A node answers within milliseconds. The background takes up to 10 s, see its service.
@@ -31,15 +34,20 @@ class Backend:
     What the web server calls, in its thread.
 
     :param call: Runs a function of the cells in the node's thread, see :class:`NodeThread`.
-    :param cells: What the functions are called with, see :class:`WatchedCells`.
+    :param cells: The cells, for functions in the node's thread.
+    :param sessions: What people do with the cells.
     """
 
-    def __init__(self, call: Callable[[Callable[[], Any]], Future], cells: Any) -> None:
-        self._call, self._cells = call, cells
+    def __init__(
+        self, call: Callable[[Callable[[], Any]], Future], cells: WatchedCells,
+        sessions: AllSessions,
+    ) -> None:
+        self._call, self._cells, self._sessions = call, cells, sessions
 
     def look_at(self, cell: str) -> None:
         """Watch a cell from now on."""
         self._call(lambda: self._cells.look_at(cell))
+        self._sessions.show(cell)
 
     def look_away(self, cell: str) -> None:
         """Do not watch a cell any more."""
@@ -73,6 +81,42 @@ class Backend:
         """Map pixels to points or back: `locate` or `pixels` of :class:`Geometry`."""
         return await self._answer(
             lambda: getattr(self._cells.watch(cell).known_geometry, name)(numbers))
+
+    async def act(
+        self, cell: str, part: str, name: str, body: Dict[str, Any]
+    ) -> Dict[str, Any]:
+        """Carry out a step of a session: all of it, or nothing; return its state."""
+        sessions = self._sessions.of(cell)
+        if not sessions.has(part, name):
+            raise Refused(404, f'there is no step {name:.40} of {part}')
+        changes = await self.ask_sessions(cell, lambda one: one.act(part, name, body))
+        if changes is not None:
+            await self._apply(cell, changes.values)
+            sessions.done(part, name, changes)
+        return sessions.state(part)
+
+    async def ask_sessions(self, cell: str, function: Callable[[CellSessions], Any]) -> Any:
+        """Call a function of a cell's sessions, which may take a while."""
+        loop = asyncio.get_running_loop()
+        try:
+            return await loop.run_in_executor(None, function, self._sessions.of(cell))
+        except CameraToBaseError as error:
+            raise Refused(409, str(error)) from error
+
+    async def _apply(self, cell: str, values: Mapping[str, Dict[str, Any]]) -> None:
+        # Each node takes all or nothing; if the second one refuses, the first one goes back.
+        before = await self._answer(lambda: {
+            node: self._cells.watch(cell).values_of(node, names)
+            for node, names in values.items()})
+        applied: List[str] = []
+        try:
+            for node, wanted in values.items():
+                await self.set_parameters(cell, node, wanted)
+                applied.append(node)
+        except Refused:
+            for node in applied:
+                await self.set_parameters(cell, node, before[node])
+            raise
 
     async def _answer(
         self, function: Callable[[], Any], longest_s: float = _LONGEST_ANSWER_S

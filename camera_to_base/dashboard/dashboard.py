@@ -14,8 +14,12 @@
 
 """Node: serves the page on which a cell is set up and watched."""
 
+import os
+import sys
+import threading
 from typing import Any, List, Optional
 
+from camera_to_base.dashboard.all_sessions import AllSessions
 from camera_to_base.dashboard.backend import Backend
 from camera_to_base.dashboard.node_thread import NodeThread
 from camera_to_base.dashboard.server.state_hub import part_text
@@ -43,9 +47,12 @@ class Dashboard(Node):
                 others=all_names([*CAMERA_SPECS, *TRANSFORM_SPECS]),
                 cli_args=node_options.get('cli_args'))
             Heartbeat(self)
-            cells = WatchedCells(self, self._on_part, self._on_picture)
+            self._sessions = AllSessions(
+                parameters.current.params_file, self._on_part, self._on_board_picture)
+            cells = WatchedCells(self, self._on_part, self._on_picture, self._sessions)
             self._server = WebServer(
-                parameters.current, Backend(NodeThread(self).call, cells))
+                parameters.current, Backend(
+                    NodeThread(self).call, cells, self._sessions))
             self._server.start()
             self.get_logger().info(f'the dashboard is at {self._server.address}')
 
@@ -58,10 +65,14 @@ class Dashboard(Node):
         """End the server, and destroy the node."""
         if self._server is not None:
             self._server.close()
+            self._sessions.close()
         super().destroy_node()
 
     def _on_part(self, cell: str, part: str, data: Any) -> None:
         self._server.call(self._server.states.put, cell, part, part_text(part, data))
+
+    def _on_board_picture(self, cell: str, jpeg: bytes) -> None:
+        self._server.call(self._server.pictures.put, (cell, 'board'), jpeg)
 
     def _on_picture(self, cell: str, kind: str, message: CompressedImage) -> None:
         self._server.call(self._server.pictures.put, (cell, kind), bytes(message.data))
@@ -69,4 +80,9 @@ class Dashboard(Node):
 
 def main(args: Optional[List[str]] = None) -> int:
     """Run the node until a signal arrives."""
-    return run('dashboard', Dashboard, args)
+    code = run('dashboard', Dashboard, args)
+    if threading.active_count() > 1:
+        # A fit that still goes on is not waited for.
+        sys.stdout.flush()
+        os._exit(code)
+    return code

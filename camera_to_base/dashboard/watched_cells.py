@@ -16,6 +16,7 @@
 
 from typing import Any, Callable, Dict, List
 
+from camera_to_base.dashboard.all_sessions import AllSessions
 from camera_to_base.dashboard.live.cell_watch import CellWatch
 from camera_to_base.dashboard.live.cells import Cells
 from camera_to_base.dashboard.live.log_lines import Lines, no_lines
@@ -31,12 +32,14 @@ class WatchedCells:
     :param node: The node that listens.
     :param on_part: Called with a cell, a part's name and its data.
     :param on_picture: Called with a cell, a kind and a message.
+    :param sessions: What people do with the cells.
     """
 
     def __init__(
-        self, node: Node, on_part: Callable[[str, str, Any], None], on_picture: OnPicture
+        self, node: Node, on_part: Callable[[str, str, Any], None], on_picture: OnPicture,
+        sessions: AllSessions,
     ) -> None:
-        self._node, self._on_part = node, on_part
+        self._node, self._on_part, self._sessions = node, on_part, sessions
         self._cells = Cells(node)
         self._pictures = PictureTopics(node, on_picture)
         self._watches: Dict[str, CellWatch] = {}
@@ -53,7 +56,8 @@ class WatchedCells:
             self._watches[namespace] = CellWatch(
                 self._node, namespace, self._cells,
                 lambda part, data: self._on_part(namespace, part, data),
-                self._lines.setdefault(namespace, no_lines()))
+                self._lines.setdefault(namespace, no_lines()),
+                self._sessions.of(namespace))
 
     def look_away(self, namespace: str) -> None:
         """End the watch of a cell."""

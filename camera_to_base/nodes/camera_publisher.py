@@ -29,6 +29,7 @@ from camera_to_base.nodes.camera_pictures import CameraPictures
 from camera_to_base.nodes.camera_watch import CameraWatch
 from camera_to_base.nodes.debug_images import DebugImages
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
+from camera_to_base.nodes.freed_memory import keep_freed_memory
 from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.parameters import (
@@ -190,6 +191,7 @@ class CameraPublisher(Node):
 
 def main(args: Optional[List[str]] = None) -> int:
     """Run the node until a signal arrives or its recording ends."""
+    keep_freed_memory()
     code = run('camera_publisher', CameraPublisher, args)
     if is_reader_hanging():
         os._exit(code)

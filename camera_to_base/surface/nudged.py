@@ -105,6 +105,11 @@ class NudgedSurface:
         """The lens's distortion; None for none."""
         return self._surface.distortion
 
+    @property
+    def height_share(self) -> float:
+        """The height of the objects as a share of the camera's."""
+        return self._surface.height_share
+
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""
         pixels = finite_numbers('pixels', pixels, -1, 2)

@@ -15,7 +15,7 @@
 """Everything about one cell while somebody looks at it."""
 
 import time
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Iterable, Optional
 
 from camera_to_base.dashboard.live.cells import CAMERA, Cell, Cells, full_name, TRANSFORM
 from camera_to_base.dashboard.live.charts import Charts
@@ -24,8 +24,10 @@ from camera_to_base.dashboard.live.health import CellHealth
 from camera_to_base.dashboard.live.log_lines import Lines, LogLines
 from camera_to_base.dashboard.live.positions import CellPositions
 from camera_to_base.dashboard.live.remote_parameters import RemoteParameters
+from camera_to_base.dashboard.live.session_feed import SessionFeed
 from camera_to_base.dashboard.live.silence import silence, SILENT_S, State, warning
 from camera_to_base.dashboard.live.watch_data import left_out_data, objects_data
+from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import TRANSFORM_SPECS, Values
 from camera_to_base.ros import real_time_timer
@@ -50,10 +52,12 @@ class CellWatch:
     :param cells: All cells.
     :param on_part: Called with a part's name and its data.
     :param lines: What its nodes have logged before.
+    :param sessions: What people do with it.
     """
 
     def __init__(
-        self, node: Node, namespace: str, cells: Cells, on_part: OnPart, lines: Lines
+        self, node: Node, namespace: str, cells: Cells, on_part: OnPart, lines: Lines,
+        sessions: CellSessions,
     ) -> None:
         self._node, self._namespace, self._cells = node, namespace, cells
         self._on_part = on_part
@@ -68,7 +72,8 @@ class CellWatch:
         self.geometry: Optional[Geometry] = None
         self._events = node.create_subscription(
             ParameterEvent, '/parameter_events', self._on_event, 100)
-        self.positions = CellPositions(node, namespace)
+        self._sessions, self._feed = sessions, SessionFeed(node, namespace, sessions)
+        self.positions = CellPositions(node, namespace, self._feed.on_objects)
         self._health = CellHealth(node, names.values())
         self._log = LogLines(node, names.values(), lines)
         self._charts = Charts()
@@ -109,6 +114,11 @@ class CellWatch:
                 f'{parameters.remote} does not run, so nothing was set: start it')
         return parameters.change(values)
 
+    def values_of(self, node: str, names: Iterable[str]) -> Dict[str, Any]:
+        """Return the present values of some parameters of a node, 'camera' or 'transform'."""
+        known = (self.camera if node == 'camera' else self.transform).values
+        return {name: known[name] for name in names if name in known}
+
     def capture_background(self) -> Future:
         """
         Let the camera node take the background anew.
@@ -128,12 +138,14 @@ class CellWatch:
         self._node.destroy_timer(self._timer)
         self._node.destroy_client(self._capture)
         self._node.destroy_subscription(self._events)
-        for part in (self.camera, self.transform, self.positions, self._health, self._log):
+        for part in (self.camera, self.transform, self.positions, self._health, self._log,
+                     self._feed):
             part.close()
 
     def _beat(self) -> None:
         self._beats += 1
         self._tell('watch', self._watch_data())
+        self._feed.check()
         if self._beats % _BEATS_PER_S == 0:
             self._look_at_graph()
             self._tell('health', self._health_data())
@@ -146,10 +158,12 @@ class CellWatch:
             (cell for cell in cells if cell.namespace == self._namespace), self._cell)
         self._was_seen |= self._cell.camera is not None
         self._tell('cells', [cell.data for cell in cells])
-        for parameters, running in ((self.camera, self._cell.camera),
-                                    (self.transform, self._cell.transform)):
+        for name, parameters, running in (
+                ('camera', self.camera, self._cell.camera),
+                ('transform', self.transform, self._cell.transform)):
             if running is None:
                 parameters.forget()
+                self._sessions.see_parameters(name, None)
             else:
                 parameters.ask()
 
@@ -164,6 +178,8 @@ class CellWatch:
 
     def _on_parameters(self) -> None:
         self._tell('parameters', {'camera': self.camera.data, 'transform': self.transform.data})
+        self._sessions.see_parameters('camera', self.camera.values or None)
+        self._sessions.see_parameters('transform', self.transform.values or None)
         try:
             self.geometry = Geometry(
                 self.camera.values, self.transform.values) if self.camera.is_known else None

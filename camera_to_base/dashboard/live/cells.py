@@ -63,8 +63,8 @@ class Cells:
 
 
 def full_name(namespace: str, name: str) -> str:
-    """Return the full name of a node or a topic in a namespace."""
-    return f'{namespace.rstrip("/")}/{name}'
+    """Return the full name of a node or a topic in a namespace; one with a / has it already."""
+    return name if name.startswith('/') else f'{namespace.rstrip("/")}/{name}'
 
 
 def _namespace(node_name: str) -> str:

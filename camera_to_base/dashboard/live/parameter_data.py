@@ -33,13 +33,20 @@ def parameter_data(
     """
     name = descriptor.name
     return {
-        'name': name, 'value': value, 'type': Parameter.Type(descriptor.type).name.lower(),
+        'name': name, 'value': value, 'type': kind_of(descriptor, spec).name.lower(),
         'default': spec.default if spec else None,
         'description': descriptor.description,
         'constraints': descriptor.additional_constraints,
         'range': _range(descriptor), 'read_only': descriptor.read_only,
         'choices': list(spec.choices) if spec else [], 'unit': spec.unit if spec else '',
         'group': name.rpartition('.')[0]}
+
+
+def kind_of(descriptor: ParameterDescriptor, spec: Optional[ParameterSpec]) -> Parameter.Type:
+    """Return a parameter's type; of an empty list, ROS cannot tell it."""
+    if spec is not None and spec.takes_any_list:
+        return Parameter.Type.DOUBLE_ARRAY
+    return Parameter.Type(descriptor.type)
 
 
 def typed(kind: Parameter.Type, value: Any) -> Any:

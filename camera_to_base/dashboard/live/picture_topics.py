@@ -30,6 +30,13 @@ _LATCHED = {'background'}
 OnPicture = Callable[[str, str, CompressedImage], None]
 
 
+def picture_qos(kind: str) -> QoSProfile:
+    """Return the quality of service for a kind of picture: the newest one alone."""
+    durability = (DurabilityPolicy.TRANSIENT_LOCAL if kind in _LATCHED
+                  else DurabilityPolicy.VOLATILE)
+    return QoSProfile(depth=1, durability=durability)
+
+
 class PictureTopics:
     """
     Subscribes to pictures while somebody looks at them.
@@ -46,12 +53,10 @@ class PictureTopics:
         """Subscribe to a kind of picture of a cell; nothing if it is not published."""
         if (namespace, kind) in self._subscriptions or kind not in TOPICS:
             return
-        durability = (DurabilityPolicy.TRANSIENT_LOCAL if kind in _LATCHED
-                      else DurabilityPolicy.VOLATILE)
         self._subscriptions[namespace, kind] = self._node.create_subscription(
             CompressedImage, full_name(namespace, TOPICS[kind]),
             lambda message: self._on_picture(namespace, kind, message),
-            QoSProfile(depth=1, durability=durability))
+            picture_qos(kind))
 
     def look_away(self, namespace: str, kind: str) -> None:
         """End a subscription."""

@@ -16,8 +16,9 @@
 
 from collections import deque
 import time
-from typing import Any, Callable, Deque, Optional
+from typing import Any, Callable, Deque, List, Optional
 
+from camera_to_base.coordinate_transform import Pose
 from camera_to_base.dashboard.live.cells import full_name
 from camera_to_base.dashboard.live.frames import LeftOutPlace, SeenFrame, SeenFrames
 from camera_to_base.errors import CameraToBaseError
@@ -37,10 +38,13 @@ class CellPositions:
 
     :param node: The node that listens.
     :param namespace: The cell's.
+    :param on_objects: Called with the objects of each frame, in the camera frame.
     """
 
-    def __init__(self, node: Node, namespace: str) -> None:
-        self._node = node
+    def __init__(
+        self, node: Node, namespace: str, on_objects: Callable[[List[Pose]], None]
+    ) -> None:
+        self._node, self._on_objects = node, on_objects
         self._frames = SeenFrames()
         self._came_at: Deque[float] = deque(maxlen=1000)
         self._started_at = time.monotonic()
@@ -83,6 +87,7 @@ class CellPositions:
         frame = self._frames.at(message.header.stamp)
         frame.latency_s = self._node.get_clock().now().nanoseconds / 1e9 - frame.stamp_s
         frame.camera = _read(poses_from_message, message)
+        self._on_objects(frame.camera)
 
     def _on_base(self, message: PoseArray) -> None:
         self._frames.at(message.header.stamp).base = _read(poses_from_message, message)

@@ -16,7 +16,7 @@
 
 from typing import Any, Callable, Dict, List, Mapping, Optional
 
-from camera_to_base.dashboard.live.parameter_data import parameter_data, typed
+from camera_to_base.dashboard.live.parameter_data import kind_of, parameter_data, typed
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import ParameterSpec
 from rcl_interfaces.msg import ParameterDescriptor, ParameterEvent
@@ -132,7 +132,7 @@ class RemoteParameters:
             sentence = f'{self.remote} has no parameter {name}'
             raise RefusedError(sentence, {name: sentence})
         try:
-            kind = Parameter.Type(self._descriptors[name].type)
+            kind = kind_of(self._descriptors[name], self._specs.get(name))
             return Parameter(name, kind, typed(kind, value))
         except (TypeError, ValueError, OverflowError):
             sentence = f'parameter {name} cannot be {value!r:.80}: another type is expected'

@@ -23,6 +23,7 @@ from camera_to_base.dashboard.server.access import Access
 from camera_to_base.dashboard.server.actions import ACTIONS, Unknown
 from camera_to_base.dashboard.server.pages import Page, WEB, WebFile
 from camera_to_base.dashboard.server.picture_hub import PictureHub
+from camera_to_base.dashboard.server.session_actions import SESSION_ACTIONS
 from camera_to_base.dashboard.server.sockets import PictureSocket, StateSocket
 from camera_to_base.dashboard.server.state_hub import StateHub
 from camera_to_base.dashboard.specs import DashboardSettings, is_loopback
@@ -108,7 +109,7 @@ class WebServer:
         files: List[Any] = [('/web/(.*)', WebFile, {'path': str(WEB)})]
         return Application(
             [('/', Page), *files, ('/ws/state', StateSocket), ('/ws/picture', PictureSocket),
-             *ACTIONS],
+             *ACTIONS, *SESSION_ACTIONS],
             default_handler_class=Unknown,
             access=Access(self._settings.host, self._settings.token), port=self.port,
             states=self.states, pictures=self.pictures, backend=self._backend,

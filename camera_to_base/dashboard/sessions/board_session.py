@@ -17,22 +17,23 @@
 from typing import Any, Callable, Dict, List, Mapping, Optional
 
 from camera_to_base.calibration import (
-    BoardLook, calibrate_placements, Calibration, look_for, make_placement, part_values, Placement,
-    PrintedBoard, refuse_unlike, renumbered, SURFACE)
+    calibrate_placements, Calibration, make_placement, part_values, Placement, refuse_unlike,
+    renumbered, SURFACE)
 from camera_to_base.dashboard.sessions.board_data import (
-    covered_data, look_data, placement_data, report_data, suggestion)
-from camera_to_base.dashboard.sessions.board_drawing import board_picture
+    covered_data, placement_data, report_data, suggestion)
 from camera_to_base.dashboard.sessions.board_options import BoardOptions
+from camera_to_base.dashboard.sessions.board_watch import BoardWatch
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
-from camera_to_base.dashboard.sessions.worker import Worker
-from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.dashboard.sessions.worker import sentence_of, Worker
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
 import numpy as np
 
-# As many frames are one picture, see `sources.median_frame`.
-_FRAMES = 9
-_LONGEST_WAIT_S = 8.0
+# Their median is one picture, as in `sources.median_frame`; slow machines give 2 frames a second.
+_FRAMES = 5
+_LONGEST_WAIT_S = 5.0
 _GOOD_PLACEMENTS = 4
+_BUSY = 'the last step still goes on: wait for it'
 _NO_FRAMES = ('no pictures come from the camera node: is it running, and the camera plugged in? '
               'Then take the placement again')
 
@@ -51,16 +52,14 @@ class BoardSession:
         self, values: CellValues, worker: Worker, on_change: Callable[[], None],
         on_picture: Callable[[bytes], None] = lambda jpeg: None,
     ) -> None:
-        self._values, self._worker = values, worker
-        self._on_change, self._on_picture = on_change, on_picture
+        self._values, self._worker, self._on_change = values, worker, on_change
         self._options = BoardOptions()
-        self._is_on = self._is_looking = False
-        self._newest: Optional[np.ndarray] = None
+        self._watch = BoardWatch(worker, on_change, on_picture)
+        self._is_on = False
         self._taken: Optional[List[np.ndarray]] = None
         self._attempt = 0
         self._busy: Optional[str] = None
         self._error: Optional[str] = None
-        self._look: Optional[Dict[str, Any]] = None
         self._placements: List[Placement] = []
         self.calibration: Optional[Calibration] = None
         self._accepted: Optional[Dict[str, Any]] = None
@@ -80,7 +79,7 @@ class BoardSession:
         """The state as JSON."""
         return {
             'step': 'off' if not self._is_on else 'fitted' if self.calibration else 'looking',
-            'hint': self._hint(), 'options': self._options.data, 'look': self._look,
+            'hint': self._hint(), 'options': self._options.data, 'look': self._watch.data,
             'placements': list(map(placement_data, range(1, 1 + len(self._placements)),
                                    self._placements)),
             'covered': covered_data(self._placements),
@@ -99,13 +98,14 @@ class BoardSession:
         options = self._options.changed(body)
         if options.board != self._options.board:
             self._forget()
-        self._options, self._is_on, self._error, self._look = options, True, None, None
+        self._options, self._is_on, self._error = options, True, None
+        self._watch.start(options.board)
         self._on_change()
 
     def cancel(self) -> None:
         """End, and drop the placements."""
-        self._is_on = False
-        self._newest = self._look = self._error = None
+        self._is_on, self._error = False, None
+        self._watch.start(None)
         self._forget()
         self._on_change()
 
@@ -117,13 +117,12 @@ class BoardSession:
         """
         if not self._is_on:
             return
-        self._newest = image
         if self._taken is not None:
             self._taken.append(image)
             if len(self._taken) == _FRAMES:
                 self._make_placement()
-        elif not self._is_looking:
-            self._look_at_newest()
+        else:
+            self._watch.see(image, [one.outline for one in self._placements])
 
     def take(self) -> None:
         """
@@ -131,11 +130,11 @@ class BoardSession:
 
         :raises InvalidValueError: If that is not possible now.
         """
-        self._refuse_unless(self._is_on, 'start the search for a board first')
-        self._refuse_unless(not self._busy, 'the last step still goes on: wait for it')
+        _refuse_unless(self._is_on, 'start the search for a board first')
+        _refuse_unless(not self._busy, _BUSY)
         self._begin('Taking the picture …')
         self._taken = []
-        self._worker.later(_LONGEST_WAIT_S, lambda attempt=self._attempt: self._give_up(attempt))
+        self._give_up_later()
         self._on_change()
 
     def remove(self, body: Mapping[str, Any]) -> None:
@@ -146,9 +145,9 @@ class BoardSession:
         :raises InvalidValueError: If there is none.
         """
         number = body.get('number')
-        self._refuse_unless(not self._busy, 'the last step still goes on: wait for it')
-        self._refuse_unless(number in range(1, 1 + len(self._placements)),
-                            f'there is no placement {number!r:.20}')
+        _refuse_unless(not self._busy, _BUSY)
+        _refuse_unless(number in range(1, 1 + len(self._placements)),
+                       f'there is no placement {number!r:.20}')
         del self._placements[number - 1]
         # The first one defines the camera frame.
         self._placements = [renumbered(self._options.board, one, index)
@@ -162,8 +161,8 @@ class BoardSession:
 
         :raises InvalidValueError: If that is not possible now.
         """
-        self._refuse_unless(self._placements, 'take a placement of the board first')
-        self._refuse_unless(not self._busy, 'the last step still goes on: wait for it')
+        _refuse_unless(self._placements, 'take a placement of the board first')
+        _refuse_unless(not self._busy, _BUSY)
         self._begin('Fitting …')
         board, placements = self._options.board, list(self._placements)
         self._worker.run(lambda: calibrate_placements(board, placements), self._take_fit)
@@ -175,8 +174,8 @@ class BoardSession:
 
         :raises InvalidValueError: If there is none.
         """
-        self._refuse_unless(self.calibration, 'fit the surface first')
-        self._refuse_unless(self._values.camera, 'camera_publisher does not run: start it')
+        _refuse_unless(self.calibration, 'fit the surface first')
+        _refuse_unless(self._values.camera, 'camera_publisher does not run: start it')
         return self._values.with_part(
             {'calibration.device': self._device(), **part_values(self.calibration)}, SURFACE)
 
@@ -206,29 +205,6 @@ class BoardSession:
             return (f'{count} of {_GOOD_PLACEMENTS} placements are taken. Lay the board elsewhere '
                     'without moving the camera, or fit now.')
         return 'Fit the surface.' if count else 'Take the first placement: it defines x and y.'
-
-    def _look_at_newest(self) -> None:
-        self._is_looking, image, self._newest = True, self._newest, None
-        board, outlines = self._options.board, [one.outline for one in self._placements]
-
-        def look() -> Any:
-            found = look_for(board, image)
-            self._on_picture(board_picture(image, found.corners, outlines))
-            return found
-        self._worker.run(look, lambda found: self._take_look(board, image, found))
-
-    def _take_look(self, board: PrintedBoard, image: np.ndarray, found: Any) -> None:
-        self._is_looking = False
-        if not self._is_on or board != self._options.board:
-            return  # it has ended, or another board is looked for
-        if isinstance(found, Exception):
-            found = BoardLook(False, _sentence(found), np.empty((0, 2)))
-        data = look_data(image, found)
-        if data != self._look:
-            self._look = data
-            self._on_change()
-        if self._newest is not None and self._taken is None:
-            self._look_at_newest()
 
     def _make_placement(self) -> None:
         frames, self._taken = self._taken, None
@@ -260,11 +236,20 @@ class BoardSession:
             self.calibration, self._accepted = found, None
         self._on_change()
 
-    def _give_up(self, attempt: int) -> None:
-        if self._taken is not None and attempt == self._attempt:
-            self._taken = None
-            self._end(InvalidValueError(_NO_FRAMES))
-            self._on_change()
+    def _give_up_later(self) -> None:
+        attempt, count = self._attempt, len(self._taken)
+        self._worker.later(_LONGEST_WAIT_S, lambda: self._give_up(attempt, count))
+
+    def _give_up(self, attempt: int, count: int) -> None:
+        """End the taking if no frame has come since there were `count`."""
+        if self._taken is None or attempt != self._attempt:
+            return
+        if len(self._taken) > count:
+            self._give_up_later()
+            return
+        self._taken = None
+        self._end(InvalidValueError(_NO_FRAMES))
+        self._on_change()
 
     def _begin(self, sentence: str) -> None:
         self._busy, self._error = sentence, None
@@ -272,18 +257,13 @@ class BoardSession:
 
     def _end(self, found: Any) -> None:
         self._busy = None
-        self._error = _sentence(found) if isinstance(found, Exception) else None
+        self._error = sentence_of(found) if isinstance(found, Exception) else None
 
     def _forget(self) -> None:
         self._placements, self.calibration, self._accepted = [], None, None
         self._taken, self._busy = None, None
 
-    def _refuse_unless(self, condition: Any, sentence: str) -> None:
-        if not condition:
-            raise InvalidValueError(sentence)
 
-
-def _sentence(error: Exception) -> str:
-    if isinstance(error, CameraToBaseError):
-        return str(error)
-    return f'the dashboard has a defect: {type(error).__name__}: {error}'
+def _refuse_unless(condition: Any, sentence: str) -> None:
+    if not condition:
+        raise InvalidValueError(sentence)

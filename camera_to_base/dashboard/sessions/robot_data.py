@@ -16,27 +16,12 @@
 
 from typing import Any, Callable, Dict, List, Optional
 
-from camera_to_base.calibration import FRAMES, report_lines
-from camera_to_base.dashboard.sessions.followed_object import FollowedObject, Point
+from camera_to_base.calibration import report_lines
+from camera_to_base.dashboard.sessions.followed_object import Point
 from camera_to_base.dashboard.sessions.pair_list import Pair, PairFit
 
 PixelOf = Callable[[Point], Optional[List[float]]]
 _BAD_SENTENCE = 'it does not belong to the others: measure it again, or remove it'
-
-
-def open_data(
-    number: int, followed: FollowedObject, place: Optional[Point], spread_mm: Optional[float],
-    pixel_of: PixelOf,
-) -> Dict[str, Any]:
-    """Describe the pair that is being measured."""
-    if place is None:
-        sentence = f'{followed.frame_count} of {FRAMES} frames'
-    else:
-        sentence = (f'seen at ({place[0]:.2f}, {place[1]:.2f}) cm in the camera frame, in '
-                    f'{followed.frame_count} frames, spread {spread_mm:.2f} mm')
-    return {'number': number, 'camera': place and point_data(place),
-            'pixel': pixel_of(place or followed.point), 'frames': followed.frame_count,
-            'of': FRAMES, 'spread_mm': spread_mm and round(spread_mm, 2), 'sentence': sentence}
 
 
 def pair_data(

@@ -14,17 +14,18 @@
 
 """The base frame from objects that the camera sees and the robot touches."""
 
-from itertools import islice
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
 from camera_to_base.calibration import (
-    BASE, part_values, parts_of, read_typed_position, suggested_places, Suggestion, SURFACE,
-    TouchedPair)
+    BASE, Calibration, part_values, read_typed_position, TouchedPair)
 from camera_to_base.checks import finite_number
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
-from camera_to_base.dashboard.sessions.followed_object import FollowedObject, Point
-from camera_to_base.dashboard.sessions.pair_list import fit_pairs, MeasuredWith, Pair, PairFit
-from camera_to_base.dashboard.sessions.robot_data import fit_data, open_data, pair_data
+from camera_to_base.dashboard.sessions.followed_object import Point
+from camera_to_base.dashboard.sessions.open_pair import OpenPair
+from camera_to_base.dashboard.sessions.pair_list import fit_pairs, Pair, PairFit
+from camera_to_base.dashboard.sessions.pair_places import (
+    measured_with, needs, suggested, suggestion_data)
+from camera_to_base.dashboard.sessions.robot_data import fit_data, pair_data
 from camera_to_base.dashboard.sessions.tool_place import ToolPlace
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 
@@ -47,10 +48,8 @@ class RobotSession:
         self._background: Any = None
         self._pairs: List[Pair] = []
         self._again: Optional[int] = None
-        self._object: Optional[FollowedObject] = None
+        self._open: Optional[OpenPair] = None
         self._newest: List[Point] = []
-        self._place: Optional[Point] = None
-        self._spread_mm: Optional[float] = None
         self._error: Optional[str] = None
         self._accepted: Optional[Dict[str, Any]] = None
         self._base_z = 'up'
@@ -65,19 +64,18 @@ class RobotSession:
     @property
     def state(self) -> Dict[str, Any]:
         """The state as JSON."""
-        now = self._measured_with()
+        now = measured_with(self._values, self._background)
         return {
             'step': 'measuring' if self._is_on else 'off', 'hint': self._hint(),
-            'needs': self._needs(), 'suggestion': self._suggestion_data(),
-            'open': self._object and open_data(
-                self._number, self._object, self._place, self._spread_mm, self._values.pixel_of),
+            'needs': needs(self._values), 'suggestion': self._suggestion_data(),
+            'open': self._open and self._open.data(self._values.pixel_of),
             'pairs': [pair_data(pair, self._fit, pair.measured_with.difference(now),
                                 self._values.pixel_of) for pair in self._pairs],
             'fit': self._fit and fit_data(self._fit), 'base_z': self._base_z,
             'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
 
     @property
-    def calibration(self) -> Any:
+    def calibration(self) -> Optional[Calibration]:
         """The base frame's calibration; None without one."""
         return self._fit and self._fit.calibration
 
@@ -87,9 +85,9 @@ class RobotSession:
 
         :raises InvalidValueError: If that is not possible now.
         """
-        needs = self._needs()
-        if needs:
-            raise InvalidValueError(needs)
+        reason = needs(self._values)
+        if reason:
+            raise InvalidValueError(reason)
         self._is_on, self._error = True, None
         self._on_change()
 
@@ -110,22 +108,18 @@ class RobotSession:
         pixel = _point(body, 'u', 'v')
         self._close()
         point, = self._values.settings.surface.locate([pixel]).tolist()
-        self._object = FollowedObject(tuple(point))
+        self._open = OpenPair(self._number, tuple(point))
         self._on_change()
 
     def see_objects(self, points: Sequence[Point]) -> None:
         """Take all objects of the next frame, in cm, in the camera frame."""
         self._newest = list(points)
-        if self._object is None or self._place is not None:
-            return
-        self._object.see(points)
-        if self._object.is_complete:
-            try:
-                place = self._object.place()
-                self._place, self._spread_mm = (place.x, place.y), 10 * place.spread_cm
-            except CameraToBaseError as error:
-                self._object, self._error = None, str(error)
-        self._on_change()
+        try:
+            is_news = self._open is not None and self._open.see(points)
+        except CameraToBaseError as error:
+            self._open, self._error, is_news = None, str(error), True
+        if is_news:
+            self._on_change()
 
     def object_number(self, body: Mapping[str, Any]) -> int:
         """
@@ -134,9 +128,7 @@ class RobotSession:
         :param body: {'x', 'y'} in cm, in the camera frame; the open pair's object without.
         :raises InvalidValueError: If there is none.
         """
-        followed = self._object
-        if 'x' in body:
-            followed = FollowedObject(_point(body))
+        followed = OpenPair(0, _point(body)) if 'x' in body else self._open
         nearest = followed and followed.nearest(self._newest)
         if nearest is None:
             raise InvalidValueError('click an object in the picture first')
@@ -149,9 +141,7 @@ class RobotSession:
         :param body: {'text': as typed}, or {'x', 'y'} in cm, in the base frame.
         :raises InvalidValueError: If there is no object yet, or the text is no position.
         """
-        if self._place is None:
-            raise InvalidValueError('click the object in the picture first, and wait until it is '
-                                    'measured')
+        self._refuse_unmeasured()
         if 'text' in body:
             base_point = read_typed_position(str(body['text']))
         else:
@@ -167,9 +157,7 @@ class RobotSession:
         """
         if self.tool.listen(body.get('topic')):
             self._on_change()
-        if self._place is None:
-            raise InvalidValueError('click the object in the picture first, and wait until it is '
-                                    'measured')
+        self._refuse_unmeasured()
         self._add(self.tool.place())
 
     def again(self, body: Mapping[str, Any]) -> None:
@@ -246,9 +234,10 @@ class RobotSession:
         raise InvalidValueError(f'there is no pair {body.get("number")!r:.20}')
 
     def _add(self, base_point: Point) -> None:
-        suggestion = self._suggestion()
-        pair = Pair(self._number, TouchedPair(suggestion, self._place, base_point),
-                    self._measured_with())
+        number, place = self._open.number, self._open.place
+        touched = TouchedPair(
+            suggested(self._values, number), (place.x, place.y), base_point)
+        pair = Pair(number, touched, measured_with(self._values, self._background))
         kept = [one for one in self._pairs if one.number != pair.number]
         self._pairs = sorted([*kept, pair], key=lambda one: one.number)
         self._again = None
@@ -256,10 +245,15 @@ class RobotSession:
         self._fit_again()
 
     def _close(self) -> None:
-        self._object = self._place = self._spread_mm = self._error = None
+        self._open = self._error = None
+
+    def _refuse_unmeasured(self) -> None:
+        if self._open is None or self._open.place is None:
+            raise InvalidValueError('click the object in the picture first, and wait until it is '
+                                    'measured')
 
     def _fit_again(self) -> None:
-        now = self._measured_with()
+        now = measured_with(self._values, self._background)
         valid = [pair for pair in self._pairs if pair.measured_with.difference(now) is None]
         fit = fit_pairs(valid, self._values.given, self._base_z)
         if (fit and fit.residuals_mm) != (self._fit and self._fit.residuals_mm):
@@ -267,39 +261,17 @@ class RobotSession:
         self._fit = fit
         self._on_change()
 
-    def _needs(self) -> Optional[str]:
-        if self._values.camera is None:
-            return 'camera_publisher does not run: start it.'
-        if SURFACE not in parts_of(self._values.given):
-            return 'There is no surface yet: calibrate it with the board first.'
-        return None
-
-    def _measured_with(self) -> MeasuredWith:
-        given = self._values.given
-        surface = {name: value for name, value in given.items()
-                   if name.startswith('surface.') or name == 'object_height_cm'}
-        return MeasuredWith(surface, given.get('source', ''), self._background)
-
-    def _suggestion(self) -> Suggestion:
-        camera = self._values.settings
-        places = suggested_places(camera.surface, camera.hull, camera.image_size)
-        return next(islice(places, self._number - 1, None))
-
     def _suggestion_data(self) -> Optional[Dict[str, Any]]:
-        if not self._is_on or self._needs() or self._object is not None:
+        if not self._is_on or self._open is not None or needs(self._values):
             return None
-        place = self._suggestion()
-        x, y = place.point
-        return {'name': place.name, 'pixel': list(place.pixel), 'camera': {'x': x, 'y': y},
-                'sentence': f'Put one object near the {place.name} of the calibrated area, take '
-                            'your hand and the robot out of the picture, and click the object.'}
+        return suggestion_data(suggested(self._values, self._number))
 
     def _hint(self) -> str:
         if not self._is_on:
-            return self._needs() or 'Start, and put an object down.'
-        if self._place is not None:
+            return needs(self._values) or 'Start, and put an object down.'
+        if self._open is not None and self._open.place is not None:
             return 'Touch its middle with the robot, and type x and y as its display shows them.'
-        if self._object is not None:
+        if self._open is not None:
             return 'The object is measured: leave it alone.'
         if self._accepted:
             return 'Save the calibration.'

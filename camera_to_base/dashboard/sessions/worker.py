@@ -18,6 +18,8 @@ from concurrent.futures import ThreadPoolExecutor
 import threading
 from typing import Any, Callable, Optional
 
+from camera_to_base.errors import CameraToBaseError
+
 
 class Worker:
     """
@@ -29,12 +31,6 @@ class Worker:
     def __init__(self, lock: Any) -> None:
         self._lock = lock
         self._thread: Optional[ThreadPoolExecutor] = None
-        self._waiting = 0
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether a function runs or waits."""
-        return self._waiting > 0
 
     def run(self, function: Callable[[], Any], then: Callable[[Any], None]) -> None:
         """
@@ -45,7 +41,6 @@ class Worker:
         """
         if self._thread is None:
             self._thread = ThreadPoolExecutor(1, thread_name_prefix='session')
-        self._waiting += 1
         self._thread.submit(self._run, function, then)
 
     def later(self, seconds: float, function: Callable[[], None]) -> None:
@@ -68,5 +63,11 @@ class Worker:
         except Exception as error:
             result = error
         with self._lock:
-            self._waiting -= 1
             then(result)
+
+
+def sentence_of(error: Exception) -> str:
+    """Say what went wrong; a defect is called one."""
+    if isinstance(error, CameraToBaseError):
+        return str(error)
+    return f'the dashboard has a defect: {type(error).__name__}: {error}'

@@ -52,7 +52,7 @@ def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 
 def chosen(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Give the pixels in a mask, shape (h, w, 3) to (n, 3): faster than a mask as an index."""
-    return values.reshape(-1, values.shape[-1])[np.flatnonzero(mask)]
+    return values.reshape(-1, values.shape[-1]).take(np.flatnonzero(mask > 0), axis=0)
 
 
 def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:

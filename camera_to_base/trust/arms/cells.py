@@ -95,7 +95,7 @@ class Light(NamedTuple):
 
     :param factors: How much brighter each channel is: three numbers, or shape (h, w, 3).
     :param least: What counts as a difference everywhere, in levels.
-    :param slack: How much of the range of its neighbours a cell may differ by.
+    :param slack: How much of its `spread` a cell may differ by.
     """
 
     factors: object
@@ -108,15 +108,15 @@ class CellBackground(NamedTuple):
     The background in cells, or a part of it.
 
     :param levels: Shape (h, w, 3), float32, at least 1.
-    :param range: Shape (h, w, 3), uint8, the range of a cell's neighbours.
+    :param spread: Shape (h, w, 3), uint8, the range of a cell and its neighbours.
     """
 
     levels: np.ndarray
-    range: np.ndarray
+    spread: np.ndarray
 
     def part(self, rows: slice, columns: slice) -> 'CellBackground':
         """Return the same of some cells."""
-        return CellBackground(self.levels[rows, columns], self.range[rows, columns])
+        return CellBackground(self.levels[rows, columns], self.spread[rows, columns])
 
     def excess(self, means: np.ndarray, light: Light) -> np.ndarray:
         """
@@ -126,7 +126,7 @@ class CellBackground(NamedTuple):
         :returns: Of the same shape, uint8, 0 where they do not.
         """
         lit = cv2.multiply(self.levels, light.factors, dtype=cv2.CV_8U)
-        most = cv2.convertScaleAbs(self.range, alpha=light.slack, beta=light.least)
+        most = cv2.convertScaleAbs(self.spread, alpha=light.slack, beta=light.least)
         return cv2.subtract(cv2.absdiff(means, lit), most)
 
 
@@ -139,4 +139,4 @@ def any_channel(excess: np.ndarray) -> np.ndarray:
 def medians(ratios: np.ndarray) -> List[float]:
     """Return the median of each column of an array of shape (n, 3), the upper one of two."""
     half = len(ratios) // 2
-    return [float(np.partition(column, half)[half]) for column in ratios.T.copy()]
+    return np.partition(ratios, half, axis=0)[half].tolist()

@@ -68,6 +68,8 @@ def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction
     surface = surface.for_image_size(size)
     places = _places(size)
     frame_places = nudge.frame_from_background.pixels(places)
+    shift_px = float(np.hypot(*(frame_places - places).T).max())
+    nudge = _with_foot(nudge, shift_px * surface.height_share, size)
     covariances = _covariances(nudge, frame_places, size)
     moved_cm, errors_cm = [0.0], [0.0]
     for place, there, covariance in zip(places, frame_places, covariances):
@@ -79,7 +81,7 @@ def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction
         moved_cm.append(float(np.hypot(*moved[0])))
         errors_cm.append(radius_for(_SHARE) * _deviation(scale @ covariance @ scale.T))
     return Correction(
-        nudge, float(np.hypot(*(frame_places - places).T).max()), _MM_PER_CM * max(moved_cm),
+        nudge, shift_px, _MM_PER_CM * max(moved_cm),
         _MM_PER_CM * max(errors_cm), max(map(_deviation, covariances)))
 
 
@@ -104,6 +106,13 @@ def corrected_surface(
         NudgedSurface(base.surface, background_from_frame, size), covariance, correction.reason,
         base.replaces, nudge.frame_from_background if before is None
         else nudge.frame_from_background.after(before))
+
+
+def _with_foot(nudge: Nudge, foot_px: float, size: ImageSize) -> Nudge:
+    # A camera that was shifted, not turned, has another foot point: raised objects move by this.
+    covariance = nudge.covariance.copy()
+    covariance[[2, 5], [2, 5]] += (foot_px / 2 / (np.hypot(*size) / 2)) ** 2
+    return nudge._replace(covariance=covariance)
 
 
 def _places(size: ImageSize) -> np.ndarray:

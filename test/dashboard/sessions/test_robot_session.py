@@ -69,7 +69,7 @@ def test_the_place_is_the_mean_of_twenty_frames(cell):
     cell.do('robot', 'see', u=u, v=v)
     x, y = (cell.state('robot')['open']['pixel'])
     assert abs(x - u) < 1 and abs(y - v) < 1
-    place = cell.sessions._robot._object.point
+    place = cell.clicked_point()
     for number in range(20):
         assert cell.state('robot')['open']['frames'] == number
         assert cell.state('robot')['open']['camera'] is None
@@ -134,7 +134,7 @@ def test_the_tool_of_a_robot_that_publishes_it_is_taken(cell):
         cell.do('robot', 'from_topic', topic='/tool')
     assert cell.sessions.tool_topic == '/tool'
     cell.do('robot', 'see', u=u, v=v)
-    place = cell.sessions._robot._object.point
+    place = cell.clicked_point()
     for _ in range(20):
         cell.sessions.see_objects([place])
     with pytest.raises(CameraToBaseError, match='0 poses came on /tool'):
@@ -203,7 +203,7 @@ def test_the_simulated_robot_touches_the_object_that_was_clicked(cell):
     with pytest.raises(CameraToBaseError, match='click an object'):
         cell.do('simulated', 'touch')
     cell.do('robot', 'see', u=320, v=240)
-    place = cell.sessions._robot._object.point
+    place = cell.clicked_point()
     cell.sessions.see_objects([(place[0] + 8, place[1]), (place[0] + 0.2, place[1])])
     assert cell.do('simulated', 'touch')['touched'] == 2
     assert cell.do('simulated', 'touch', x=place[0] + 8, y=place[1])['touched'] == 1

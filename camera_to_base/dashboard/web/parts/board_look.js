@@ -31,11 +31,13 @@ export function createBoardLook() {
   const suggestion = element('p');
   const take = button('Keep this placement', () => board('take'), {class: 'primary'});
   const fit = button('Fit', () => board('fit'));
+  const stop = button('Stop', () => board('cancel'), {
+    'aria-label': 'Stop, and drop the placements'});
   const list = element('ol', {class: 'placements', 'aria-label': 'Placements of the board'});
   const node = card('3. Lay the board on the table', element('div', {class: 'columns'},
     picture.node,
     element('div', {}, verdict, cover.node, total.node, sharp, suggestion,
-      element('div', {class: 'buttons'}, take, fit), list)));
+      element('div', {class: 'buttons'}, take, fit, stop), list)));
   show(node, false);
   const update = (state) => {
     const {look, placements, busy, covered} = state;
@@ -48,6 +50,7 @@ export function createBoardLook() {
       `(an edge is ${fixed(look.sharp_px, 1)} px wide).` : '');
     setText(suggestion, missing(state));
     take.disabled = Boolean(busy) || !look?.found;
+    stop.disabled = Boolean(busy);
     fit.disabled = Boolean(busy) || !placements.length;
     sync(list, placements, ({number}) => number, makePlacement, fillPlacement);
     drawCover(picture, state);

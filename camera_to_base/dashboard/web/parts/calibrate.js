@@ -24,6 +24,9 @@ import {address} from '../base/state.js';
 /** Make the part. */
 export function createCalibrate(store) {
   const hint = element('p', {class: 'hint', role: 'status'});
+  const lead = element('p', {class: 'lead'}, 'The camera learns where each pixel lies on the ' +
+    'surface, from a printed board. The camera must not move from now on.');
+  const sheets = createSheets();
   const options = createOptions();
   const look = createBoardLook(store);
   const report = createBoardReport();
@@ -36,15 +39,14 @@ export function createCalibrate(store) {
   store.on('board', (state) => {
     setText(hint, state.error ?? state.busy ?? state.hint ?? '');
     hint.classList.toggle('error', Boolean(state.error));
+    [lead, sheets, options.node].forEach((each) => show(each, state.step === 'off'));
     options.update(state);
     look.update(state);
     report.update(state);
     follow();
   });
   const node = element('div', {class: 'calibrate'},
-    element('p', {class: 'lead'}, 'The camera learns where each pixel lies on the surface, from a ' +
-      'printed board. The camera must not move from now on.'),
-    createSheets(), options.node, hint, look.node, report.node);
+    lead, sheets, options.node, hint, look.node, report.node);
   return {
     node,
     shown: () => { isShown = true; follow(); },
@@ -79,15 +81,10 @@ function createOptions() {
   const start = button('Start', () => board('start', {
     corners: [read(columns.input.value), read(rows.input.value)],
     square_mm: read(square.input.value), charuco: charuco.checked}), {class: 'primary'});
-  const cancel = button('Stop, and drop the placements', () => board('cancel'));
   const details = element('details', {}, element('summary', {}, 'Another board'),
     element('div', {class: 'inline-fields'}, columns.node, rows.node, square.node,
       element('p', {}, charuco, ' ', element('label', {for: 'charuco'}, 'Board with markers'))));
-  const update = ({step, options, busy}) => {
-    const isOff = step === 'off';
-    show(start, isOff);
-    show(cancel, !isOff);
-    cancel.disabled = Boolean(busy);
+  const update = ({options}) => {
     if (document.activeElement?.closest('.inline-fields')) return;
     columns.input.value = options.corners[0];
     rows.input.value = options.corners[1];
@@ -95,7 +92,7 @@ function createOptions() {
     charuco.checked = options.charuco;
   };
   return {update, node: card('2. Look for the board', details,
-    element('div', {class: 'buttons'}, start, cancel))};
+    element('div', {class: 'buttons'}, start))};
 }
 
 function countField(id, text) {

@@ -33,21 +33,19 @@ export function createSimulated(store) {
   const touch = element('div', {class: 'buttons', role: 'group',
     'aria-label': 'Object that the robot touches'});
   const display = element('output', {class: 'display'});
-  const sentence = element('p', {class: 'quiet'});
   const lay = (kind, place = Number(placement.value) || 1) => attempt(
     () => act('/api/simulated/show', {shows: kind, placement: place}), () => null);
+  const ofBoard = [line('Place of the board', placement, 'placement')];
+  const ofRobot = [line('The robot touches', touch), line("The robot's display", display)];
   const isWide = matchMedia('(min-width: 50rem)').matches;
   panel.append(element('details', {open: isWide}, element('summary', {},
     'Simulated table', element('span', {}, ': do here what you would do by hand')),
   element('div', {class: 'lines'},
     line('On the table', element('div', {class: 'buttons', role: 'group', 'aria-label': 'On the table'},
       ...shows.map(([, node]) => node))),
-    line('Place of the board', placement, 'placement'),
-    line('The robot touches', touch),
-    line("The robot's display", display),
+    ...ofBoard, ...ofRobot,
     line('Camera', element('div', {class: 'buttons'},
-      button('Bump', () => nudge(BUMP)), button('Put back', () => nudge(BACK))))),
-  sentence));
+      button('Bump', () => nudge(BUMP)), button('Put back', () => nudge(BACK)))))));
   const update = () => {
     const {touched, robot} = store.get('simulated') ?? {};
     const tool = touched ? robot ?? store.get('robot')?.tool.position : null;
@@ -63,7 +61,8 @@ export function createSimulated(store) {
     sync(placement, places, (place) => place, (place) => element('option', {}, String(place)),
       () => {});
     placement.value = state.placement;
-    setText(sentence, state.sentence ?? '');
+    ofBoard.forEach((node) => show(node, state.shows === 'board'));
+    ofRobot.forEach((node) => show(node, state.shows === 'still_objects'));
     update();
   });
   store.on('robot', update);
