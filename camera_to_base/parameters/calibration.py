@@ -23,19 +23,19 @@ from camera_to_base.parameters.spec import ParameterSpec
 RECORD_SPECS = [
     ParameterSpec('calibration.surface', '',
                   'When the surface was calibrated, from what, and how well; written by '
-                  'calibrate.', fixed=True),
+                  'calibrate.'),
     ParameterSpec('calibration.base', '',
                   'When the base frame was calibrated, from what, and how well; written by '
-                  'calibrate.', fixed=True),
+                  'calibrate.'),
     ParameterSpec('calibration.device', '',
                   'The camera that the surface was calibrated with: a lasting link to a device, '
-                  'the URL of a stream, or simulated; written by calibrate.', fixed=True),
+                  'the URL of a stream, or simulated; written by calibrate.'),
 ]
 # Only the camera node has frames to compare.
 OWN_CAMERA_SPECS = [
     ParameterSpec('calibration.thumbnail', '',
                   'A small picture of the calibrated surface, PNG in base64: the node compares '
-                  'its background with it; written by calibrate.', fixed=True),
+                  'its background with it; written by calibrate.'),
     ParameterSpec('calibration.strict', False,
                   'Whether to publish nothing if the calibration belongs to another camera, or to '
                   'another view. Otherwise the node only warns.'),
