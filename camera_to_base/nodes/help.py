@@ -30,14 +30,16 @@ publishes:
   debug_image/compressed     sensor_msgs/CompressedImage: the same as JPEG
   true_pos_in_cam_frame      with source:=simulated only: true position of the coin, in cm
   true_objects_in_cam_frame  likewise: true positions of all objects, in m
+  simulated_tool             likewise: geometry_msgs/PoseStamped of the simulated robot's tool
   /diagnostics               state of the node, once a second
 
 subscribes to:
   image                      with source:=topic: sensor_msgs/Image of any camera driver
   image/compressed           with source:=compressed_topic: sensor_msgs/CompressedImage
 
-service:
+services:
   ~/capture_background       std_srvs/Trigger: takes a new background; clear the surface first
+  ~/bump_camera              with source:=simulated only: std_srvs/Trigger, bumps the camera
 
 parameters that are used most:
   source                     auto (default), a device (0, /dev/video0), a video file, a stream's

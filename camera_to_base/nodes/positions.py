@@ -18,7 +18,7 @@ from typing import Callable, List, Optional, Sequence
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import LocatedObject
-from camera_to_base.nodes.true_positions import TruePositions
+from camera_to_base.nodes.simulated import TruePositions
 from camera_to_base.ros import PositionTopics, UncertainPose
 from camera_to_base.settings import CameraSettings, NamedSource
 from camera_to_base.simulation import SimulatedBoard

@@ -27,7 +27,8 @@ from camera_to_base.ros.ellipse_markers import poses_of_markers
 from camera_to_base.ros.health import Health
 from camera_to_base.ros.heartbeat import Heartbeat, real_time_timer
 from camera_to_base.ros.messages import (
-    point_from_message, poses_from_message, poses_message, position_from_message, position_message)
+    point_from_message, poses_from_message, poses_message, position_from_message, position_message,
+    tool_message)
 from camera_to_base.ros.name_check import NameCheck
 from camera_to_base.ros.object_listener import ObjectListener
 from camera_to_base.ros.parameters import NodeParameters
@@ -40,5 +41,6 @@ __all__ = [
     'Diagnostics', 'Health', 'Heartbeat', 'NameCheck', 'NodeParameters', 'ObjectListener',
     'point_from_message', 'poses_from_message', 'poses_message', 'poses_of_markers',
     'position_from_message', 'position_message', 'PositionTopics', 'qos_mismatch',
-    'real_time_timer', 'ToolListener', 'uncertain_pose_from_message', 'UncertainPose',
+    'real_time_timer', 'tool_message', 'ToolListener', 'uncertain_pose_from_message',
+    'UncertainPose',
 ]

@@ -28,6 +28,7 @@ from camera_to_base.parameters import (
     calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS, ParameterSpec,
     PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
+from camera_to_base.sources import kind_of, SIMULATED
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
 from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, read_thumbnail
 from camera_to_base.uncertainty import (
@@ -170,13 +171,20 @@ def camera_settings(values: Values) -> CameraSettings:
         surface=surface,
         hull=hull,
         uncertainty=position_uncertainty(values, surface),
-        simulated=simulation_settings(**grouped(values, 'simulated.')),
+        simulated=_simulation(values),
         debug_label=_debug_label(values),
         area_overlay=AreaOverlay(surface, areas),
         calibrated_for=_calibrated_for(values),
         is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
         is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
                           for name in _other_than_default(values)))
+
+
+def _simulation(values: Values) -> SimulationSettings:
+    settings = simulation_settings(grouped(values, 'simulated.'))
+    if kind_of(values['source']) == SIMULATED:
+        settings.check_view(tuple(values['surface.image_size']))
+    return settings
 
 
 def _calibrated_for(values: Values) -> CalibratedFor:
