@@ -17,7 +17,7 @@ Calibration: from measured points to parameters and a report.
 
 In: pictures of a chessboard, tables of points, or pairs of points in both frames. Out: the values
 of `surface.*` or of the transform, their errors in mm, and a picture of them. Rooms within:
-`boards`, `fits`, `checks` and `touches`.
+`boards`, `markers`, `fits`, `checks` and `touches`.
 
 Callers: `commands`. The nodes do not import it.
 """
@@ -26,14 +26,16 @@ from camera_to_base.calibration.base_calibration import calibrate_base
 from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.calibration.boards.board_frame import board_points
 from camera_to_base.calibration.boards.charuco import find_charuco
+from camera_to_base.calibration.boards.marker_sheet import marker_sheet
 from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.cell_file import (
-    BASE, grown, parts_of, parts_to_lose, SURFACE)
+    BASE, grown, MARKERS, parts_of, parts_to_lose, SURFACE)
 from camera_to_base.calibration.coverage_map import covered_shares, map_lines, uncovered
+from camera_to_base.calibration.markers.learning import learned_markers
 from camera_to_base.calibration.report_text import Report, report_lines
 from camera_to_base.calibration.result import Calibration
-from camera_to_base.calibration.status import file_status, without_base
+from camera_to_base.calibration.status import file_status, without_report
 from camera_to_base.calibration.surface_calibration import (
     add_camera_pose, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
@@ -44,8 +46,9 @@ from camera_to_base.calibration.touches.touched_place import FRAMES, measured_pl
 __all__ = [
     'add_camera_pose', 'BASE', 'board_points', 'calibrate_base', 'calibrate_surface',
     'Calibration', 'check_surface', 'covered_shares', 'file_status', 'find_board', 'find_charuco',
-    'FRAMES', 'grown', 'has_one_origin', 'map_lines', 'measured_place', 'PAPERS', 'parts_of',
+    'FRAMES', 'grown', 'has_one_origin', 'learned_markers', 'map_lines', 'marker_sheet', 'MARKERS', 'measured_place',
+    'PAPERS', 'parts_of',
     'parts_to_lose', 'Place', 'read_camera_info', 'read_pairs', 'read_points',
     'read_typed_position', 'refuse_other_size', 'Report', 'report_lines', 'sheet_content',
-    'suggested_places', 'Suggestion', 'SURFACE', 'uncovered', 'without_base',
+    'suggested_places', 'Suggestion', 'SURFACE', 'uncovered', 'without_report',
 ]

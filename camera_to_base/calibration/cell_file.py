@@ -16,7 +16,7 @@
 
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 
-SURFACE, BASE = 'the surface', 'the base frame'
+SURFACE, BASE, MARKERS = 'the surface', 'the base frame', 'the markers'
 _BASE_NAMES = ('rotation_deg', 'displacement_cm', 'base_covariance', 'calibration.base')
 _SURFACE_NAMES = ('calibration.surface', 'calibration.device', 'calibration.thumbnail')
 # Set by a user, for any surface.
@@ -39,9 +39,9 @@ class GrownFile(NamedTuple):
 
 
 def parts_of(values: Mapping[str, Any]) -> List[str]:
-    """List the parts that a file holds: SURFACE, BASE."""
+    """List the parts that a file holds: SURFACE, MARKERS, BASE."""
     held = {_part(name) for name in values}
-    return [part for part in (SURFACE, BASE) if part in held]
+    return [part for part in (SURFACE, MARKERS, BASE) if part in held]
 
 
 def parts_to_lose(values: Mapping[str, Any], part: str) -> List[str]:
@@ -54,14 +54,15 @@ def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFil
     Add a part to a file's parameters, or replace it; keep what does not depend on it.
 
     :param old: The file's parameters by full name.
-    :param new: Those of the part.
-    :param part: SURFACE or BASE.
+    :param new: Those of the part; a surface may bring its markers.
+    :param part: SURFACE, MARKERS or BASE.
     """
-    if part == BASE:
-        kept = {name: value for name, value in old.items() if _part(name) != BASE}
+    if part != SURFACE:
+        kept = {name: value for name, value in old.items() if _part(name) != part}
         return GrownFile({**kept, **new}, [])
     kept = {name: value for name, value in old.items() if _part(name) is None}
-    dropped = [BASE] if BASE in parts_of(old) else []
+    dropped = [other for other in (MARKERS, BASE)
+               if other in parts_of(old) and other not in parts_of(new)]
     # A list that is empty, or 0, depends on nothing.
     for name in (name for name in _AREAS if kept.get(name)):
         dropped.append(name)
@@ -75,5 +76,7 @@ def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFil
 def _part(name: str) -> Optional[str]:
     if name in _BASE_NAMES:
         return BASE
+    if name.startswith('markers.'):
+        return MARKERS
     is_surface = name.startswith('surface.') and name not in _OPTIONS
     return SURFACE if is_surface or name in _SURFACE_NAMES else None

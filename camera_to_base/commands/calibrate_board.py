@@ -22,6 +22,7 @@ from camera_to_base.calibration import (
 from camera_to_base.commands.board_placements import (
     first_points, make_placement, outer_edge, Placement, refuse_unlike, shares_of)
 from camera_to_base.commands.calibrate_files import check_outputs, write_part
+from camera_to_base.commands.calibrate_markers import markers_beside
 from camera_to_base.commands.prompts import ask, tell, until_right
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.simulation import SimulatedChessboard
@@ -59,8 +60,12 @@ def run_board(options: argparse.Namespace) -> Report:
     report['covered_map'] = map_lines(shares_of(placements))
     report['not_covered'] = uncovered(shares_of(placements))
     thumbnail = view_thumbnail(first.image, [outer_edge(first)])
-    return write_part(calibration, outputs, SURFACE,
-                      {**source_values, 'calibration.thumbnail': thumbnail})
+    markers = markers_beside(first.image, calibration.values)
+    if markers is not None:
+        report['markers'] = markers.report['markers']
+        report['warnings'] += markers.report['warnings']
+    return write_part(calibration, outputs, SURFACE, {
+        **source_values, 'calibration.thumbnail': thumbnail, **(markers.values if markers else {})})
 
 
 def _from_file(options: argparse.Namespace, path: str, number: int) -> Placement:

@@ -19,7 +19,7 @@ import os
 from typing import Any, Iterable, List, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
-    BASE, Calibration, grown, parts_to_lose, Report, report_lines, without_base)
+    Calibration, grown, parts_to_lose, Report, report_lines, SURFACE, without_report)
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
@@ -28,7 +28,7 @@ from camera_to_base.parameters import (
     calibration_record, parameter_text, ParameterFile, read_parameter_file, read_sections)
 
 TITLE = 'Written by `calibrate` of camera_to_base.'
-_RECORD_OF = {'rigid': 'calibration.base'}
+_RECORD_OF = {'rigid': 'calibration.base', 'markers': None}
 
 
 class Outputs(NamedTuple):
@@ -97,14 +97,16 @@ def write_part(
     """
     report = calibration.report
     record = _RECORD_OF.get(report['model'], 'calibration.surface')
-    new = {**(values or {}), **calibration.values, record: calibration_record(report)}
+    new = {**(values or {}), **calibration.values}
+    if record is not None:
+        new[record] = calibration_record(report)
     growth = grown(outputs.old.values if outputs.old else {}, new, part)
     report['warnings'] += [
         f'left out of the file: {name}: it was made for the former surface; measure it again'
         for name in growth.dropped]
     kept = []
-    if outputs.old is not None and part == BASE:
-        kept = ['', *without_base(_reports_in(outputs.old.comments))]
+    if outputs.old is not None and part != SURFACE:
+        kept = ['', *without_report(_reports_in(outputs.old.comments), report['model'])]
     text = parameter_text(growth.values, [TITLE, *report_lines(report), *kept, *comments])
     contents = {outputs.file: text.encode()}
     if outputs.picture is not None:

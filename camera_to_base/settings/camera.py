@@ -24,6 +24,7 @@ from camera_to_base.drawing import (
     AreaOverlay, base_label, camera_label, check_background_path, Label)
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
+from camera_to_base.markers import known_markers, MARKER_SPECS
 from camera_to_base.parameters import (
     calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS, ParameterSpec,
     PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
@@ -132,7 +133,7 @@ _OUTPUT_SPECS = [
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
     *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *UNCERTAINTY_SPECS,
-    *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
+    *MARKER_SPECS, *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
 
 
 # Parameters that can be set without setting up a camera or a robot.
@@ -154,6 +155,7 @@ def camera_settings(values: Values) -> CameraSettings:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
     hull, surface = make_hull(values), make_surface(values)
     areas = read_areas(values['work_area'], values['ignored_areas'])
+    areas = areas.without_markers(list(known_markers(values).values()))
     return CameraSettings(
         source=values['source'],
         period=values['period'],
