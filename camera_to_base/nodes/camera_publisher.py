@@ -119,7 +119,10 @@ class CameraPublisher(Node):
             self._pipeline.process(frame, taken_at), self._pipeline.background,
             settings.calibrated_for.is_strict)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
-        self._positions.publish_sighting(header, sighting, settings, uncertainty)
+        in_force = self._pipeline.surface_in_force
+        self._positions.publish_sighting(
+            header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty)
+        settings.area_overlay.use_surface(in_force.surface)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting), settings.debug_label,
             settings.area_overlay, uncertainty)
@@ -147,7 +150,8 @@ class CameraPublisher(Node):
 
     def _doubt(self) -> Optional[Reason]:
         return self._own_camera.reason(
-            self._pipeline.background, self._settings.calibrated_for.is_strict)
+            self._pipeline.background,
+            self._settings.calibrated_for.is_strict) or self._pipeline.doubt
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)

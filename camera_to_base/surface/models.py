@@ -29,7 +29,13 @@ _HORIZON = 0.01
 
 
 class Surface(Protocol):
-    """Maps pixels to the work surface."""
+    """
+    Maps pixels to the work surface.
+
+    `distortion` is that of the lens; None for a lens without.
+    """
+
+    distortion: Optional[RadialDistortion]
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """
@@ -66,6 +72,7 @@ class ParallelSurface:
         width_cm: float = SURFACE_DEFAULTS['surface.parallel.width_cm'],
         image_width: int = DEFAULT_IMAGE_SIZE[0],
     ) -> None:
+        self.distortion = None
         self._width_cm = width_cm
         self._image_width = image_width
 
@@ -109,6 +116,7 @@ class PolynomialSurface:
         centre_u: float = SURFACE_DEFAULTS['surface.polynomial.centre_u'],
         image_size: ImageSize = DEFAULT_IMAGE_SIZE,
     ) -> None:
+        self.distortion = None
         self.y_of_v = finite_numbers('y_of_v', y_of_v, 3)
         self.px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
         self.centre_u = float(finite_numbers('centre_u', centre_u))
