@@ -29,7 +29,8 @@ PACKAGE = Path(camera_to_base.__file__).parent
 # the modules beside the rooms.
 GROUND = 'ground'
 ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'markers', 'sources', 'simulation',
-         'detection', 'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands', 'launching']
+         'detection', 'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands',
+         'launching']
 WITH_ROS = {'ros', 'nodes'}
 NUMPY_AND_OPENCV_ALONE = ['surface', 'markers', 'simulation', 'detection', 'trust']
 NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]

@@ -26,7 +26,7 @@ from camera_to_base.calibration.base_calibration import calibrate_base
 from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.calibration.boards.board_frame import board_points
 from camera_to_base.calibration.boards.charuco import find_charuco
-from camera_to_base.calibration.boards.marker_sheet import marker_sheet
+from camera_to_base.calibration.boards.marker_sheet import marker_sheet_content
 from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.cell_file import (
@@ -46,9 +46,9 @@ from camera_to_base.calibration.touches.touched_place import FRAMES, measured_pl
 __all__ = [
     'add_camera_pose', 'BASE', 'board_points', 'calibrate_base', 'calibrate_surface',
     'Calibration', 'check_surface', 'covered_shares', 'file_status', 'find_board', 'find_charuco',
-    'FRAMES', 'grown', 'has_one_origin', 'learned_markers', 'map_lines', 'marker_sheet', 'MARKERS', 'measured_place',
-    'PAPERS', 'parts_of',
-    'parts_to_lose', 'Place', 'read_camera_info', 'read_pairs', 'read_points',
+    'FRAMES', 'grown', 'has_one_origin', 'learned_markers', 'map_lines',
+    'marker_sheet_content', 'MARKERS', 'measured_place', 'PAPERS', 'parts_of', 'parts_to_lose',
+    'Place', 'read_camera_info', 'read_pairs', 'read_points',
     'read_typed_position', 'refuse_other_size', 'Report', 'report_lines', 'sheet_content',
     'suggested_places', 'Suggestion', 'SURFACE', 'uncovered', 'without_report',
 ]

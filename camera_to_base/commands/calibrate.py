@@ -23,8 +23,8 @@ import sys
 from typing import List, Optional
 
 from camera_to_base.calibration import (
-    calibrate_surface, check_surface, file_status, has_one_origin, marker_sheet, read_points,
-    refuse_other_size, Report, report_lines, sheet_content, SURFACE)
+    calibrate_surface, check_surface, file_status, has_one_origin, marker_sheet_content,
+    read_points, refuse_other_size, Report, report_lines, sheet_content, SURFACE)
 from camera_to_base.commands.calibrate_base import run_base
 from camera_to_base.commands.calibrate_board import run_board
 from camera_to_base.commands.calibrate_files import check_outputs, sheet_output, write_part
@@ -64,7 +64,7 @@ def _run_sheet(options: argparse.Namespace) -> Report:
         raise InvalidValueError(
             f"a sheet's name must end in .pdf, .svg or .png, got '{output}'")
     if options.markers:
-        content = marker_sheet(options.paper, options.marker_mm, ending[1:])
+        content = marker_sheet_content(options.paper, options.marker_mm, ending[1:])
         kept = write_files({output: content}, keep_old=True)
         return {'file': output, 'paper': options.paper, 'marker_mm': options.marker_mm,
                 'warnings': [], 'kept': kept}

@@ -65,7 +65,8 @@ def run_board(options: argparse.Namespace) -> Report:
         report['markers'] = markers.report['markers']
         report['warnings'] += markers.report['warnings']
     return write_part(calibration, outputs, SURFACE, {
-        **source_values, 'calibration.thumbnail': thumbnail, **(markers.values if markers else {})})
+        **source_values, 'calibration.thumbnail': thumbnail,
+        **({} if markers is None else markers.values)})
 
 
 def _from_file(options: argparse.Namespace, path: str, number: int) -> Placement:

@@ -65,8 +65,9 @@ def _parser() -> argparse.ArgumentParser:
     parser = CommandParser(
         prog='calibrate', description=DESCRIPTION,
         formatter_class=argparse.RawDescriptionHelpFormatter)
-    commands = parser.add_subparsers(dest='command', required=True, parser_class=CommandParser,
-                                     metavar='sheet | board | markers | points | base | check | status')
+    commands = parser.add_subparsers(
+        dest='command', required=True, parser_class=CommandParser,
+        metavar='sheet | board | markers | points | base | check | status')
     _add_sheet(_command(commands, 'sheet', 'a chessboard to print'))
     _add_board(_command(commands, 'board',
                         'the surface, from one picture of a chessboard that lies on it'))
@@ -89,7 +90,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
-    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells'}.get(name, 'Calibrates')
+    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells'}.get(
+        name, 'Calibrates')
     command = commands.add_parser(
         name, help=purpose, description=f'{does} {purpose}.\n{_EXAMPLES[name]}',
         formatter_class=argparse.RawDescriptionHelpFormatter)

@@ -23,16 +23,19 @@ module aruco, everything else works.
 
 from camera_to_base.markers.agreement import judge_markers, Verdict
 from camera_to_base.markers.aruco import (
-    CELLS, find_markers, has_markers, marker_cells, MARKER_COUNT)
-from camera_to_base.markers.new_surface import flat_surface, lens_of_values, new_surface_values
+    CELLS, find_markers, has_markers, marker_cells, MARKER_COUNT, NO_ARUCO)
+from camera_to_base.markers.marked_surface import MarkedSurface, MarkerLook, NewSurface
+from camera_to_base.markers.new_surface import (
+    lens_of_values, marker_surface, new_surface_values)
 from camera_to_base.markers.seen import see_markers, SeenMarkers, TABLE_MARKERS
 from camera_to_base.markers.specs import (
-    known_markers, LEAST_MARKERS, MARKER_SPECS, marker_values)
+    known_markers, LEAST_MARKERS, MARKER_SPECS, marker_values, refuse_polynomial)
 from camera_to_base.markers.surface_fit import Corners, MarkerFit, outward_moves
 
 __all__ = [
-    'CELLS', 'Corners', 'find_markers', 'flat_surface', 'has_markers', 'judge_markers',
-    'known_markers', 'LEAST_MARKERS', 'lens_of_values', 'MARKER_COUNT', 'MARKER_SPECS',
-    'marker_cells', 'marker_values', 'MarkerFit', 'new_surface_values', 'outward_moves',
-    'see_markers', 'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
+    'CELLS', 'Corners', 'find_markers', 'has_markers', 'judge_markers', 'known_markers',
+    'LEAST_MARKERS', 'lens_of_values', 'MarkedSurface', 'MARKER_COUNT', 'MARKER_SPECS',
+    'marker_cells', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook',
+    'new_surface_values', 'NewSurface', 'NO_ARUCO', 'outward_moves', 'refuse_polynomial', 'see_markers',
+    'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
 ]

@@ -18,7 +18,7 @@ from typing import NamedTuple, Optional, Tuple
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.markers.specs import LEAST_MARKERS
 from camera_to_base.markers.surface_fit import Corners, fit_markers, MarkerFit, scale_of
-from camera_to_base.surface import ImageSize, RadialDistortion, Surface
+from camera_to_base.surface import ImageSize, RadialDistortion
 import numpy as np
 
 # A marker whose middle is seen this near to where the surface has it has not moved, and neither
@@ -50,22 +50,23 @@ class Verdict(NamedTuple):
 
 
 def judge_markers(
-    known: Corners, seen: Corners, surface: Surface, image_size: ImageSize,
-    lens: RadialDistortion,
+    known: Corners, shown: Corners, seen: Corners, image_size: ImageSize,
+    lens: RadialDistortion, *, tolerance_px: float = 0.0,
 ) -> Verdict:
     """
     Compare the markers of a picture with the surface in use.
 
     :param known: By number, shape (4, 2), in cm, at least three.
+    :param shown: The same, in px, where the surface in use has them; NaN where it does not.
     :param seen: By number, shape (4, 2), in px.
-    :param surface: Maps the picture's pixels to the flat surface.
+    :param tolerance_px: By how much more than usual markers in place may be seen elsewhere.
     """
     seen = {number: corners for number, corners in seen.items() if number in known}
     if not seen:
         return Verdict(trouble='no marker is seen')
-    near, limit_px = [], _IN_PLACE_PX * scale_of(image_size)
+    near, limit_px = [], _IN_PLACE_PX * scale_of(image_size) + tolerance_px
     for number, corners in seen.items():
-        shift = corners.mean(axis=0) - surface.pixels(known[number]).mean(axis=0)
+        shift = corners.mean(axis=0) - shown[number].mean(axis=0)
         if np.linalg.norm(shift) <= limit_px:  # not so for NaN
             near.append(number)
     away = tuple(sorted(set(seen) - set(near)))

@@ -31,6 +31,9 @@ CELLS = 6
 # The dictionaries of 4 x 4 bits are the beginnings of the longest one: marker 3 is the same in
 # all of them.
 MARKER_COUNT = 250
+NO_ARUCO = (
+    f'OpenCV {cv2.__version__} was built without markers: install python3-opencv of Ubuntu, or '
+    'opencv-contrib-python-headless of the same version from PyPI')
 
 
 # Markers are looked for in a picture of at most this width: a marker that is 30 px wide there is
@@ -111,9 +114,7 @@ def _parameters(aruco: ModuleType) -> Any:
 
 def _aruco() -> ModuleType:
     if not has_markers():
-        raise CalibrationError(
-            f'OpenCV {cv2.__version__} was built without markers: install python3-opencv of '
-            'Ubuntu, or opencv-contrib-python-headless of the same version from PyPI')
+        raise CalibrationError(NO_ARUCO)
     return cv2.aruco
 
 

@@ -29,13 +29,13 @@ from camera_to_base.parameters import Values
 from camera_to_base.surface import (
     Hull, make_hull, make_surface, RadialDistortion, Surface, surface_values)
 from camera_to_base.uncertainty import (
-    HOMOGRAPHY_NUMBERS, plain_lens, scales_at, surface_covariance, SURFACE_COVARIANCE,
+    HOMOGRAPHY_NUMBERS, plain_lens, scales_at, SURFACE_COVARIANCE, surface_covariance,
     triangle_of, warp_design, WARP_NUMBERS)
 import numpy as np
 
 
-def flat_surface(values: Values) -> Surface:
-    """Make the surface of its parameters on which the markers lie, whatever the objects' height."""
+def marker_surface(values: Values) -> Surface:
+    """Make the surface that markers lie on: flat, whatever the height of the objects is."""
     return make_surface({**values, 'object_height_cm': 0.0})
 
 
@@ -60,7 +60,7 @@ def new_surface_values(values: Values, fit: MarkerFit) -> Dict[str, Any]:
     :raises CalibrationError: If objects have a height, and where the camera is now cannot be
         computed.
     """
-    calibrated, size = flat_surface(values), tuple(values['surface.image_size'])
+    calibrated, size = marker_surface(values), tuple(values['surface.image_size'])
     covariance = new_covariance(
         fit, calibrated, surface_covariance(values[SURFACE_COVARIANCE]), size)
     found = {**surface_values(fit.surface, Hull(fit.pixels)), SURFACE_COVARIANCE: triangle_of(

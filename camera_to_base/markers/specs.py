@@ -48,6 +48,8 @@ def known_markers(values: Values) -> Corners:
     :raises InvalidValueError: If the parameters do not belong together.
     """
     numbers, corners = values[NUMBERS], values[CORNERS]
+    if numbers:
+        refuse_polynomial(values)
     if 8 * len(numbers) != len(corners):
         raise InvalidValueError(
             f'{CORNERS} must be 8 numbers for each of {NUMBERS}, got {len(corners)} for '
@@ -61,6 +63,18 @@ def known_markers(values: Values) -> Corners:
         if abs(_area(marker)) < _LEAST_AREA:
             raise InvalidValueError(f'{CORNERS}: marker {number} has no area')
     return found
+
+
+def refuse_polynomial(values: Values) -> None:
+    """
+    Refuse a surface that cannot be computed anew.
+
+    :raises InvalidValueError: If it is the polynomial, which no camera elsewhere has.
+    """
+    if values['surface.model'] == 'polynomial':
+        raise InvalidValueError(
+            'markers need surface.model homography or parallel: calibrate with calibrate board, '
+            'or calibrate points without --model polynomial')
 
 
 def marker_values(corners: Corners) -> Dict[str, Any]:

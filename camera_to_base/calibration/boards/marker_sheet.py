@@ -38,7 +38,7 @@ _COMMANDS = ('Learn them:  calibrate markers --camera 0 -o cell.yaml',
              'The robot touches the small crosses:  calibrate base --markers cell.yaml')
 
 
-def marker_sheet(paper: str, marker_mm: float, file_format: str = 'pdf') -> bytes:
+def marker_sheet_content(paper: str, marker_mm: float, file_format: str = 'pdf') -> bytes:
     """
     Draw the sheet.
 

@@ -19,7 +19,7 @@ from camera_to_base.calibration.figures import MM_PER_CM
 from camera_to_base.calibration.result import Calibration, origin_fields
 from camera_to_base.errors import CalibrationError
 from camera_to_base.markers import (
-    Corners, flat_surface, LEAST_MARKERS, marker_values, TABLE_MARKERS)
+    Corners, LEAST_MARKERS, marker_surface, marker_values, refuse_polynomial, TABLE_MARKERS)
 from camera_to_base.surface import on_one_line
 import numpy as np
 
@@ -44,7 +44,8 @@ def learned_markers(
     :param marker_mm: Edge of a marker as printed; None for not known.
     :raises CalibrationError: If there are too few markers, they move, or lie in one line.
     """
-    surface = flat_surface(values)
+    refuse_polynomial(values)
+    surface = marker_surface(values)
     corners = {number: surface.locate(pixels) for number, pixels in steady_corners(frames).items()}
     edges_mm = {number: _edge_mm(found) for number, found in corners.items()}
     report = {**origin_fields('markers', source),
