@@ -15,13 +15,12 @@
 
 import argparse
 from dataclasses import replace
-from typing import Any, List, Mapping, Optional, Tuple
+from typing import List, Tuple
 
-from camera_to_base.calibration import (
-    Calibration, learned_markers, MARKERS, parts_of, Report, SURFACE)
+from camera_to_base.calibration import learned_markers, MARKERS, parts_of, Report, SURFACE
 from camera_to_base.commands.calibrate_files import check_outputs, write_part
-from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.markers import Corners, has_markers, lens_of_values, see_markers
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.markers import Corners, lens_of_values, see_markers
 from camera_to_base.parameters import checked_values
 from camera_to_base.settings import CAMERA_SPECS, open_named_source, read_node_settings
 from camera_to_base.sources import read_picture, still_frames
@@ -42,23 +41,6 @@ def run_markers(options: argparse.Namespace) -> Report:
         markers_in(frames, lens_of_values(values)), values, source=name,
         marker_mm=options.marker_mm)
     return write_part(calibration, outputs, MARKERS)
-
-
-def markers_beside(image: np.ndarray, values: Mapping[str, Any]) -> Optional[Calibration]:
-    """
-    Learn the markers that lie beside a board; None where there are too few.
-
-    :param image: Shape (h, w, 3), uint8, BGR.
-    :param values: The parameters of the surface that was made from it, by full name.
-    """
-    if not has_markers():
-        return None
-    values = checked_values(CAMERA_SPECS, values)
-    try:
-        return learned_markers(
-            markers_in([image], lens_of_values(values)), values, source='the picture of the board')
-    except CameraToBaseError:
-        return None
 
 
 def markers_in(frames: List[np.ndarray], lens: RadialDistortion) -> List[Corners]:

@@ -86,7 +86,7 @@ class CameraWatch:
         if doubt is not None and doubt.kind != self._told_doubt:
             self._logger.warning(doubt.sentence)
             self._diagnostics.publish()
-        self._told_doubt = _kind(doubt) or self._told_doubt
+        self._told_doubt = _kind(doubt)
 
     def _tell(self, reason: Optional[Reason]) -> None:
         # Separate lines: rclpy refuses to log with another severity from the same line.

@@ -14,10 +14,10 @@
 
 """The work surface as a nudged camera sees it: a homography before the calibrated surface."""
 
-from typing import Optional, Tuple
+from typing import Optional
 
 from camera_to_base.checks import finite_numbers
-from camera_to_base.errors import HorizonError
+from camera_to_base.errors import FrameSizeError, HorizonError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.models import homogeneous, Surface
@@ -91,15 +91,24 @@ class NudgedSurface:
 
     :param surface: As calibrated.
     :param calibrated_from_frame: Maps the nudged camera's pixels to those of the calibration.
+    :param image_size: Width and height of the pictures that the map was measured on, in px.
     """
 
-    def __init__(self, surface: Surface, calibrated_from_frame: PictureMap) -> None:
+    def __init__(
+        self, surface: Surface, calibrated_from_frame: PictureMap, image_size: ImageSize
+    ) -> None:
         self._surface, self._map = surface, calibrated_from_frame
+        self._image_size = tuple(image_size)
 
     @property
     def distortion(self) -> Optional[RadialDistortion]:
         """The lens's distortion; None for none."""
         return self._surface.distortion
+
+    @property
+    def height_share(self) -> float:
+        """The height of the objects as a share of the camera's."""
+        return self._surface.height_share
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""
@@ -111,6 +120,12 @@ class NudgedSurface:
             raise HorizonError(f'pixel ({u:g}, {v:g}) does not look at the work surface')
         return self._surface.locate(there)
 
-    def for_image_size(self, image_size: Tuple[int, int]) -> 'NudgedSurface':
+    def for_image_size(self, image_size: ImageSize) -> 'NudgedSurface':
         """Give the model for pictures of a size, see :meth:`Surface.for_image_size`."""
-        return NudgedSurface(self._surface.for_image_size(image_size), self._map)
+        if tuple(image_size) != self._image_size:
+            raise FrameSizeError(
+                f'the frame is {image_size[0]} x {image_size[1]} px, but a nudge of the camera '
+                f'was corrected for {self._image_size[0]} x {self._image_size[1]} px: set the '
+                'camera to that size, or start the node again')
+        return NudgedSurface(
+            self._surface.for_image_size(image_size), self._map, self._image_size)

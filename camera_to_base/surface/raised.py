@@ -64,6 +64,7 @@ class RaisedSurface:
             raise InvalidValueError(
                 f"object_height_cm must be below the camera's height, {camera_height_cm:g} cm, "
                 f'got {object_height_cm:g}')
+        self.height_share = object_height_cm / camera_height_cm
         self._given_foot_cm = camera_foot_cm
         if camera_foot_cm is None:
             centre = np.subtract(image_size, 1) / 2
@@ -73,8 +74,7 @@ class RaisedSurface:
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the surface below what they show, see :meth:`Surface.locate`."""
         seen = self._surface.locate(pixels)
-        share = 1 - self._object_height_cm / self._camera_height_cm
-        return self._foot_cm + (seen - self._foot_cm) * share
+        return self._foot_cm + (seen - self._foot_cm) * (1 - self.height_share)
 
     @property
     def flat(self) -> Surface:

@@ -68,7 +68,8 @@ class BackgroundKeeper:
     def take(self, frame_count: int) -> None:
         """Take a background from the next frames."""
         self._before = self.current or self._before
-        self.current, self._taker = None, BackgroundTaker(frame_count)
+        self._taker = BackgroundTaker(frame_count)
+        self.current = None
 
     def use(self, background: Background) -> None:
         """Use a background."""

@@ -109,16 +109,19 @@ class CameraPipeline:
         """
         return self._background.keep_before() is not None
 
-    def restore_background(self, background: np.ndarray, age_s: float) -> None:
+    def restore_background(
+        self, background: np.ndarray, age_s: float, may_correct: bool = True
+    ) -> None:
         """
         Use a saved background; the first frame's view is compared with it.
 
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: Its age.
+        :param may_correct: Whether the camera stood for it where it was calibrated.
         """
         restored = Background(background, time.monotonic() - age_s, is_restored=True)
         self._background.use(restored)
-        self._use_background(restored)
+        self._use_background(restored, may_correct)
 
     def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
         """
@@ -133,6 +136,11 @@ class CameraPipeline:
         """The background as it was taken, shape (h, w, 3); None while one is taken."""
         current = self._background.current
         return None if current is None else current.picture
+
+    @property
+    def background_as_calibrated(self) -> Optional[np.ndarray]:
+        """The background as the camera sees it from where it was calibrated; None for none."""
+        return None if self.background is None else self._standpoint.background_as_calibrated
 
     @property
     def background_is_restored(self) -> bool:
@@ -265,8 +273,8 @@ class CameraPipeline:
                 self._use_background(taken)
         return self._background.reason
 
-    def _use_background(self, background: Background) -> None:
-        self._standpoint.use_background(background)
+    def _use_background(self, background: Background, may_correct: bool = True) -> None:
+        self._standpoint.use_background(background, may_correct)
         self._held_back = HeldBack()
 
     def _frame_reason(self, error: CameraToBaseError) -> Reason:

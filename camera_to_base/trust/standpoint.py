@@ -16,6 +16,7 @@
 
 from typing import Optional
 
+from camera_to_base.image_size import ImageSize
 from camera_to_base.reason import Reason
 from camera_to_base.surface import flat_surface, NudgedSurface, Surface
 from camera_to_base.trust.background import Background
@@ -34,7 +35,9 @@ class Standpoint:
 
     :param surface: As calibrated.
 
-    `scene` is what frames are compared with; None before the first background.
+    `scene` is what frames are compared with, and `background_as_calibrated` is the background as
+    the camera sees it from where it was calibrated, shape (h, w, 3); both are None before the
+    first background.
     """
 
     def __init__(self, surface: Surface, limits: Limits) -> None:
@@ -42,6 +45,7 @@ class Standpoint:
         # What the camera's pixels mean where the background was taken.
         self._base = SurfaceInForce(surface)
         self._background: Optional[Background] = None
+        self.background_as_calibrated: Optional[np.ndarray] = None
         self._corrector: Optional[Corrector] = None
         self._reason: Optional[Reason] = None
         self.scene: Optional[Scene] = None
@@ -70,10 +74,16 @@ class Standpoint:
         if not limits.may_correct:
             self._end_correction()
 
-    def use_background(self, background: Background) -> None:
-        """Use a background that the camera has taken from where it stands now."""
+    def use_background(self, background: Background, may_correct: bool = True) -> None:
+        """
+        Use a background that the camera has taken from where it stands now.
+
+        :param may_correct: Whether its pixels are those that the surface in force maps.
+        """
         self._base, self._background = self.surface, background
-        self._corrector = Corrector(background.picture, self._base.surface)
+        self._corrector = Corrector(
+            background.picture, self._base.surface) if may_correct else None
+        self._note_as_calibrated(background.picture)
         self._begin()
 
     def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
@@ -126,7 +136,7 @@ class Standpoint:
             self._base = SurfaceInForce(surface)
         elif is_same and not before.replaces:
             self._base = self._base._replace(surface=surface if moved is None else NudgedSurface(
-                surface, moved.inverse))
+                surface, moved.inverse, self._size))
         else:
             self.use_surface(None)
             return
@@ -135,6 +145,13 @@ class Standpoint:
         if self.scene is not None:
             self.scene.use_surface(self._surface_here())
 
+    def _note_as_calibrated(self, picture: np.ndarray) -> None:
+        moved, before = self._base.frame_from_calibrated, self.background_as_calibrated
+        if moved is not None:
+            fill = picture if before is None or before.shape != picture.shape else before
+            picture = SeenBackground(picture).seen_after(moved.inverse, fill).picture
+        self.background_as_calibrated = picture
+
     def _begin(self, frame: Optional[np.ndarray] = None) -> None:
         # The background as the camera sees it from where it stands.
         seen = SeenBackground(self._background.picture, self._background.witness)
@@ -142,6 +159,12 @@ class Standpoint:
             seen = seen.seen_after(self.correction.nudge.frame_from_background, frame)
         self.scene = Scene(seen, self._surface_here(), self._limits)
 
+    @property
+    def _size(self) -> ImageSize:
+        height, width = self._background.picture.shape[:2]
+        return width, height
+
     def _surface_here(self) -> SurfaceInForce:
         correction = self.correction
-        return self._base if correction is None else corrected_surface(correction, self._base)
+        return self._base if correction is None else corrected_surface(
+            correction, self._base, self._size)

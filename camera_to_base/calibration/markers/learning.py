@@ -13,14 +13,17 @@
 # limitations under the License.
 """Learns where the corners of markers lie on a calibrated surface."""
 
+from dataclasses import replace
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 from camera_to_base.calibration.figures import MM_PER_CM
 from camera_to_base.calibration.result import Calibration, origin_fields
-from camera_to_base.errors import CalibrationError
+from camera_to_base.errors import CalibrationError, CameraToBaseError
 from camera_to_base.markers import (
-    Corners, LEAST_MARKERS, marker_surface, marker_values, refuse_polynomial, TABLE_MARKERS)
-from camera_to_base.surface import on_one_line
+    Corners, has_markers, LEAST_MARKERS, lens_of_values, marker_surface, marker_values,
+    refuse_polynomial, see_markers, TABLE_MARKERS)
+from camera_to_base.parameters import checked_values
+from camera_to_base.surface import on_one_line, SURFACE_SPECS
 import numpy as np
 
 # Of the frames, a marker is seen in this share.
@@ -53,6 +56,26 @@ def learned_markers(
                            round(edges_mm[number], 2)] for number in sorted(corners)],
               'warnings': _doubts(edges_mm, marker_mm)}
     return Calibration(report, marker_values(corners))
+
+
+def with_markers(calibration: Calibration, image: np.ndarray) -> Calibration:
+    """
+    Add the markers that a board's picture shows; nothing where there are too few.
+
+    :param calibration: A surface's calibration.
+    :param image: Shape (h, w, 3), uint8, BGR, the picture it was made from.
+    """
+    if not has_markers():
+        return calibration
+    values = checked_values(SURFACE_SPECS, calibration.values)
+    try:
+        seen = see_markers(image, lens_of_values(values)).corners
+        learned = learned_markers([seen], values, source='the picture of the board')
+    except CameraToBaseError:
+        return calibration
+    report = {**calibration.report, 'markers': learned.report['markers'], 'warnings': [
+        *calibration.report['warnings'], *learned.report['warnings']]}
+    return replace(calibration, report=report, values={**calibration.values, **learned.values})
 
 
 def steady_corners(frames: Sequence[Corners]) -> Corners:

@@ -106,7 +106,7 @@ def follow(here: EvenPicture, there: EvenPicture, corners: np.ndarray, *,
     if not len(corners):
         return Pairs(corners, corners)
     flow = {'winSize': _CLOSE_WINDOW if is_close else _WINDOW, 'maxLevel': 1 if is_close else 3,
-            'criteria': (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 30, 0.003)}
+            'criteria': (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 20, 0.005)}
     here, there = here.levels, there.levels
     begin = np.ascontiguousarray(corners, np.float32).reshape(-1, 1, 2)
     end, found, _ = cv2.calcOpticalFlowPyrLK(here, there, begin, None, **flow)
@@ -138,5 +138,6 @@ def _noise_in(levels: np.ndarray) -> float:
     # J. Immerkaer, Fast noise variance estimation, 1996, with the median for the mean; and what
     # the Gaussian filter leaves of it.
     mask = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
-    deviation = np.median(np.abs(cv2.filter2D(levels, cv2.CV_32F, mask))) / 0.6745 / 6
+    second = cv2.filter2D(levels, cv2.CV_32F, mask)[::2, ::2]
+    deviation = np.median(np.abs(second)) / 0.6745 / 6
     return float(deviation) / (2 * np.sqrt(np.pi) * _NOISE_SIGMA)

@@ -54,8 +54,8 @@ class Correction(NamedTuple):
         """Tell that positions are corrected."""
         return Reason('view_corrected', Level.WARN, (
             f'the camera was nudged by {self.shift_px:.1f} px ({self.shift_mm:.1f} mm): positions '
-            f'are corrected, to about {max(self.error_mm, 0.1):.1f} mm, until the node ends: move '
-            'the camera back, or calibrate anew'))
+            f'are corrected, to about {max(self.error_mm, 0.1):.1f} mm: move the camera back, or '
+            'calibrate anew (after a restart, only a background_file tells that it was nudged)'))
 
 
 def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction:
@@ -68,6 +68,8 @@ def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction
     surface = surface.for_image_size(size)
     places = _places(size)
     frame_places = nudge.frame_from_background.pixels(places)
+    shift_px = float(np.hypot(*(frame_places - places).T).max())
+    nudge = _with_foot(nudge, shift_px * surface.height_share, size)
     covariances = _covariances(nudge, frame_places, size)
     moved_cm, errors_cm = [0.0], [0.0]
     for place, there, covariance in zip(places, frame_places, covariances):
@@ -79,15 +81,18 @@ def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction
         moved_cm.append(float(np.hypot(*moved[0])))
         errors_cm.append(radius_for(_SHARE) * _deviation(scale @ covariance @ scale.T))
     return Correction(
-        nudge, float(np.hypot(*(frame_places - places).T).max()), _MM_PER_CM * max(moved_cm),
+        nudge, shift_px, _MM_PER_CM * max(moved_cm),
         _MM_PER_CM * max(errors_cm), max(map(_deviation, covariances)))
 
 
-def corrected_surface(correction: Correction, base: SurfaceInForce) -> SurfaceInForce:
+def corrected_surface(
+    correction: Correction, base: SurfaceInForce, size: ImageSize
+) -> SurfaceInForce:
     """
     Give the surface that holds for the nudged camera.
 
     :param base: That which holds for the background.
+    :param size: Width and height of the pictures, in px.
     """
     nudge = correction.nudge
     background_from_frame = nudge.frame_from_background.inverse
@@ -98,9 +103,16 @@ def corrected_surface(correction: Correction, base: SurfaceInForce) -> SurfaceIn
         covariance += base.covariance
     before = base.frame_from_calibrated
     return SurfaceInForce(
-        NudgedSurface(base.surface, background_from_frame), covariance, correction.reason,
+        NudgedSurface(base.surface, background_from_frame, size), covariance, correction.reason,
         base.replaces, nudge.frame_from_background if before is None
         else nudge.frame_from_background.after(before))
+
+
+def _with_foot(nudge: Nudge, foot_px: float, size: ImageSize) -> Nudge:
+    # A camera that was shifted, not turned, has another foot point: raised objects move by this.
+    covariance = nudge.covariance.copy()
+    covariance[[2, 5], [2, 5]] += (foot_px / 2 / (np.hypot(*size) / 2)) ** 2
+    return nudge._replace(covariance=covariance)
 
 
 def _places(size: ImageSize) -> np.ndarray:

@@ -14,7 +14,7 @@
 
 """The background as the camera sees it after a nudge."""
 
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection import Found, LeftOut
 from camera_to_base.reason import Level, Reason
@@ -55,9 +55,12 @@ class SeenBackground(NamedTuple):
         :param frame: Shape (h, w, 3), uint8, BGR.
         """
         back = frame_from_background.inverse
-        places = back.grid((frame.shape[1], frame.shape[0]))
-        picture = _moved(self.picture, places, frame)
-        witness = None if self.witness is None else _moved(self.witness, places, frame)
+        height, width = frame.shape[:2]
+        places = back.grid((width, height))
+        known = cv2.inRange(places, (0.0, 0.0), (width - 1.0, height - 1.0))
+        maps = cv2.convertMaps(places, None, cv2.CV_16SC2)
+        picture = _moved(self.picture, maps, known, frame)
+        witness = None if self.witness is None else _moved(self.witness, maps, known, frame)
         return SeenBackground(picture, witness, back)
 
     def without_unknown(self, found: Found) -> Found:
@@ -80,14 +83,12 @@ class SeenBackground(NamedTuple):
         return not inside.all()
 
 
-def _moved(picture: np.ndarray, places: np.ndarray, frame: np.ndarray) -> np.ndarray:
-    height, width = picture.shape[:2]
-    moved = cv2.remap(picture, places, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-    with np.errstate(invalid='ignore'):
-        known = ((places >= 0) & (places <= np.float32([width - 1, height - 1]))).all(axis=2)
-    if known.all() or not known.any():
-        return moved
+def _moved(
+    picture: np.ndarray, maps: Tuple[np.ndarray, np.ndarray], known: np.ndarray,
+    frame: np.ndarray
+) -> np.ndarray:
+    moved = cv2.remap(picture, *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
     # In the light of the background.
-    gain = moved[known].mean(axis=0) / np.maximum(frame[known].mean(axis=0), 1.0)
-    moved[~known] = np.clip(np.rint(frame[~known] * gain), 0, 255)
-    return moved
+    ours, theirs = (np.array(cv2.mean(one, known)[:3]) for one in (moved, frame))
+    gain = np.diag(ours / np.maximum(theirs, 1.0))
+    return cv2.copyTo(cv2.transform(frame, gain), cv2.bitwise_not(known), moved)
