@@ -140,6 +140,8 @@ class CellSessions:
     def done(self, part: str, name: str, changes: Changes) -> None:
         """Take note that the nodes have what an action wanted to be set."""
         with self._lock:
+            if part == 'simulated':
+                self._robot.tool.forget()
             if name == 'accept':
                 (self._board if part == 'board' else self._robot).set_accepted(changes)
             for changed in PARTS:

@@ -196,6 +196,9 @@ class RobotSession:
 
     def see_background(self, mark: Any) -> None:
         """Take what changes with each background."""
+        if self._background is None:
+            # It is not new: it has only not been told before.
+            self._pairs = [pair.with_background(mark) for pair in self._pairs]
         if mark != self._background:
             self._background = mark
             self.check_again()
