@@ -53,7 +53,9 @@ function state(store) {
   if (connection !== 'open') return {level: 'error', sentence: connection};
   if (!watch) return {level: 'warn', sentence: 'Waiting for the nodes …'};
   const problem = watch.silence ?? watch.warning;
-  if (problem?.reason?.startsWith('view_') && store.get('board')?.step === 'looking') {
+  const board = store.get('board');
+  const isCovered = board && board.step !== 'off' && !board.accepted;
+  if (isCovered && problem?.reason?.startsWith('view_')) {
     return {level: 'calm', sentence: BOARD_COVERS};
   }
   if (problem) return problemState(problem);
