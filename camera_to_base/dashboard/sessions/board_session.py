@@ -63,6 +63,7 @@ class BoardSession:
         self._placements: List[Placement] = []
         self.calibration: Optional[Calibration] = None
         self._accepted: Optional[Dict[str, Any]] = None
+        self.accepted_calibration: Optional[Calibration] = None
 
     @property
     def wants_frames(self) -> bool:
@@ -182,6 +183,7 @@ class BoardSession:
 
     def set_accepted(self, changes: Changes) -> None:
         """Remember that the nodes use the fit."""
+        self.accepted_calibration = self.calibration
         sentence = ('The running camera node uses the new surface. Take the board away, and take '
                     'the background of the empty surface.')
         if changes.dropped:
