@@ -32,6 +32,7 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('damage', {'stream', 'quality', 'damage', 'wrong', 'wrong published', 'damage check ms'}),
     ('view_shift', {'surface', 'move', 'disturbance', 'true_px', 'told_px'}),
     ('attack', {'surface', 'what', 'frames', 'wrong'}),
+    ('nudges', {'surface', 'case', 'wrong', 'is_corrected'}),
     ('uncertainty', {'what', 'contained'}),
     ('nodes', {'node'}),
     ('dashboard_load', {'what', 'pages'}),

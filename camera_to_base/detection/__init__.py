@@ -40,7 +40,7 @@ from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDiffer
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame', 'check_same_size', 'Detection',
-    'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'LeftOut', 'locate_pixel', 'LocatedObject',
-    'mean_blocks', 'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel', 'Point',
-    'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
+    'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'has_changed_block', 'LeftOut', 'locate_pixel',
+    'LocatedObject', 'mean_blocks', 'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel',
+    'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
 ]

@@ -52,5 +52,5 @@ def changed_blocks(blocks: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def has_changed_block(blocks: np.ndarray, others: np.ndarray) -> bool:
-    """Return whether there is a changed block, see :func:`changed_blocks`, in a tenth of its time."""
+    """Return whether any block has changed, see :func:`changed_blocks`, in a tenth of its time."""
     return cv2.norm(blocks, others, cv2.NORM_INF) > _BLOCK_CHANGE

@@ -29,6 +29,7 @@ from camera_to_base.nodes.camera_pictures import CameraPictures
 from camera_to_base.nodes.camera_watch import CameraWatch
 from camera_to_base.nodes.debug_images import DebugImages
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
+from camera_to_base.nodes.freed_memory import keep_freed_memory
 from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.parameters import (
@@ -127,7 +128,10 @@ class CameraPublisher(Node):
             self._pipeline.process(frame, taken_at), self._pipeline.background,
             settings.calibrated_for.is_strict)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
-        self._positions.publish_sighting(header, sighting, settings, uncertainty)
+        in_force = self._pipeline.surface_in_force
+        self._positions.publish_sighting(
+            header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty)
+        settings.area_overlay.use_surface(in_force.surface)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting), settings.debug_label,
             settings.area_overlay, uncertainty)
@@ -156,7 +160,8 @@ class CameraPublisher(Node):
 
     def _doubt(self) -> Optional[Reason]:
         return self._own_camera.reason(
-            self._pipeline.background, self._settings.calibrated_for.is_strict)
+            self._pipeline.background,
+            self._settings.calibrated_for.is_strict) or self._pipeline.doubt
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)
@@ -186,6 +191,7 @@ class CameraPublisher(Node):
 
 def main(args: Optional[List[str]] = None) -> int:
     """Run the node until a signal arrives or its recording ends."""
+    keep_freed_memory()
     code = run('camera_publisher', CameraPublisher, args)
     if is_reader_hanging():
         os._exit(code)

@@ -21,7 +21,7 @@ from camera_to_base.detection import LocatedObject
 from camera_to_base.nodes.simulated import TruePositions
 from camera_to_base.ros import (
     left_out_markers, NO_EVENTS, PositionTopics, UncertainPose)
-from camera_to_base.settings import CameraSettings, NamedSource
+from camera_to_base.settings import NamedSource
 from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.surface import Hull
 from camera_to_base.trust import FrameUncertainty, Sighting
@@ -66,14 +66,18 @@ class CameraPositions:
         return self._topics.listener_count
 
     def publish_sighting(
-        self, header: Header, sighting: Sighting, settings: CameraSettings,
+        self, header: Header, sighting: Sighting, hull: Optional[Hull],
         uncertainty: FrameUncertainty,
     ) -> None:
-        """Publish the objects of a frame, unless the sighting has a reason not to."""
+        """
+        Publish the objects of a frame, unless the sighting has a reason not to.
+
+        :param hull: The area that the calibration was measured in; None where it is not known.
+        """
         if self._truth is not None:
             self._truth.publish(header)
         if sighting.reason is None:
-            self._warn_outside_hull(sighting.objects, settings.hull)
+            self._warn_outside_hull(sighting.objects, hull)
             self.publish(header, [Pose(*found.point, 0.0, found.yaw or 0.0)
                                   for found in sighting.objects],
                          lambda number: uncertainty.of(sighting.objects[number]))

@@ -67,6 +67,19 @@ def calibration_summary(values: Mapping[str, Any], now: Optional[datetime] = Non
     return f'calibration: {surface}; {base}' + (f'; camera {device}' if device else '')
 
 
+def calibration_date(values: Mapping[str, Any]) -> Optional[datetime]:
+    """
+    Tell when the surface was calibrated; None where that is not recorded.
+
+    :param values: By full name.
+    """
+    date = str(values.get('calibration.surface') or '').partition(', ')[0]
+    try:
+        return datetime.fromisoformat(date).astimezone()
+    except ValueError:
+        return None
+
+
 def age_text(date: str, now: datetime) -> str:
     """
     Say how long ago a date is.

@@ -22,10 +22,11 @@ calibrate the simulated camera with.
 Callers: `settings`, `nodes`, `commands` and benchmarks. No detector imports it.
 """
 
-from camera_to_base.simulation.board import SimulatedBoard, TrueObject
+from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.camera_move import CameraMove, move_parameters
 from camera_to_base.simulation.chessboard import SimulatedChessboard
 from camera_to_base.simulation.conditions import BoardConditions
+from camera_to_base.simulation.objects import TrueObject
 from camera_to_base.simulation.parameters import simulation_settings, SimulationSettings
 from camera_to_base.simulation.robot import SimulatedRobot
 from camera_to_base.simulation.scene import Scene, Touch

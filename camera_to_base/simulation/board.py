@@ -14,7 +14,7 @@
 
 """A rendered work surface with objects: a frame source with known true positions."""
 
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
@@ -23,7 +23,7 @@ from camera_to_base.simulation.camera_move import CameraMove
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.disturbances import BoardDisturbances
 from camera_to_base.simulation.drawing import draw_oval
-from camera_to_base.simulation.objects import BoardObjects
+from camera_to_base.simulation.objects import BoardObjects, true_object, TrueObject
 from camera_to_base.simulation.printed_board import placed_board
 from camera_to_base.simulation.printed_markers import PrintedMarkers
 from camera_to_base.simulation.scene import Scene, Touch
@@ -38,27 +38,6 @@ import numpy as np
 _ROUND_S = 60.0
 # Corners along a row and a column, and the edge of a square in cm: what `calibrate sheet` prints.
 _PRINTED_BOARD = 9, 6, 2.5
-
-
-class TrueObject(NamedTuple):
-    """
-    The true state of an object.
-
-    :param point: Where its centre is on the surface, x and y, in cm, in the camera frame.
-    :param pixel: The centroid of its picture, u and v, in px.
-    :param radius: Radius of a disc of the same area in the picture, in px.
-    :param cut_off: Distance by which it exceeds the picture's edge, in px; negative inside.
-    :param hidden: Whether a hand covers or touches it.
-    :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
-        in (-pi/2, pi/2]; None for a round one.
-    """
-
-    point: Tuple[float, float]
-    pixel: Tuple[float, float]
-    radius: float
-    cut_off: float
-    hidden: bool
-    yaw: Optional[float]
 
 
 class SimulatedBoard:
@@ -125,6 +104,11 @@ class SimulatedBoard:
         return largest_shift_px(self._start, self._view)
 
     @property
+    def shift_cm(self) -> float:
+        """The same on the table, by the scale at the picture's middle at tilt 0, in cm."""
+        return self.shift_px * self._start.cm_per_px
+
+    @property
     def pixel_from_surface(self) -> np.ndarray:
         """Homography from cm in the camera frame to px, shape (3, 3)."""
         return self._view.pixel_from_surface.copy()
@@ -169,7 +153,9 @@ class SimulatedBoard:
         self.true_objects = []
         for oval in self._ovals(number):
             draw_oval(picture, oval, self._view, self._conditions)
-            self.true_objects.append(self._true_object(oval, rounds))
+            ellipse = self._view.ellipse(oval)
+            self.true_objects.append(true_object(
+                oval, ellipse, self._view, self._disturbances.hides(ellipse, rounds)))
         self._disturbances.disturb(picture, number, rounds)
         return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
@@ -209,13 +195,3 @@ class SimulatedBoard:
 
     def _rounds(self, number: int) -> float:
         return number / self.frame_rate / _ROUND_S
-
-    def _true_object(self, oval: Oval, rounds: float) -> TrueObject:
-        ellipse = self._view.ellipse(oval)
-        last = np.array([self._view.width, self._view.height]) - 0.5
-        cut_off = max((ellipse.half - ellipse.centre).max() - 0.5,
-                      (ellipse.centre + ellipse.half - last).max())
-        return TrueObject(
-            oval.point, tuple(ellipse.centre), ellipse.radius, float(cut_off),
-            self._disturbances.hides(ellipse, rounds),
-            oval.yaw if oval.half_length > oval.half_width else None)

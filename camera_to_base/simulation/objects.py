@@ -15,15 +15,37 @@
 """Where the objects are on the simulated table."""
 
 import math
-from typing import List, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.view import BoardView, Oval
+from camera_to_base.simulation.view import BoardView, Ellipse, Oval
+import numpy as np
 
 _YAW_STEP_DEG = 50.0
 # The still objects, the largest first: diameter in cm, place as shares of the table that is seen.
 _STILL = ((3.0, (0.5, 0.5)), (2.8, (0.29, 0.33)), (2.6, (0.71, 0.67)), (2.4, (0.71, 0.33)),
           (2.2, (0.29, 0.67)))
+
+
+class TrueObject(NamedTuple):
+    """
+    The true state of an object.
+
+    :param point: Where its centre is on the surface, x and y, in cm, in the camera frame.
+    :param pixel: The centroid of its picture, u and v, in px.
+    :param radius: Radius of a disc of the same area in the picture, in px.
+    :param cut_off: Distance by which it exceeds the picture's edge, in px; negative inside.
+    :param hidden: Whether a hand covers or touches it.
+    :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
+        in (-pi/2, pi/2]; None for a round one.
+    """
+
+    point: Tuple[float, float]
+    pixel: Tuple[float, float]
+    radius: float
+    cut_off: float
+    hidden: bool
+    yaw: Optional[float]
 
 
 class BoardObjects:
@@ -69,3 +91,17 @@ class BoardObjects:
         yaw_deg = self._conditions.yaw_deg + index * _YAW_STEP_DEG if elongation > 1 else 0.0
         return Oval(point, length / 2, length / 2 / elongation,
                     math.radians(90 - (90 - yaw_deg) % 180))
+
+
+def true_object(oval: Oval, ellipse: Ellipse, view: BoardView, hidden: bool) -> TrueObject:
+    """
+    Return the true state of an object in a picture.
+
+    :param ellipse: Its picture.
+    """
+    last = np.array([view.width, view.height]) - 0.5
+    cut_off = max((ellipse.half - ellipse.centre).max() - 0.5,
+                  (ellipse.centre + ellipse.half - last).max())
+    return TrueObject(
+        oval.point, tuple(ellipse.centre), ellipse.radius, float(cut_off), hidden,
+        oval.yaw if oval.half_length > oval.half_width else None)

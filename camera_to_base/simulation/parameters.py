@@ -20,6 +20,7 @@ from typing import Any, Dict
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.errors import HorizonError, InvalidValueError
 from camera_to_base.image_size import ImageSize
+from camera_to_base.markers import marker_cells
 from camera_to_base.parameters import Values
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.camera_move import camera_move
@@ -45,12 +46,15 @@ class SimulationSettings:
     touch: Touch
     conditions: BoardConditions
 
-    def check_view(self, image_size: ImageSize) -> None:
+    def check_scene(self, image_size: ImageSize) -> None:
         """
-        Check that the camera sees the table in all of its picture.
+        Check that the camera sees the table in all of its picture, and that markers can be drawn.
 
         :raises InvalidValueError: If the picture would reach the horizon.
+        :raises CalibrationError: If OpenCV has no module aruco, and there are to be markers.
         """
+        if self.scene.markers:
+            marker_cells(0)
         try:
             BoardView(image_size, TUTORIAL_WIDTH_CM, self.tilt_deg, self.scene.move)
         except HorizonError as error:

@@ -90,7 +90,7 @@ def test_bumped_camera_stops_the_positions_until_it_is_put_back(ros):
     assert ros.spin_until(lambda: found and len(found[-1].poses) == 5)
     there = points(next_of(ros, true))
     response = ros.call('/camera_publisher/bump_camera')
-    assert response.success and 'px at the corner' in response.message
+    assert response.success and ' mm on the table' in response.message
     assert node.get_parameter('simulated.camera_shift_px').value != [0.0, 0.0]
     assert points(next_of(ros, true)) == there
     assert ros.spin_until(lambda: status and status[-1].values['reason'] != 'none'), \

@@ -14,11 +14,10 @@
 
 import math
 
-from camera_to_base.calibration import find_board
-from camera_to_base.detection.markers import find_markers, marker_cells
+from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.errors import CalibrationError
+from camera_to_base.markers import find_markers
 from camera_to_base.simulation import CameraMove, Scene, SimulatedBoard, Touch
-from camera_to_base.simulation.printed_markers import marker_is_white
 from camera_to_base.simulation.specs import PLACEMENT_COUNT, SHOWN, TABLES
 import cv2
 import numpy as np
@@ -168,11 +167,6 @@ def test_placements_together_cover_the_picture():
         covered |= cv2.fillConvexPoly(np.zeros((480, 640), np.uint8), hull, 1) > 0
     # Outside of the outer corners there is always a square and its margin.
     assert covered.mean() > 0.5
-
-
-@pytest.mark.parametrize('number', range(4))
-def test_marker_is_that_of_opencv(number):
-    np.testing.assert_array_equal(marker_is_white(number), ~marker_cells(number))
 
 
 @pytest.mark.parametrize('shows', ['empty', 'still_objects'])

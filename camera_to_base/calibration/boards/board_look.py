@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A quick look at a picture, for a person who lays a board: is it found, and why not?"""
+"""Tells a person who lays a board whether it is found in a picture, and why not."""
 
 from typing import NamedTuple, Optional, Tuple
 

@@ -41,7 +41,8 @@ class BumpService:
             [Parameter(name, value=value) for name, value in move_parameters(move).items()])
         response.success = result.successful
         response.message = result.reason or (
-            f'the camera was bumped: its picture has moved by {self._board.shift_px:.1f} px at '
-            f'the corner that moved farthest (shift {move.shift_px} px, turn {move.turn_deg} deg, '
-            f'tilt {move.tilt_deg} deg, zoom {move.zoom})')
+            f'the camera was bumped: its picture has moved by {self._board.shift_px:.1f} px, '
+            f'{10 * self._board.shift_cm:.1f} mm on the table, at the corner that moved farthest '
+            f'(shift {move.shift_px} px, turn {move.turn_deg} deg, tilt {move.tilt_deg} deg, '
+            f'zoom {move.zoom})')
         return response

@@ -53,11 +53,23 @@ class Cells:
         :param pixels: Shape (scale * rows, scale * columns, 3), uint8.
         :returns: Shape (rows, columns, 3), uint8.
         """
+        return self.means_of_samples(self.sampled(pixels))
+
+    def sampled(self, pixels: np.ndarray) -> np.ndarray:
+        """
+        Return the pixels that count.
+
+        :param pixels: Shape (scale * rows, scale * columns, 3), uint8.
+        :returns: Shape (samples * rows, samples * columns, 3), uint8.
+        """
+        if self.samples == self.scale:
+            return pixels
+        share = self.samples / self.scale
+        return cv2.resize(pixels, None, fx=share, fy=share, interpolation=cv2.INTER_NEAREST)
+
+    def means_of_samples(self, pixels: np.ndarray) -> np.ndarray:
+        """Return the mean colour of each cell from the pixels that count, see `sampled`."""
         samples = self.samples
-        if samples != self.scale:
-            share = samples / self.scale
-            pixels = cv2.resize(
-                pixels, None, fx=share, fy=share, interpolation=cv2.INTER_NEAREST)
         # Halving is several times as fast as other ratios.
         while samples > 1:
             height, width = pixels.shape[:2]
@@ -83,7 +95,7 @@ class Light(NamedTuple):
 
     :param factors: How much brighter each channel is: three numbers, or shape (h, w, 3).
     :param least: What counts as a difference everywhere, in levels.
-    :param slack: How much of the range of its neighbours a cell may differ by.
+    :param slack: How much of its `spread` a cell may differ by.
     """
 
     factors: object
@@ -96,15 +108,15 @@ class CellBackground(NamedTuple):
     The background in cells, or a part of it.
 
     :param levels: Shape (h, w, 3), float32, at least 1.
-    :param range: Shape (h, w, 3), uint8, the range of a cell's neighbours.
+    :param spread: Shape (h, w, 3), uint8, the range of a cell and its neighbours.
     """
 
     levels: np.ndarray
-    range: np.ndarray
+    spread: np.ndarray
 
     def part(self, rows: slice, columns: slice) -> 'CellBackground':
         """Return the same of some cells."""
-        return CellBackground(self.levels[rows, columns], self.range[rows, columns])
+        return CellBackground(self.levels[rows, columns], self.spread[rows, columns])
 
     def excess(self, means: np.ndarray, light: Light) -> np.ndarray:
         """
@@ -114,7 +126,7 @@ class CellBackground(NamedTuple):
         :returns: Of the same shape, uint8, 0 where they do not.
         """
         lit = cv2.multiply(self.levels, light.factors, dtype=cv2.CV_8U)
-        most = cv2.convertScaleAbs(self.range, alpha=light.slack, beta=light.least)
+        most = cv2.convertScaleAbs(self.spread, alpha=light.slack, beta=light.least)
         return cv2.subtract(cv2.absdiff(means, lit), most)
 
 
@@ -127,4 +139,4 @@ def any_channel(excess: np.ndarray) -> np.ndarray:
 def medians(ratios: np.ndarray) -> List[float]:
     """Return the median of each column of an array of shape (n, 3), the upper one of two."""
     half = len(ratios) // 2
-    return [float(np.partition(column, half)[half]) for column in ratios.T.copy()]
+    return np.partition(ratios, half, axis=0)[half].tolist()

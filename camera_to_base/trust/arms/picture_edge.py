@@ -40,7 +40,8 @@ class PictureEdge:
         self._height, self._width = cells.rows * cells.scale, cells.columns * cells.scale
         self._deep, self._wide = rows * cells.scale, columns * cells.scale
         self._background = CellBackground(*(
-            _joined(_above_and_below(part, rows), _left_and_right(part, columns))
+            _joined(np.concatenate([part[:rows], part[-rows:]]),
+                    np.concatenate([part[:, :columns], part[:, -columns:]], axis=1))
             for part in background))
         step = max(1, max(picture.shape) // _LIGHT_SAMPLES)
         self._grid = np.s_[step // 2::step, step // 2::step]
@@ -56,18 +57,12 @@ class PictureEdge:
 
         :param frame: Shape (h, w, 3), uint8, BGR.
         """
-        frame = frame[:self._height, :self._width]
-        ends = _above_and_below(frame, self._deep), _left_and_right(frame, self._wide)
-        means = _joined(*map(self._cells.means, ends))
+        frame, sampled = frame[:self._height, :self._width], self._cells.sampled
+        along = np.concatenate([sampled(frame[:self._deep]), sampled(frame[-self._deep:])])
+        across = np.concatenate(
+            [sampled(frame[:, :self._wide]), sampled(frame[:, -self._wide:])], axis=1)
+        means = _joined(*map(self._cells.means_of_samples, (along, across)))
         return cv2.norm(self._background.excess(means, light), cv2.NORM_INF) > 0
-
-
-def _above_and_below(picture: np.ndarray, depth: int) -> np.ndarray:
-    return np.concatenate([picture[:depth], picture[-depth:]])
-
-
-def _left_and_right(picture: np.ndarray, depth: int) -> np.ndarray:
-    return np.concatenate([picture[:, :depth], picture[:, -depth:]], axis=1)
 
 
 def _joined(*parts: np.ndarray) -> np.ndarray:

@@ -55,6 +55,11 @@ class Changes(NamedTuple):
     gain: float
 
     @property
+    def any_reaching_in(self) -> bool:
+        """Whether anything reaches in."""
+        return cv2.countNonZero(self.reaching_in) > 0
+
+    @property
     def edge_share(self) -> float:
         """How much of the picture's edge something reaches in from, 0..1."""
         mask = self.reaching_in
@@ -81,7 +86,7 @@ class ReachingIn:
             cv2.morphologyEx(means, cv2.MORPH_GRADIENT, np.ones((3, 3))))
         noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
         self._is_textured = cv2.dilate(
-            (self._background.range.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8),
+            (self._background.spread.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8),
             np.ones((3, 3)))
         # Of the mean of a cell; that of a frame and the background's together.
         self._noise = float(noise) / 0.6745 / self._cells.samples

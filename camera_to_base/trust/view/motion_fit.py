@@ -25,7 +25,8 @@ _NUMBERS = 4
 # The camera is taken to stand still, to this many px, as long as nothing says otherwise.
 _PRIOR_PX = 1.0
 _PRIOR = np.eye(_NUMBERS) / _PRIOR_PX ** 2
-_ROUNDS = 4
+# At most so many rounds, until a round changes the numbers by less than this.
+_ROUNDS, _SETTLED_PX = 4, 0.005
 # Squared deviation from the similarity, in variances: half the weight, and no agreement.
 _HALF_WEIGHT, _DISAGREES = 4.0, 9.0
 
@@ -76,11 +77,13 @@ class MotionFit:
         """
         u, v = (self._axes @ shifts[:, :, None])[:, :, 0].T
         sides = self._u * u[:, None] + self._v * v[:, None]
-        weights = is_seen.astype(float)
+        weights, numbers = is_seen.astype(float), np.zeros(_NUMBERS)
         for _ in range(_ROUNDS):
-            numbers = _solution(self.total(weights) + _PRIOR, weights @ sides)
+            before, numbers = numbers, _solution(self.total(weights) + _PRIOR, weights @ sides)
             missed_u, missed_v = u - self._u @ numbers, v - self._v @ numbers
             deviations = precision * (missed_u * missed_u + missed_v * missed_v)
+            if cv2.norm(numbers, before, cv2.NORM_INF) < _SETTLED_PX:
+                break
             weights = is_seen / (1 + deviations / _HALF_WEIGHT) ** 2
         return Motion(numbers, is_seen & (deviations < _DISAGREES))
 

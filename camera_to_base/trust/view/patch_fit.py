@@ -59,8 +59,8 @@ class PatchFit:
     Fits the background's patches to frames.
 
     frame = gain * patch + offset - shift * gradient. All that the background decides is computed
-    once, and each patch and its gradient are made orthogonal and of length 1, so that a frame costs
-    one product of matrices. The background's own noise makes its gradient larger than the
+    once, and each patch and its gradient are made orthogonal and of length 1, so that a frame
+    costs one product of matrices. The background's own noise makes its gradient larger than the
     surface's: what that adds is taken out of the estimate.
 
     :param patches: Which ones.

@@ -87,9 +87,9 @@ def _pieces(picture: np.ndarray, step: int) -> np.ndarray:
     picture, length = np.ascontiguousarray(picture), (SIDE - 1) * step + 2
     height, width = picture.shape[:2]
     row, pixel, _ = picture.strides
-    return np.lib.stride_tricks.as_strided(
-        picture, (height - length + 1, width - length + 1, SIDE, 2, 3 * length),
-        (row, pixel, step * row, row, 1), writeable=False)
+    return np.ndarray(
+        (height - length + 1, width - length + 1, SIDE, 2, 3 * length), np.uint8, picture,
+        strides=(row, pixel, step * row, row, 1))
 
 
 def step_for(size: tuple) -> int:
