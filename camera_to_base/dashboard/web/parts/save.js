@@ -32,7 +32,8 @@ export function createSave(store) {
   const loaded = element('p', {class: 'quiet'});
   const calibration = element('p');
   const warnings = element('ul', {class: 'warnings'});
-  const changes = table('Parameters that differ from the file', ['Parameter', 'In the file', 'Now', 'Node']);
+  const changes = table('Parameters that differ from the file', ['Parameter', 'In the file', 'Now', 'Node'],
+    {class: 'wrapped'});
   const none = element('p', {}, 'Nothing has changed since the file was loaded or saved.');
   const download = element('a', {class: 'button', href: address('/api/file'), download: 'cell.yaml'},
     'Download the file');
