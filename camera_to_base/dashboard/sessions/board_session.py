@@ -63,6 +63,7 @@ class BoardSession:
         self._placements: List[Placement] = []
         self.calibration: Optional[Calibration] = None
         self._accepted: Optional[Dict[str, Any]] = None
+        self.accepted_calibration: Optional[Calibration] = None
 
     @property
     def wants_frames(self) -> bool:
@@ -164,7 +165,8 @@ class BoardSession:
         _refuse_unless(self._placements, 'take a placement of the board first')
         _refuse_unless(not self._busy, _BUSY)
         self._begin('Fitting …')
-        board, placements = self._options.board, list(self._placements)
+        board, name = self._options.board, f'camera {self._device() or "picture"}'
+        placements = [one._replace(name=name) for one in self._placements]
         self._worker.run(lambda: calibrate_placements(board, placements), self._take_fit)
         self._on_change()
 
@@ -181,6 +183,7 @@ class BoardSession:
 
     def set_accepted(self, changes: Changes) -> None:
         """Remember that the nodes use the fit."""
+        self.accepted_calibration = self.calibration
         sentence = ('The running camera node uses the new surface. Take the board away, and take '
                     'the background of the empty surface.')
         if changes.dropped:
@@ -190,7 +193,7 @@ class BoardSession:
         self._on_change()
 
     def _device(self) -> str:
-        source = self._values.camera.get('source', '')
+        source = (self._values.camera or {}).get('source', AUTO.form)
         return '' if kind_of(source) == AUTO else lasting_name(source)
 
     def _hint(self) -> str:

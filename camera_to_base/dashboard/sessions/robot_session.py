@@ -24,7 +24,7 @@ from camera_to_base.dashboard.sessions.followed_object import Point
 from camera_to_base.dashboard.sessions.open_pair import OpenPair
 from camera_to_base.dashboard.sessions.pair_list import fit_pairs, Pair, PairFit
 from camera_to_base.dashboard.sessions.pair_places import (
-    measured_with, needs, suggested, suggestion_data)
+    measured_with, needs, suggested, suggestion_data, surface_values)
 from camera_to_base.dashboard.sessions.robot_data import fit_data, pair_data
 from camera_to_base.dashboard.sessions.tool_place import ToolPlace
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
@@ -54,6 +54,8 @@ class RobotSession:
         self._accepted: Optional[Dict[str, Any]] = None
         self._base_z = 'up'
         self._fit: Optional[PairFit] = None
+        self._fitted: Any = None
+        self.accepted_calibration: Optional[Calibration] = None
         self.tool = ToolPlace()
 
     @property
@@ -73,11 +75,6 @@ class RobotSession:
                                 self._values.pixel_of) for pair in self._pairs],
             'fit': self._fit and fit_data(self._fit), 'base_z': self._base_z,
             'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
-
-    @property
-    def calibration(self) -> Optional[Calibration]:
-        """The base frame's calibration; None without one."""
-        return self._fit and self._fit.calibration
 
     def start(self, body: Mapping[str, Any]) -> None:
         """
@@ -196,6 +193,9 @@ class RobotSession:
 
     def see_background(self, mark: Any) -> None:
         """Take what changes with each background."""
+        if self._background is None:
+            # It is not new: it has only not been told before.
+            self._pairs = [pair.with_background(mark) for pair in self._pairs]
         if mark != self._background:
             self._background = mark
             self.check_again()
@@ -210,15 +210,17 @@ class RobotSession:
 
         :raises InvalidValueError: If there is none that can be used.
         """
-        if self.calibration is None:
+        calibration = self._fit and self._fit.calibration
+        if calibration is None:
             raise InvalidValueError(self._fit and self._fit.error
                                     or 'measure three pairs or more first')
         if self._values.transform is None:
             raise InvalidValueError('robot_base_publisher does not run: start it')
-        return self._values.with_part(part_values(self.calibration), BASE)
+        return self._values.with_part(part_values(calibration), BASE)
 
     def set_accepted(self, changes: Changes) -> None:
         """Remember that the nodes use the fit."""
+        self.accepted_calibration = self._fit and self._fit.calibration
         self._accepted = {'sentence': 'The running transform node uses the new base frame. Save '
                                       'it, so that it is there after the next start.'}
         self._on_change()
@@ -255,10 +257,10 @@ class RobotSession:
     def _fit_again(self) -> None:
         now = measured_with(self._values, self._background)
         valid = [pair for pair in self._pairs if pair.measured_with.difference(now) is None]
-        fit = fit_pairs(valid, self._values.given, self._base_z)
-        if (fit and fit.residuals_mm) != (self._fit and self._fit.residuals_mm):
-            self._accepted = None
-        self._fit = fit
+        surface = surface_values(self._values)
+        if (valid, surface, self._base_z) != self._fitted:
+            self._fitted, self._accepted = (valid, surface, self._base_z), None
+            self._fit = fit_pairs(valid, surface, self._base_z)
         self._on_change()
 
     def _suggestion_data(self) -> Optional[Dict[str, Any]]:

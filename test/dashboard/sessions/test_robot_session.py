@@ -234,3 +234,11 @@ def test_a_robot_without_a_topic_is_asked_for_it(calibrated):
     cell = Cell(**{**calibrated, 'source': '/dev/video0'})
     with pytest.raises(CameraToBaseError, match="name the topic of the robot's tool"):
         cell.do('robot', 'from_topic')
+
+
+def test_the_first_word_of_a_background_leaves_pairs_valid(cell):
+    cell.measure_pairs(3)
+    cell.sessions.see_background('first')
+    assert cell.state('robot')['fit']['can_accept']
+    cell.sessions.see_background('second')
+    assert cell.state('robot')['fit'] is None
