@@ -19,7 +19,7 @@ Each step is a module of its own:
 
 - `reference`, `light`, `noise`, `limits`: the background at the frame's light, and from which
   levels on a pixel shows something else, in any colour.
-- `tiles`: where on the frame there are such pixels at all, in bytes.
+- `strips`, `tiles`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
 - `search`, `regions`: where such pixels are connected, for the long way.
 - `foreign_light`: shade from outside of the picture, which is no object.
@@ -39,7 +39,7 @@ the same result whatever came before.
 from typing import List, Optional
 
 from camera_to_base.checks import finite_number
-from camera_to_base.detection.detection import check_frame, check_same_size, Detection
+from camera_to_base.detection.detection import Box, check_frame, check_same_size, Detection
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.piece import outline_of
 from camera_to_base.detection.precise.placer import Placer, unplaced
@@ -47,8 +47,8 @@ from camera_to_base.detection.precise.ranking import ranked
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import grown, Region, slices
 from camera_to_base.detection.precise.search import parts_of, search
-from camera_to_base.detection.precise.tiles import (
-    changed_parts, changed_strips, frame_outline, is_all_changed)
+from camera_to_base.detection.precise.strips import Strips
+from camera_to_base.detection.precise.tiles import changed_parts, frame_outline, is_all_changed
 import numpy as np
 
 # A frame full of specks must not take long: only the largest objects get the full treatment.
@@ -77,6 +77,7 @@ class PreciseDifferenceDetector:
         self._background = background.copy()
         self._reference = Reference(self._background, faintest)
         self._ghosts: List[Ghost] = []
+        self._strips = Strips(background.shape)
 
     @staticmethod
     def check_parameters(faintest: float, min_area: float) -> None:
@@ -99,16 +100,16 @@ class PreciseDifferenceDetector:
         """
         check_same_size(frame, self._background)
         frame = np.ascontiguousarray(frame)
-        self._reference.follow(frame)
-        self._forget_ghosts(frame)
-        lit, limits = self._reference.lit, self._reference.limits
-        strips = changed_strips(frame, lit, limits)
-        if not strips:
+        rows = self._changed_rows(frame)
+        if not rows:
             return []
-        if is_all_changed(frame, lit, strips, limits):
+        lit, limits = self._reference.lit, self._reference.limits
+        if is_all_changed(frame, lit, rows, limits):
+            self._strips.remember([Box(0, 0, *frame.shape[1::-1])])
             return unplaced(frame_outline(frame), frame)
-        plain, regions = search(
-            frame, changed_parts(frame, lit, strips, limits), self._reference, self._min_area)
+        parts = changed_parts(frame, lit, rows, limits)
+        self._strips.remember(parts)
+        plain, regions = search(frame, parts, self._reference, self._min_area)
         if self._notice_ghosts(frame, regions):
             plain, regions = search(
                 frame, parts_of(frame, self._reference), self._reference, self._min_area)
@@ -122,13 +123,23 @@ class PreciseDifferenceDetector:
     def taken_away(self) -> List[Detection]:
         """Where objects of the background are missing, as of the last frame."""
         return [detection for ghost in self._ghosts for detection in unplaced(
-            outline_of(ghost.mask) + np.int32([ghost.window.x, ghost.window.y]),
-            self._background)]
+            outline_of(ghost.mask, ghost.window), self._background)]
 
     @property
     def noise(self) -> Optional[float]:
         """The noise of a frame, in grey levels on most of the background; None before a frame."""
         return self._reference.mean_noise
+
+    def _changed_rows(self, frame: np.ndarray) -> List[slice]:
+        # Reading all of a frame first makes each later look at a part of it faster.
+        rows = self._strips.changed(frame, self._reference.lit, self._reference.limits)
+        if self._follow(frame):
+            rows = self._strips.changed(frame, self._reference.lit, self._reference.limits)
+        return rows
+
+    def _follow(self, frame: np.ndarray) -> bool:
+        is_other_light = self._reference.follow(frame)
+        return self._forget_ghosts(frame) or is_other_light
 
     def _notice_ghosts(self, frame: np.ndarray, regions: List[Region]) -> bool:
         found = [find_ghost(frame, self._reference.lit, region)
@@ -139,14 +150,16 @@ class PreciseDifferenceDetector:
             self._use_ghosts(self._ghosts + ghosts, frame)
         return bool(ghosts)
 
-    def _forget_ghosts(self, frame: np.ndarray) -> None:
+    def _forget_ghosts(self, frame: np.ndarray) -> bool:
         if not self._ghosts:
-            return
+            return False
         background = self._reference.at_this_light(self._background)
         away = [ghost for ghost in self._ghosts
                 if not ghost.is_back(frame, background, self._faintest)]
-        if len(away) < len(self._ghosts):
-            self._use_ghosts(away, frame)
+        if len(away) == len(self._ghosts):
+            return False
+        self._use_ghosts(away, frame)
+        return True
 
     def _use_ghosts(self, ghosts: List[Ghost], frame: np.ndarray) -> None:
         self._ghosts = ghosts

@@ -27,7 +27,6 @@ _POINTS = 24, 24  # rows and columns
 _DARKEST, _LIGHTEST = 8, 247
 _LEAST_LIGHT = 1e-3
 _LEAST_USABLE = 1 / 12
-_ONE_LEVEL = (1, 1, 1, 0)
 _DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
 
 
@@ -108,19 +107,16 @@ class GainMeter:
         if self._gain is None or not self._holds(levels):
             self._gain = self._measured(levels)
             lit = np.rint(_coded(self._light * self._gain.factors)).astype(np.uint8)
-            lowest, highest = (np.where(self._usable, lit, end).astype(np.uint8)
-                               for end in (0, 255))
-            self._darker = lowest, cv2.subtract(lowest, _ONE_LEVEL)
-            self._lighter = highest, cv2.add(highest, _ONE_LEVEL)
+            self._lowest, self._highest = (np.where(self._usable, lit, end).astype(np.uint8)
+                                           for end in (0, 255))
         return self._gain
 
     def _holds(self, levels: np.ndarray) -> bool:
         # The median of whole levels, as in grouped data: half of those at a limit lie beyond it.
-        darker, lighter = self._darker, self._lighter
-        beyond = (((levels < darker[0]).view(np.uint8) + (levels < darker[1])),
-                  ((levels > lighter[0]).view(np.uint8) + (levels > lighter[1])))
-        return not any(share > two_halves for counts in beyond
-                       for share, two_halves in zip(cv2.mean(counts), self._usable_share))
+        beyond = (cv2.threshold(levels_beyond, 2, 0, cv2.THRESH_TRUNC)[1] for levels_beyond in (
+            cv2.subtract(self._lowest, levels), cv2.subtract(levels, self._highest)))
+        return not any(share > two_halves for halves in beyond
+                       for share, two_halves in zip(cv2.mean(halves), self._usable_share))
 
     def _measured(self, levels: np.ndarray) -> Gain:
         ratios = LINEAR[levels] / self._light

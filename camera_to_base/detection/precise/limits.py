@@ -102,7 +102,8 @@ class _LitRange:
     def __init__(self, usual: Range) -> None:
         self._usual = usual
         self._lit = Range(*(np.empty_like(bound) for bound in usual))
-        self._ready = np.zeros([-(-length // _BLOCK) for length in usual.darkest.shape[:2]], bool)
+        self._missing = np.ones(
+            [-(-length // _BLOCK) for length in usual.darkest.shape[:2]], np.uint8)
         self._tables = np.empty(0), np.empty(0)
 
     def set_levels(self, darkest: np.ndarray, lightest: np.ndarray) -> None:
@@ -110,13 +111,13 @@ class _LitRange:
                        for levels in (darkest, lightest))
         if not all(map(np.array_equal, tables, self._tables)):
             self._tables = tables
-            self._ready[:] = False
+            self._missing[:] = 1
 
     def part(self, part: tuple) -> Range:
-        blocks = tuple(slice(side.start // _BLOCK, -(-side.stop // _BLOCK)) for side in part)
-        if not self._ready[blocks].all():
+        blocks = tuple([slice(side.start // _BLOCK, -(-side.stop // _BLOCK)) for side in part])
+        if cv2.countNonZero(self._missing[blocks]):
             around = tuple(slice(side.start * _BLOCK, side.stop * _BLOCK) for side in blocks)
             for usual, table, lit in zip(self._usual, self._tables, self._lit):
                 cv2.LUT(usual[around], table, dst=lit[around])
-            self._ready[blocks] = True
+            self._missing[blocks] = 0
         return Range(self._lit.darkest[part], self._lit.lightest[part])

@@ -17,12 +17,14 @@
 from functools import lru_cache
 from typing import NamedTuple, Optional, Sequence, Tuple
 
+from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR
 import cv2
 import numpy as np
 
 _LEAST_LIGHT = 1e-3
 _ONES = np.ones((1, 3), np.float32)
+_AT_ORIGIN = Box(0, 0, 0, 0)
 
 
 @lru_cache(maxsize=None)
@@ -50,7 +52,7 @@ def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 
 def chosen(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Give the pixels in a mask, shape (h, w, 3) to (n, 3): faster than a mask as an index."""
-    return values.reshape(-1, values.shape[-1])[np.flatnonzero(mask)]
+    return values.reshape(-1, values.shape[-1]).take(np.flatnonzero(mask > 0), axis=0)
 
 
 def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:
@@ -143,9 +145,15 @@ def largest_part(mask: np.ndarray) -> np.ndarray:
     return kept if outline is None else cv2.drawContours(kept, [outline], 0, 1, cv2.FILLED)
 
 
-def outlines_in(mask: np.ndarray) -> Sequence[np.ndarray]:
-    """Find the outer outlines in a mask, each of shape (n, 1, 2), int32."""
-    return cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]
+def outlines_in(mask: np.ndarray, window: Box = _AT_ORIGIN) -> Sequence[np.ndarray]:
+    """
+    Find the outer outlines in a mask.
+
+    :param window: Where the mask lies on the picture; only its place counts.
+    :returns: Each of shape (n, 1, 2), int32, in px of the picture.
+    """
+    return cv2.findContours(
+        mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE, offset=window[:2])[0]
 
 
 def has_holes(outline: np.ndarray, count: int) -> bool:
@@ -160,7 +168,7 @@ def has_holes(outline: np.ndarray, count: int) -> bool:
     return count < cv2.contourArea(outline) + len(outline) / 2 + 1
 
 
-def outline_of(mask: np.ndarray) -> Optional[np.ndarray]:
-    """Find the largest outline in a mask, shape (n, 1, 2), int32; None where it is empty."""
-    outlines = outlines_in(mask)
+def outline_of(mask: np.ndarray, window: Box = _AT_ORIGIN) -> Optional[np.ndarray]:
+    """Find the largest outline in a mask, see :func:`outlines_in`; None where it is empty."""
+    outlines = outlines_in(mask, window)
     return max(outlines, key=cv2.contourArea) if outlines else None

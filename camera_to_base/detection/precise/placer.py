@@ -20,6 +20,7 @@ from camera_to_base.detection.detection import Box, Detection, Pixel, touches_ed
 from camera_to_base.detection.precise.highlight import close_around_highlights
 from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
 from camera_to_base.detection.precise.plain import place_plain, Plain
+from camera_to_base.detection.precise.reduced import enlarged, reduced
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 from camera_to_base.detection.precise.shaded import find_shaded
@@ -31,6 +32,8 @@ import numpy as np
 
 # Surroundings that a region's place is told from, in px.
 _SURROUNDINGS = 12
+# A larger object, its surroundings included, is placed on a reduced picture; in px².
+_MOST_TO_PLACE = 80_000
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -57,7 +60,7 @@ class Placer:
         is_at_edge = touches_edge(region.box, frame)
         if is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return unplaced(region.outline, frame)
-        if not is_at_edge:
+        if not is_at_edge and not region.in_other_light:
             window = grown(region.box, 1, frame)
             placed = place_plain(frame, window, filled(region.outline, window, 255),
                                  region.outline, reference)
@@ -83,7 +86,12 @@ class Placer:
         box = grown(Box(*cv2.boundingRect(piece.mask)), _SURROUNDINGS, piece.mask)
         part = slices(box)
         near = Piece(*(np.ascontiguousarray(picture[part]) for picture in piece))
-        return self._placed(way(near), box._replace(x=box.x + window.x, y=box.y + window.y))
+        coarse, scale = reduced(near, _MOST_TO_PLACE)
+        placed = way(coarse)
+        return self._placed(
+            Placed(enlarged(placed.shares, scale, near.mask),
+                   enlarged(placed.mask, scale, near.mask)),
+            box._replace(x=box.x + window.x, y=box.y + window.y))
 
     def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
         height, width = frame.shape[:2]
@@ -93,10 +101,9 @@ class Placer:
             piece = piece._replace(mask=thing.mask)
         if thing is None or not thing.is_light:
             piece = piece._replace(mask=close_around_highlights(piece))
-        outline = outline_of(piece.mask)
+        outline = outline_of(piece.mask, window)
         if outline is None:
             return []
-        outline = outline + np.int32([window.x, window.y])
         if touches_edge(Box(*cv2.boundingRect(outline)), frame):
             return unplaced(outline, frame)
         is_whole = thing is not None and thing.is_light
@@ -113,10 +120,9 @@ class Placer:
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:
     moments = placed.moments(window.x, window.y)
-    outline = outline_of(placed.mask) if placed.outline is None else placed.outline
+    outline = outline_of(placed.mask, window) if placed.outline is None else placed.outline
     if not moments['m00'] or outline is None:
         return []
-    outline = outline + np.int32([window.x, window.y])
     centre = Pixel(moments['m10'] / moments['m00'], moments['m01'] / moments['m00'])
     return [Detection(
         Box(*cv2.boundingRect(outline)), centre, moments['m00'], outline[:, 0], False, moments)]

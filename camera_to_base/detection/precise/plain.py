@@ -45,10 +45,11 @@ import numpy as np
 
 _DEPTH, _LEAST_CORE = 3, 20
 _EVEN_LEVELS, _EVEN_DEVIATIONS, _CLEAR = 4.0, 2.5, 2.0
-_COVERED, _HALF, _WIDEST_RIM = 0.8 * 255, 127, 2.6
+_COVERED, _HALF, _WIDEST_RIM = 204, 127, 2.6  # shares of 255
 _LEAST_SPAN, _SURELY_OTHER = 0.12, 0.5
 _DIAGONAL = math.sqrt(2) - 1
 _LINEAR = LINEAR.tolist()
+_CORE, _NEXT = square(2 * _DEPTH + 1), square(3)
 
 
 class Plain(NamedTuple):
@@ -104,12 +105,13 @@ def place_plain(
     """
     place = slices(window)
     seen, table = frame[place], reference.lit[place]
-    core = cv2.erode(mask, square(2 * _DEPTH + 1))
+    core = cv2.erode(mask, _CORE)
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
-    level, deviation = (values.ravel().tolist() for values in cv2.meanStdDev(
-        seen[::2], mask=core[::2]))  # every second row tells as much
-    usual = cv2.mean(table)[:3]
+    # Every second row tells as much.
+    level, deviation = (values.ravel().tolist()
+                        for values in cv2.meanStdDev(seen[::2], mask=core[::2]))
+    usual = cv2.mean(table[::2])[:3]
     if (max(deviation) > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
             or max(map(abs, map(operator.sub, usual, level))) < _CLEAR * reference.limits.least):
         return None
@@ -118,8 +120,8 @@ def place_plain(
     if shares is None:
         return None
     shares = cv2.max(shares, core)
-    between = cv2.countNonZero(mask) - cv2.countNonZero((shares > _COVERED).view(np.uint8))
-    return _whole(shares) if between <= _WIDEST_RIM * _length(outline) else None
+    between = cv2.countNonZero(mask) - np.count_nonzero(shares > _COVERED)
+    return _whole(shares, window) if between <= _WIDEST_RIM * _length(outline) else None
 
 
 def _shares(
@@ -127,21 +129,21 @@ def _shares(
     usual: List[float], has_edges: bool
 ) -> Optional[np.ndarray]:
     # In 255ths: 255 where all is object, `span` is what is seen where all is table.
-    contrast = list(map(operator.sub, usual, thing))
+    contrast = [*map(operator.sub, usual, thing)]
     power = sum(map(operator.mul, contrast, contrast))
     from_thing = np.float32([[*contrast, -sum(map(operator.mul, contrast, thing))]])
-    excess, span = (cv2.transform(cv2.LUT(levels, LINEAR), from_thing) for levels in (seen, table))
-    near = cv2.dilate(mask, square(3))
+    span = cv2.transform(cv2.LUT(table, LINEAR), from_thing)
+    near = cv2.dilate(mask, _NEXT)
     if (cv2.minMaxLoc(span, near)[0] < _LEAST_SPAN * power or has_edges
             and cv2.mean(span, cv2.bitwise_not(near))[0] < _SURELY_OTHER * power):
         return None
-    free = cv2.divide(excess, span, scale=255, dtype=cv2.CV_8U)
-    return cv2.copyTo(cv2.bitwise_not(free), near)
+    excess = cv2.transform(cv2.LUT(seen, LINEAR), from_thing)
+    return cv2.subtract(near, cv2.divide(excess, span, scale=255, dtype=cv2.CV_8U))
 
 
-def _whole(shares: np.ndarray) -> Optional[Placed]:
+def _whole(shares: np.ndarray, window: Box) -> Optional[Placed]:
     covered = (shares > _HALF).view(np.uint8)
-    outlines = outlines_in(covered)
+    outlines = outlines_in(covered, window)
     if len(outlines) != 1 or has_holes(outlines[0], cv2.countNonZero(covered)):
         return None
     return Placed(shares * np.float32(1 / 255), covered, outlines[0])

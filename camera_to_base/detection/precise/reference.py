@@ -16,7 +16,7 @@
 
 from typing import Optional
 
-from camera_to_base.detection.precise.light import Gain, GainMeter
+from camera_to_base.detection.precise.light import Gain, GainMeter, NO_GAIN
 from camera_to_base.detection.precise.limits import Limits
 from camera_to_base.detection.precise.noise import measure_noise
 import cv2
@@ -41,25 +41,30 @@ class Reference:
         self.mean_noise: Optional[float] = None
         self._faintest = faintest
         self._meter = GainMeter(picture)
-        self._gain: Optional[Gain] = None
         self._frame_count = 0
         self._edges: Optional[np.ndarray] = None
         self._usual_level = int(np.median(picture[::8, ::8]))
+        self._use_gain(NO_GAIN)
 
-    def follow(self, frame: np.ndarray) -> None:
-        """Take a frame's light, and now and then its noise, for this and the next frames."""
+    def follow(self, frame: np.ndarray) -> bool:
+        """
+        Take a frame's light, and now and then its noise, for this and the next frames.
+
+        :returns: Whether `lit` or `limits` have changed.
+        """
         gain = self._meter.follow(frame)
         self._frame_count += 1
         count = self._frame_count
         is_noise_due = count & (count - 1) == 0 or count % _NOISE_PERIOD == 0
-        if gain is self._gain and not is_noise_due:
-            return
+        if gain == self._gain and not is_noise_due:
+            return False
         if gain != self._gain:
             self._use_gain(gain)
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
             self.mean_noise = float(self.noise[self._usual_level].mean())
         self.limits.set_light(gain, self.noise)
+        return True
 
     def _use_gain(self, gain: Gain) -> None:
         self._gain = gain

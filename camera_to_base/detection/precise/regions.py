@@ -43,11 +43,13 @@ class Region(NamedTuple):
     :param outline: Shape (n, 1, 2), int32, in px of the picture.
     :param box: The upright rectangle around it.
     :param strong_area: The largest connected part of it beyond the strong limit, in px².
+    :param in_other_light: Whether the table has other light there than `Reference.lit` shows.
     """
 
     outline: np.ndarray
     box: Box
     strong_area: int
+    in_other_light: bool = False
 
 
 def find_regions(

@@ -28,7 +28,8 @@ from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
-from camera_to_base.detection.precise.tiles import changed_parts, changed_strips
+from camera_to_base.detection.precise.strips import Strips
+from camera_to_base.detection.precise.tiles import changed_parts
 import cv2
 import numpy as np
 
@@ -39,6 +40,8 @@ _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 _FAR, _FAINT = 0.04, 0.15
 # What is left over where light was taken out is an object where this part of it differs strongly.
 _MOSTLY = 0.4
+# Light of a field that changes an object's place, in steps of a factor, see `Limits.use_field`.
+_LEAST_LIGHT_STEPS = 4
 
 
 def search(
@@ -74,7 +77,8 @@ def search(
             frame, parts_of(frame, reference), reference.limits, min_area)
     finally:
         reference.limits.use_field(None)
-    return [], [region for region in regions if touches_edge(region.box, frame)
+    return [], [region._replace(in_other_light=_has_light(field, region.box))
+                for region in regions if touches_edge(region.box, frame)
                 or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)]
 
 
@@ -83,6 +87,12 @@ def _field(frame: np.ndarray, regions: List[Region], lit: np.ndarray) -> Optiona
     if any(_may_be_light(frame, region, lit) for region in regions):
         return find_field(frame, lit, bands)
     return None if bands is None else field_of_bands(bands, frame)
+
+
+def _has_light(field: Range, box: Box) -> bool:
+    part = slices(box)
+    return (field.darkest[part].min() < 128 - _LEAST_LIGHT_STEPS
+            or field.lightest[part].max() > 128 + _LEAST_LIGHT_STEPS)
 
 
 def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
@@ -109,4 +119,6 @@ def _is_inside(box: Box, window: Box) -> bool:
 def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
     """Find the parts of a frame that have changed."""
     lit, limits = reference.lit, reference.limits
-    return changed_parts(frame, lit, changed_strips(frame, lit, limits), limits)
+    rows = ([slice(0, len(frame))] if limits.has_field
+            else Strips(frame.shape).changed(frame, lit, limits))
+    return changed_parts(frame, lit, rows, limits)

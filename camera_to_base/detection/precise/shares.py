@@ -29,7 +29,8 @@ from camera_to_base.detection.precise.piece import (
 import cv2
 import numpy as np
 
-_TURNS = 3
+# Turns at most, and which part of the object may still change in the last one.
+_TURNS, _SETTLED = 3, 0.01
 # Ratios of light that no shade has, and of the largest to the smallest colour's.
 _LIGHT, _COLOURED = 1.2, 1.8
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
@@ -44,9 +45,6 @@ _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
 _LEAST_CORE, _SMALLEST = 6, 6
-# From four channels, three colours and a count, to the colours and to the count three times.
-_COLOURS = np.eye(3, 4, dtype=np.float32)
-_COUNT = np.float32([[0, 0, 0, 1]] * 3)
 
 
 class Placed(NamedTuple):
@@ -55,7 +53,8 @@ class Placed(NamedTuple):
 
     :param shares: How much of each pixel it covers, shape (h, w), float32.
     :param mask: The pixels of which it covers more than half, without holes, uint8.
-    :param outline: The mask's outline, shape (n, 1, 2), int32; None if it is not known yet.
+    :param outline: The mask's outline, shape (n, 1, 2), int32, in px of the picture; None if it is
+        not known yet.
     """
 
     shares: np.ndarray
@@ -78,7 +77,8 @@ def place(piece: Piece) -> Placed:
         shares = np.maximum(_shares(piece, mask, ratio), sure)
         covered = (shares > 0.5).view(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
-        if cv2.countNonZero(covered) < _SMALLEST or np.array_equal(covered, mask):
+        area = cv2.countNonZero(covered)
+        if area < _SMALLEST or cv2.countNonZero(covered ^ mask) <= _SETTLED * area:
             break
         mask = covered
     shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
@@ -152,11 +152,12 @@ def _light_at_rim(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
 def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray:
     """Continue values by their mean over a window, over a wider one, or over all."""
     # The fourth channel counts the known pixels.
-    weighted = cv2.merge([cv2.copyTo(values, known), np.float32(known)])
+    weighted = cv2.copyTo(cv2.cvtColor(values, cv2.COLOR_BGR2BGRA), known)
     total = cv2.scaleAdd(_mean(weighted, _WIDER_WINDOW), _WIDER, _mean(weighted, window))
     anywhere = cv2.mean(values, known)[:3]
     total = cv2.add(total, (*(_ANYWHERE * value for value in anywhere), _ANYWHERE))
-    return cv2.transform(total, _COLOURS) / cv2.transform(total, _COUNT)
+    count = cv2.cvtColor(cv2.extractChannel(total, 3), cv2.COLOR_GRAY2BGR)
+    return cv2.cvtColor(total, cv2.COLOR_BGRA2BGR) / count
 
 
 def _mean(values: np.ndarray, window: int) -> np.ndarray:

@@ -50,6 +50,7 @@ class DarkSquares:
         around = np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)
         self._limits = np.ascontiguousarray(cv2.dilate(limits, around)[::step])
         self._run = min(step, limits.shape[1])
+        self._run_kernel = np.ones((1, self._run), np.uint8)
         # Runs that are closer than this can belong to squares that one median sees together.
         self._join = np.ones((1 + 2 * (median_reach + step - 1) // step,
                               1 + 2 * median_reach + step), np.uint8)
@@ -76,35 +77,32 @@ class DarkSquares:
 
     def _boxes_of(self, dark: np.ndarray, first: int) -> List[Region]:
         # The middle of each run within the picture.
-        runs = cv2.erode(dark, np.ones((1, self._run), np.uint8),
-                         borderType=cv2.BORDER_CONSTANT, borderValue=0)
-        if cv2.countNonZero(runs) == 0:
-            return []
-        whole = self._box(*_bounds(runs, (0, 0, *runs.shape[::-1])), first)
-        if whole.px < 2 * _BOX_PX:
-            return [whole]
+        runs = cv2.erode(dark, self._run_kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0)
         groups, _ = cv2.findContours(
             cv2.dilate(runs, self._join), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-        if len(groups) * _BOX_PX > whole.px:
+        if not groups:
+            return []
+        parts = [self._runs_in(*cv2.boundingRect(group), runs.shape) for group in groups]
+        whole = self._box(*(slice(min(part.start for part in side), max(
+            part.stop for part in side)) for side in zip(*parts)), first)
+        if whole.px < 2 * _BOX_PX or len(groups) * _BOX_PX > whole.px:
             return [whole]
-        boxes = [self._box(*_bounds(runs, cv2.boundingRect(group)), first) for group in groups]
+        boxes = [self._box(rows, columns, first) for rows, columns in parts]
         return boxes if sum(_BOX_PX + box.px for box in boxes) < whole.px else [whole]
+
+    def _runs_in(
+        self, left: int, top: int, width: int, height: int, shape: Tuple[int, int]
+    ) -> Tuple[slice, slice]:
+        """Take off from a group what the dilation has added, where the border cut nothing off."""
+        (rows, columns), (all_rows, all_columns) = self._join.shape, shape
+        right, bottom = left + width, top + height
+        return (slice(top and top + rows - 1 - rows // 2,
+                      bottom - rows // 2 if bottom < all_rows else bottom),
+                slice(left and left + columns - 1 - columns // 2,
+                      right - columns // 2 if right < all_columns else right))
 
     def _box(self, rows: slice, columns: slice, first: int) -> Region:
         top, bottom = (first + rows.start) * self._step, (first + rows.stop - 1) * self._step
         return Region(
             grow(slice(top, bottom + 1), self._step - 1, self._step - 1, self._shape[0]),
             grow(columns, self._run // 2, self._run - 1 - self._run // 2, self._shape[1]))
-
-
-def _bounds(runs: np.ndarray, part: Tuple[int, int, int, int]) -> Tuple[slice, slice]:
-    """
-    Return the rows and the columns of the runs in a part (left, top, width, height).
-
-    OpenCV 4.6's boundingRect is wrong for some masks whose rows are not aligned.
-    """
-    left, top, width, height = part
-    marked = runs[top:top + height, left:left + width]
-    rows, columns = np.flatnonzero(marked.max(axis=1)), np.flatnonzero(marked.max(axis=0))
-    return (slice(top + int(rows[0]), top + int(rows[-1]) + 1),
-            slice(left + int(columns[0]), left + int(columns[-1]) + 1))

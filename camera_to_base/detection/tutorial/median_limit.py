@@ -30,6 +30,11 @@ from camera_to_base.detection.tutorial.region import Region
 import cv2
 import numpy as np
 
+# Windows' pixels that are counted one by one, at most.
+_MOST_COUNTED = 4000
+# Widths at which OpenCV's median is fast: from 68 px on, before OpenCV 5 those of 4 + 16 n px.
+_LEAST_MEDIAN_WIDTH, _MEDIAN_STEP = 68, 16 if cv2.__version__ < '5' else 1
+
 
 class MedianLimit:
     """
@@ -51,7 +56,7 @@ class MedianLimit:
         self._size = median_size
         self._area = median_size * median_size
         # A window's count must fit.
-        self._depth = cv2.CV_8U if self._area < 256 else cv2.CV_16U
+        self._counts = np.empty(limits.shape, np.uint8 if self._area < 256 else np.uint16)
 
     def below(self, picture: np.ndarray, place: Region) -> Optional[np.ndarray]:
         """
@@ -61,7 +66,8 @@ class MedianLimit:
             repeated; so the result is right where the window does not reach out of the piece, and
             at a rim that is not below any limit or is the whole picture's.
         :param place: Where the piece lies.
-        :returns: Shape (h', w'), uint8, 1 where it does; None if that is nowhere.
+        :returns: Shape (h', w'), uint8, 1 where it does, until the next call; None if that is
+            nowhere.
         """
         possibly = self._marked(picture, self._highest, self._possibly, place)
         possible_count = cv2.countNonZero(possibly)
@@ -70,11 +76,13 @@ class MedianLimit:
         surely = self._marked(picture, self._lowest, self._surely, place)
         unsure_count = possible_count - cv2.countNonZero(surely)
         # Here and below: one median of all costs less than counting twice and many windows.
-        if unsure_count * self._area > picture.size // 16:
-            return (self._median(picture) < self._limits[place]).view(np.uint8)
-        below = self._most(surely)
+        if unsure_count * self._area > min(picture.size // 32, _MOST_COUNTED):
+            np.less(self._median(picture), self._limits[place], out=surely.view(bool))
+            return surely
+        below = self._most(surely, place)
         if unsure_count:
-            undecided = np.flatnonzero(cv2.subtract(self._most(possibly), below).view(bool))
+            undecided = cv2.subtract(self._most(possibly, place), below, dst=possibly)
+            undecided = np.flatnonzero(undecided.view(bool))
             if len(undecided):
                 pixels = np.divmod(undecided, picture.shape[1])
                 below[pixels] = self._medians_below(picture, self._limits[place], pixels)
@@ -87,10 +95,14 @@ class MedianLimit:
         np.less(picture, limits[place], out=memory[place].view(bool))
         return memory[place]
 
-    def _most(self, marked: np.ndarray) -> np.ndarray:
-        counts = cv2.boxFilter(marked, self._depth, (self._size, self._size), normalize=False,
-                               borderType=cv2.BORDER_REPLICATE)
-        return (counts > self._area // 2).view(np.uint8)
+    def _most(self, marked: np.ndarray, place: Region) -> np.ndarray:
+        """Mark, in place, the pixels in whose window most pixels are marked."""
+        counts = self._counts[place]
+        cv2.boxFilter(marked, cv2.CV_16U if counts.itemsize == 2 else cv2.CV_8U,
+                      (self._size, self._size), dst=counts, normalize=False,
+                      borderType=cv2.BORDER_REPLICATE)
+        np.greater(counts, self._area // 2, out=marked.view(bool))
+        return marked
 
     def _medians_below(
         self, picture: np.ndarray, limits: np.ndarray, pixels: Tuple[np.ndarray, np.ndarray]
@@ -105,9 +117,10 @@ class MedianLimit:
         return np.count_nonzero(windows < limits[pixels][:, None], axis=1) > self._area // 2
 
     def _median(self, picture: np.ndarray) -> np.ndarray:
-        # OpenCV's median is up to ten times slower where the width is below 68 or (before OpenCV
-        # 5) where width - 4 is not a multiple of 16. It repeats the last column; so does this.
+        # OpenCV's median is up to ten times slower at some widths. It repeats the last column; so
+        # does this.
         width = picture.shape[1]
-        padded = cv2.copyMakeBorder(
-            picture, 0, 0, 0, max(68 - width, (4 - width) % 16), cv2.BORDER_REPLICATE)
-        return cv2.medianBlur(padded, self._size)[:, :width]
+        missing = max(_LEAST_MEDIAN_WIDTH - width, (4 - width) % _MEDIAN_STEP)
+        if missing:
+            picture = cv2.copyMakeBorder(picture, 0, 0, 0, missing, cv2.BORDER_REPLICATE)
+        return cv2.medianBlur(picture, self._size)[:, :width]

@@ -160,7 +160,8 @@ def _is_same(one: Detection, other: Detection) -> bool:
 
 def _divided(found: Found, reasons: Sequence[Optional[Reason]]) -> Found:
     pairs = list(zip(found.objects, reasons))
-    touched = tuple(LeftOut(one.detection, reason) for one, reason in pairs if reason is not None)
+    touched = tuple(LeftOut(one.detection, reason, one.point)
+                    for one, reason in pairs if reason is not None)
     return Found([one for one, reason in pairs if reason is None], (*found.left_out, *touched))
 
 

@@ -70,6 +70,17 @@ def test_light_and_tremble_are_no_objects(conditions):
         assert len(found) == 1 and math.dist(found[0].centre, truth) < 1.5
 
 
+@pytest.mark.parametrize('light', [0.68, 0.8])
+def test_object_in_the_deep_shade_of_something_outside_is_placed_as_in_the_light(light):
+    camera = Photographer(Conditions(), 7)
+    detector = PreciseDifferenceDetector(camera.background())
+    for _ in range(6):
+        frame, truth = camera.frame()
+        frame[:, :round(truth[0]) + 60] = np.rint(light * frame[:, :round(truth[0]) + 60])
+        found, = [one for one in detector.detect(frame) if not one.cut_off]
+        assert math.dist(found.centre, truth) < 0.1
+
+
 @pytest.mark.parametrize('strength', [0.04, 0.1])
 def test_bands_of_a_flickering_lamp_are_no_objects_and_hide_none(strength):
     camera = Photographer(Conditions(), 5)

@@ -20,7 +20,7 @@ from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import Gain, GainMeter
 from camera_to_base.detection.precise.plain import find_plain
 from camera_to_base.detection.precise.reference import Reference
-from camera_to_base.detection.precise.tiles import changed_parts, changed_strips
+from camera_to_base.detection.precise.search import parts_of
 import cv2
 import numpy as np
 import pytest
@@ -39,11 +39,6 @@ def reference_of(frame, background=None):
     reference = Reference(table(frame.shape[:2]) if background is None else background, 13.0)
     reference.follow(frame)
     return reference
-
-
-def parts_of(frame, reference):
-    strips = changed_strips(frame, reference.lit, reference.limits)
-    return changed_parts(frame, reference.lit, strips, reference.limits)
 
 
 @pytest.mark.parametrize('size', [(240, 320), (241, 323), (50, 61), (9, 7)])
