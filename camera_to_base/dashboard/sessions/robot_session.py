@@ -22,10 +22,11 @@ from camera_to_base.checks import finite_number
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
 from camera_to_base.dashboard.sessions.followed_object import Point
 from camera_to_base.dashboard.sessions.open_pair import OpenPair
-from camera_to_base.dashboard.sessions.pair_list import fit_pairs, Pair, PairFit
+from camera_to_base.dashboard.sessions.pair_book import PairBook
+from camera_to_base.dashboard.sessions.pair_list import Pair
 from camera_to_base.dashboard.sessions.pair_places import (
     measured_with, needs, suggested, suggestion_data, surface_values)
-from camera_to_base.dashboard.sessions.robot_data import fit_data, pair_data
+from camera_to_base.dashboard.sessions.robot_data import fit_data
 from camera_to_base.dashboard.sessions.tool_place import ToolPlace
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 
@@ -46,15 +47,13 @@ class RobotSession:
         self._values, self._on_change = values, on_change
         self._is_on = False
         self._background: Any = None
-        self._pairs: List[Pair] = []
+        self._pairs = PairBook()
         self._again: Optional[int] = None
         self._open: Optional[OpenPair] = None
         self._newest: List[Point] = []
         self._error: Optional[str] = None
         self._accepted: Optional[Dict[str, Any]] = None
         self._base_z = 'up'
-        self._fit: Optional[PairFit] = None
-        self._fitted: Any = None
         self.accepted_calibration: Optional[Calibration] = None
         self.tool = ToolPlace()
 
@@ -71,9 +70,8 @@ class RobotSession:
             'step': 'measuring' if self._is_on else 'off', 'hint': self._hint(),
             'needs': needs(self._values), 'suggestion': self._suggestion_data(),
             'open': self._open and self._open.data(self._values.pixel_of),
-            'pairs': [pair_data(pair, self._fit, pair.measured_with.difference(now),
-                                self._values.pixel_of) for pair in self._pairs],
-            'fit': self._fit and fit_data(self._fit), 'base_z': self._base_z,
+            'pairs': self._pairs.data(now, self._values.pixel_of),
+            'fit': self._pairs.fit and fit_data(self._pairs.fit), 'base_z': self._base_z,
             'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
 
     def start(self, body: Mapping[str, Any]) -> None:
@@ -90,7 +88,8 @@ class RobotSession:
 
     def cancel(self, body: Mapping[str, Any]) -> None:
         """End, and drop the pairs."""
-        self._is_on, self._pairs, self._fit, self._accepted = False, [], None, None
+        self._is_on, self._accepted = False, None
+        self._pairs.clear()
         self._close()
         self._on_change()
 
@@ -164,7 +163,7 @@ class RobotSession:
         :param body: {'number'}.
         :raises InvalidValueError: If there is none.
         """
-        self._again = self._numbered(body).number
+        self._again = self._pairs.numbered(body.get('number')).number
         self._close()
         self._on_change()
 
@@ -175,7 +174,7 @@ class RobotSession:
         :param body: {'number'}.
         :raises InvalidValueError: If there is none.
         """
-        self._pairs.remove(self._numbered(body))
+        self._pairs.remove(self._pairs.numbered(body.get('number')))
         self._again = None
         self._fit_again()
 
@@ -195,7 +194,7 @@ class RobotSession:
         """Take what changes with each background."""
         if self._background is None:
             # It is not new: it has only not been told before.
-            self._pairs = [pair.with_background(mark) for pair in self._pairs]
+            self._pairs.tell_background(mark)
         if mark != self._background:
             self._background = mark
             self.check_again()
@@ -210,9 +209,9 @@ class RobotSession:
 
         :raises InvalidValueError: If there is none that can be used.
         """
-        calibration = self._fit and self._fit.calibration
+        calibration = self._pairs.fit and self._pairs.fit.calibration
         if calibration is None:
-            raise InvalidValueError(self._fit and self._fit.error
+            raise InvalidValueError(self._pairs.fit and self._pairs.fit.error
                                     or 'measure three pairs or more first')
         if self._values.transform is None:
             raise InvalidValueError('robot_base_publisher does not run: start it')
@@ -220,28 +219,20 @@ class RobotSession:
 
     def set_accepted(self, changes: Changes) -> None:
         """Remember that the nodes use the fit."""
-        self.accepted_calibration = self._fit and self._fit.calibration
+        self.accepted_calibration = self._pairs.fit and self._pairs.fit.calibration
         self._accepted = {'sentence': 'The running transform node uses the new base frame. Save '
                                       'it, so that it is there after the next start.'}
         self._on_change()
 
     @property
     def _number(self) -> int:
-        return self._again or 1 + max((pair.number for pair in self._pairs), default=0)
-
-    def _numbered(self, body: Mapping[str, Any]) -> Pair:
-        for pair in self._pairs:
-            if pair.number == body.get('number'):
-                return pair
-        raise InvalidValueError(f'there is no pair {body.get("number")!r:.20}')
+        return self._again or self._pairs.next_number
 
     def _add(self, base_point: Point) -> None:
         number, place = self._open.number, self._open.place
         touched = TouchedPair(
             suggested(self._values, number), (place.x, place.y), base_point)
-        pair = Pair(number, touched, measured_with(self._values, self._background))
-        kept = [one for one in self._pairs if one.number != pair.number]
-        self._pairs = sorted([*kept, pair], key=lambda one: one.number)
+        self._pairs.put(Pair(number, touched, measured_with(self._values, self._background)))
         self._again = None
         self._close()
         self._fit_again()
@@ -255,12 +246,9 @@ class RobotSession:
                                     'measured')
 
     def _fit_again(self) -> None:
-        now = measured_with(self._values, self._background)
-        valid = [pair for pair in self._pairs if pair.measured_with.difference(now) is None]
-        surface = surface_values(self._values)
-        if (valid, surface, self._base_z) != self._fitted:
-            self._fitted, self._accepted = (valid, surface, self._base_z), None
-            self._fit = fit_pairs(valid, surface, self._base_z)
+        if self._pairs.fit_again(measured_with(self._values, self._background),
+                                 surface_values(self._values), self._base_z):
+            self._accepted = None
         self._on_change()
 
     def _suggestion_data(self) -> Optional[Dict[str, Any]]:
