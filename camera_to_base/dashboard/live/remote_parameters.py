@@ -69,7 +69,7 @@ class RemoteParameters:
                 (ListParameters, 'list_parameters'), (GetParameters, 'get_parameters'),
                 (DescribeParameters, 'describe_parameters'),
                 (SetParametersAtomically, 'set_parameters_atomically'))}
-        self._asked_at = -math.inf
+        self._asked_at, self._has_more = -math.inf, False
         self._writers: Set[Tuple[int, ...]] = set()
 
     @property
@@ -94,15 +94,16 @@ class RemoteParameters:
     def ask(self) -> None:
         """Read the values, if they are not known, or if the node was started anew."""
         writers = self._find_writers()
-        is_asked = self.values or time.monotonic() - self._asked_at < _LONGEST_ANSWER_S
-        if (writers - self._writers or not is_asked) and all(
+        is_known = self.values and not self._has_more
+        is_asked = time.monotonic() - self._asked_at < _LONGEST_ANSWER_S
+        if (writers - self._writers or not (is_known or is_asked)) and all(
                 client.service_is_ready() for client in self._clients.values()):
             self._writers = writers
             self.read()
 
     def read(self) -> None:
         """Read the list, the descriptors and the values anew."""
-        self._asked_at = time.monotonic()
+        self._asked_at, self._has_more = time.monotonic(), False
         self._call(ListParameters.Request(), self._on_names)
 
     def change(self, values: Mapping[str, Any]) -> Future:
@@ -124,13 +125,14 @@ class RemoteParameters:
         """Take what a node has announced on /parameter_events."""
         if event.node != self.remote:
             return
-        if event.new_parameters or not self.values:
-            self.read()  # a node that has just started
-            return
+        if event.new_parameters:
+            # A node that starts declares its parameters one by one.
+            self._has_more = True
         changed = {parameter.name: _value(parameter.value)
                    for parameter in event.changed_parameters if parameter.name in self.values}
-        self.values.update(changed)
-        self._on_change()
+        if changed:
+            self.values.update(changed)
+            self._on_change()
 
     def close(self) -> None:
         """Give the clients back."""
