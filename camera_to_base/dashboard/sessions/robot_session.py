@@ -20,10 +20,10 @@ from camera_to_base.calibration import (
     BASE, Calibration, part_values, read_typed_position, TouchedPair)
 from camera_to_base.checks import finite_number
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
-from camera_to_base.dashboard.sessions.followed_object import Point
+from camera_to_base.dashboard.sessions.followed_object import FollowedObject, Point
 from camera_to_base.dashboard.sessions.open_pair import OpenPair
 from camera_to_base.dashboard.sessions.pair_book import PairBook
-from camera_to_base.dashboard.sessions.pair_list import Pair
+from camera_to_base.dashboard.sessions.pair_list import MeasuredWith, Pair
 from camera_to_base.dashboard.sessions.pair_places import (
     measured_with, needs, suggested, suggestion_data, surface_values)
 from camera_to_base.dashboard.sessions.robot_data import fit_data
@@ -65,12 +65,11 @@ class RobotSession:
     @property
     def state(self) -> Dict[str, Any]:
         """The state as JSON."""
-        now = measured_with(self._values, self._background)
         return {
             'step': 'measuring' if self._is_on else 'off', 'hint': self._hint(),
             'needs': needs(self._values), 'suggestion': self._suggestion_data(),
             'open': self._open and self._open.data(self._values.pixel_of),
-            'pairs': self._pairs.data(now, self._values.pixel_of),
+            'pairs': self._pairs.data(self._now(), self._values.pixel_of),
             'fit': self._pairs.fit and fit_data(self._pairs.fit), 'base_z': self._base_z,
             'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
 
@@ -104,7 +103,7 @@ class RobotSession:
         pixel = _point(body, 'u', 'v')
         self._close()
         point, = self._values.settings.surface.locate([pixel]).tolist()
-        self._open = OpenPair(self._number, tuple(point))
+        self._open = OpenPair(self._number, tuple(point), self._now())
         self._on_change()
 
     def see_objects(self, points: Sequence[Point]) -> None:
@@ -124,7 +123,7 @@ class RobotSession:
         :param body: {'x', 'y'} in cm, in the camera frame; the open pair's object without.
         :raises InvalidValueError: If there is none.
         """
-        followed = OpenPair(0, _point(body)) if 'x' in body else self._open
+        followed = FollowedObject(_point(body)) if 'x' in body else self._open
         nearest = followed and followed.nearest(self._newest)
         if nearest is None:
             raise InvalidValueError('click an object in the picture first')
@@ -176,7 +175,7 @@ class RobotSession:
         """
         self._pairs.remove(self._pairs.numbered(body.get('number')))
         self._again = None
-        self._fit_again()
+        self.check_again()
 
     def set_base_z(self, body: Mapping[str, Any]) -> None:
         """
@@ -188,20 +187,24 @@ class RobotSession:
         if body.get('base_z') not in ('up', 'down'):
             raise InvalidValueError(f'base_z must be up or down, got {body.get("base_z")!r:.40}')
         self._base_z = body['base_z']
-        self._fit_again()
+        self.check_again()
 
     def see_background(self, mark: Any) -> None:
         """Take what changes with each background."""
         if self._background is None:
             # It is not new: it has only not been told before.
             self._pairs.tell_background(mark)
+            if self._open is not None:
+                self._open.tell_background(mark)
         if mark != self._background:
             self._background = mark
             self.check_again()
 
     def check_again(self) -> None:
-        """Take new parameters of the nodes into account."""
-        self._fit_again()
+        """Fit again where pairs, or what makes them valid, have changed."""
+        if self._pairs.fit_again(self._now(), surface_values(self._values), self._base_z):
+            self._accepted = None
+        self._on_change()
 
     def acceptance(self) -> Changes:
         """
@@ -224,6 +227,9 @@ class RobotSession:
                                       'it, so that it is there after the next start.'}
         self._on_change()
 
+    def _now(self) -> MeasuredWith:
+        return measured_with(self._values, self._background)
+
     @property
     def _number(self) -> int:
         return self._again or self._pairs.next_number
@@ -232,10 +238,10 @@ class RobotSession:
         number, place = self._open.number, self._open.place
         touched = TouchedPair(
             suggested(self._values, number), (place.x, place.y), base_point)
-        self._pairs.put(Pair(number, touched, measured_with(self._values, self._background)))
+        self._pairs.put(Pair(number, touched, self._open.measured_with))
         self._again = None
         self._close()
-        self._fit_again()
+        self.check_again()
 
     def _close(self) -> None:
         self._open = self._error = None
@@ -244,12 +250,6 @@ class RobotSession:
         if self._open is None or self._open.place is None:
             raise InvalidValueError('click the object in the picture first, and wait until it is '
                                     'measured')
-
-    def _fit_again(self) -> None:
-        if self._pairs.fit_again(measured_with(self._values, self._background),
-                                 surface_values(self._values), self._base_z):
-            self._accepted = None
-        self._on_change()
 
     def _suggestion_data(self) -> Optional[Dict[str, Any]]:
         if not self._is_on or self._open is not None or needs(self._values):
