@@ -69,6 +69,9 @@ class RemoteParameters:
                 (ListParameters, 'list_parameters'), (GetParameters, 'get_parameters'),
                 (DescribeParameters, 'describe_parameters'),
                 (SetParametersAtomically, 'set_parameters_atomically'))}
+        # Counts what was announced; what was read is as new as the count when it was asked for.
+        self._announced = self._asked_for = 0
+        self._read_count = -1
         self._asked_at = -math.inf
         self._writers: Set[Tuple[int, ...]] = set()
 
@@ -94,15 +97,18 @@ class RemoteParameters:
     def ask(self) -> None:
         """Read the values, if they are not known, or if the node was started anew."""
         writers = self._find_writers()
-        is_asked = self.values or time.monotonic() - self._asked_at < _LONGEST_ANSWER_S
-        if (writers - self._writers or not is_asked) and all(
+        if writers - self._writers:
+            self._writers |= writers
+            self._announced += 1
+        is_known = self.values and self._read_count == self._announced
+        is_asked = time.monotonic() - self._asked_at < _LONGEST_ANSWER_S
+        if not (is_known or is_asked) and all(
                 client.service_is_ready() for client in self._clients.values()):
-            self._writers = writers
             self.read()
 
     def read(self) -> None:
         """Read the list, the descriptors and the values anew."""
-        self._asked_at = time.monotonic()
+        self._asked_at, self._asked_for = time.monotonic(), self._announced
         self._call(ListParameters.Request(), self._on_names)
 
     def change(self, values: Mapping[str, Any]) -> Future:
@@ -124,13 +130,14 @@ class RemoteParameters:
         """Take what a node has announced on /parameter_events."""
         if event.node != self.remote:
             return
-        if event.new_parameters or not self.values:
-            self.read()  # a node that has just started
-            return
+        if event.new_parameters:
+            # A node that starts declares its parameters one by one.
+            self._announced += 1
         changed = {parameter.name: _value(parameter.value)
                    for parameter in event.changed_parameters if parameter.name in self.values}
-        self.values.update(changed)
-        self._on_change()
+        if changed:
+            self.values.update(changed)
+            self._on_change()
 
     def close(self) -> None:
         """Give the clients back."""
@@ -162,7 +169,7 @@ class RemoteParameters:
     def _on_values(
         self, described: DescribeParameters.Response, got: GetParameters.Response
     ) -> None:
-        self._asked_at = -math.inf
+        self._asked_at, self._read_count = -math.inf, self._asked_for
         self._descriptors = {
             descriptor.name: descriptor for descriptor in described.descriptors}
         self.values = dict(zip(self._descriptors, map(_value, got.values)))
