@@ -26,11 +26,11 @@ import numpy as np
 
 # Two frames give the same nudge where no corner of the picture differs by more, in px of a picture
 # that is this long, or in standard deviations of the correction.
-_SAME_PX, _USUAL_LENGTH, _SAME_DEVIATIONS = 0.3, 960, 3.0
+_SAME_PX, _USUAL_LENGTH, _SAME_DEVIATIONS = 0.3, 960, 1.5
 # A smaller nudge than this is none, in px.
 _LEAST_NUDGE_PX = 0.5
 # A shift that is not held back is measured where it stays above this, in px, for so many frames.
-_DRIFT_PX, _DRIFT_FRAMES = 0.8, 8
+_DRIFT_PX, _DRIFT_FRAMES = 0.8, 4
 # So many frames are measured in a row; from then on two of each so many.
 _AT_ONCE, _PERIOD = 8, 8
 
