@@ -25,9 +25,9 @@ Callers: `commands` and `dashboard`. The nodes do not import it.
 from camera_to_base.calibration.base_calibration import calibrate_base
 from camera_to_base.calibration.board_calibration import calibrate_placements
 from camera_to_base.calibration.boards.board_look import BoardLook, look_for
+from camera_to_base.calibration.boards.marker_sheet import marker_sheet_content
 from camera_to_base.calibration.boards.placement import (
     make_placement, Placement, refuse_unlike, renumbered, shares_of)
-from camera_to_base.calibration.boards.marker_sheet import marker_sheet_content
 from camera_to_base.calibration.boards.printed_board import PrintedBoard
 from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info

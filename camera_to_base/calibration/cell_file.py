@@ -84,7 +84,7 @@ def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFil
 
 
 def part_values(calibration: Calibration) -> Dict[str, Any]:
-    """Return the parameters that a calibration adds to a file: its values, and its record, if any."""
+    """Return what a calibration adds to a file: its parameters, and its record, if any."""
     report = calibration.report
     if report['model'] == 'markers':
         return dict(calibration.values)

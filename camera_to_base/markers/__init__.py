@@ -36,6 +36,6 @@ __all__ = [
     'CELLS', 'Corners', 'find_markers', 'has_markers', 'judge_markers', 'known_markers',
     'LEAST_MARKERS', 'lens_of_values', 'MarkedSurface', 'MARKER_COUNT', 'MARKER_SPECS',
     'marker_cells', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook',
-    'new_surface_values', 'NewSurface', 'NO_ARUCO', 'outward_moves', 'refuse_polynomial', 'see_markers',
-    'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
+    'new_surface_values', 'NewSurface', 'NO_ARUCO', 'outward_moves', 'refuse_polynomial',
+    'see_markers', 'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
 ]
