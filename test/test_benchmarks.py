@@ -33,6 +33,7 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('view_shift', {'surface', 'move', 'disturbance', 'true_px', 'told_px'}),
     ('attack', {'surface', 'what', 'frames', 'wrong'}),
     ('nudges', {'surface', 'case', 'wrong', 'is_corrected'}),
+    ('markers', {'what'}),
     ('uncertainty', {'what', 'contained'}),
     ('nodes', {'node'}),
     ('dashboard_load', {'what', 'pages'}),

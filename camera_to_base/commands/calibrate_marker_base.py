@@ -24,7 +24,7 @@ from camera_to_base.commands.prompts import ask, tell, until_right
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.markers import known_markers, MARKER_SPECS
 from camera_to_base.parameters import checked_values, read_parameter_file
-from camera_to_base.surface import PointPairs
+from camera_to_base.surface import PointPairs, SURFACE_SPECS
 import numpy as np
 
 _Point = Tuple[float, float]
@@ -43,7 +43,8 @@ def run_marker_base(options: argparse.Namespace) -> Report:
             f"'{options.markers}' holds no markers: calibrate markers comes first")
     outputs = check_outputs(options, BASE, may_picture=False)._replace(old=file)
     middles = {number: tuple(corners.mean(axis=0).tolist()) for number, corners in known_markers(
-        checked_values(MARKER_SPECS, file.values)).items()}
+        checked_values(
+            [*MARKER_SPECS, *SURFACE_SPECS], file.values)).items()}
     robot = open_robot(options.robot_topic)
     try:
         touched = touch_markers(sorted(middles), robot)

@@ -23,10 +23,7 @@ of the working area. Once the surface is calibrated, and before the camera is mo
   calibrate base --markers cell.yaml
 
 The running node then computes the surface anew from three or four markers wherever the camera
-stands. Without a chessboard, markers that the robot touches give surface and base frame together,
-less exactly, because the lens stays unknown:
-
-  calibrate markers --camera 0 --marker-mm 40 --base -o cell.yaml"""
+stands."""
 
 
 def add_markers(markers: argparse.ArgumentParser) -> None:
@@ -38,12 +35,6 @@ def add_markers(markers: argparse.ArgumentParser) -> None:
                               'simulated (default: the source that FILE names)')
     markers.add_argument('--marker-mm', type=float, metavar='40',
                          help='edge of the black square as printed: measure it')
-    markers.add_argument('--base', action='store_true',
-                         help='without a calibrated surface: the robot touches the middle of each '
-                              'marker; surface and base frame come together')
-    markers.add_argument('--image-size', metavar='640x480',
-                         help='width and height requested from --camera, in px, with --base')
-    add_robot_topic(markers, '--base')
     markers.add_argument('-o', '--output', required=True, metavar='FILE',
                          help='the parameter file with the surface; the markers are added to it')
     markers.add_argument('--force', action='store_true', help='replace what is in the file')
