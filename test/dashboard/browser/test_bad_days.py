@@ -74,13 +74,13 @@ def test_camera_that_is_unplugged_is_told_and_its_return(cell, start_cell, open_
         other = start_cell('-p', f'source:={camera.url}', namespace='/network')
         page = open_page(other)
         page.wait_for('/network', '#cell-choice')
-        page.wait_for('published', '#banner')
+        page.wait_for('The surface is not calibrated', '#banner')
         camera.kill()
-        page.wait_for('camera', '#banner')
         wait_until(lambda: 'error' in page.element('#banner').get_attribute('class'),
                    lambda: page.read('#banner'))
+        page.wait_for(str(camera.port), '#banner')
         camera.start()
-        page.wait_for('published', '#banner')
+        page.wait_for('The surface is not calibrated', '#banner')
         other.close()
 
 
