@@ -74,10 +74,12 @@ class Cell:
 
     :param camera: ROS arguments of the camera node; the simulated camera if there are none.
     :param params_file: The file that all three are started with; '' for none.
+    :param namespace: Of all three; tests whose cells run at the same time need different ones.
     """
 
-    def __init__(self, *camera, params_file=''):
+    def __init__(self, *camera, params_file='', namespace='/'):
         self.port = free_port()
+        self._namespace = namespace
         self._camera = camera or ('-p', 'source:=simulated')
         self._file = ('--params-file', params_file) if params_file else ()
         self._save = ('-p', f'params_file:={params_file}') if params_file else ()
@@ -89,7 +91,7 @@ class Cell:
     @property
     def url(self):
         """Address of the page."""
-        return f'http://127.0.0.1:{self.port}/'
+        return f'http://127.0.0.1:{self.port}/?cell={self._namespace}'
 
     def start(self, name):
         """Start one of the processes."""
@@ -97,7 +99,7 @@ class Cell:
             'camera_publisher': (*self._file, *self._camera),
             'robot_base_publisher': self._file,
             'dashboard': ('-p', f'port:={self.port}', *self._save)}[name]
-        self.processes[name] = Process(name, *arguments)
+        self.processes[name] = Process(name, '-r', f'__ns:={self._namespace}', *arguments)
 
     def kill(self, name):
         """Kill one of the processes, without a chance to say good-bye."""

@@ -94,6 +94,7 @@ class SessionFeed:
         self._sessions.see_background((message.header.stamp.sec, message.header.stamp.nanosec))
 
     def _on_tool(self, message: PoseStamped) -> None:
-        place = message.pose.position
+        place, stamp = message.pose.position, message.header.stamp
         self._sessions.see_tool(
-            place.x * _CM_PER_M, place.y * _CM_PER_M, message.header.frame_id)
+            place.x * _CM_PER_M, place.y * _CM_PER_M, message.header.frame_id,
+            stamp.sec + stamp.nanosec / 1e9)

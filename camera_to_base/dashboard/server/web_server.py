@@ -16,6 +16,7 @@
 
 import asyncio
 import logging
+import socket
 import threading
 from typing import Any, Callable, List, Optional
 
@@ -127,5 +128,4 @@ def _listen(host: str, port: int) -> List[Any]:
 
 
 def _reachable(host: str) -> str:
-    import socket
     return socket.gethostname() if host in ('0.0.0.0', '::', '') else host

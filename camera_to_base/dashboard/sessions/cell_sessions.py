@@ -91,11 +91,11 @@ class CellSessions:
         with self._lock:
             self._robot.see_objects(points)
 
-    def see_tool(self, x: float, y: float, frame_id: str = '') -> None:
-        """Take a pose of the robot's tool: x and y, in cm, in the base frame."""
+    def see_tool(self, x: float, y: float, frame_id: str = '', stamp_s: float = 0.0) -> None:
+        """Take a pose of the robot's tool, see :meth:`ToolPlace.see`."""
         with self._lock:
             before = self._robot.tool.data
-            self._robot.tool.see(x, y, frame_id)
+            self._robot.tool.see(x, y, frame_id, stamp_s)
             if self._robot.tool.data != before:
                 self._on_change('robot')
 

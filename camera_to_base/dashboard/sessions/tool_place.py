@@ -25,6 +25,8 @@ from camera_to_base.errors import CalibrationError, InvalidValueError
 _POSES = 5
 _LARGEST_SPREAD_CM = 0.05
 _OLD_S = 5.0
+# A stamp that is older is of another clock.
+_LONGEST_WAY_S = 30.0
 _NAME = re.compile(r'/?[A-Za-z_~{][\w/{}~]*')
 
 
@@ -38,6 +40,7 @@ class ToolPlace:
     def __init__(self) -> None:
         self.topic = ''
         self._frame_id = ''
+        self._forgotten_at = 0.0
         self._poses: Deque[Tuple[float, float, float]] = deque(maxlen=_POSES)
 
     @property
@@ -69,11 +72,19 @@ class ToolPlace:
         return True
 
     def forget(self) -> None:
-        """Forget the poses so far."""
+        """Forget the poses so far, and those that are still on their way."""
+        self._forgotten_at = time.time()
         self._poses.clear()
 
-    def see(self, x: float, y: float, frame_id: str = '') -> None:
-        """Take a pose: x and y, in cm, in the frame of the message."""
+    def see(self, x: float, y: float, frame_id: str = '', stamp_s: float = 0.0) -> None:
+        """
+        Take a pose.
+
+        :param x: In cm, in the frame of the message; y, too.
+        :param stamp_s: When it was measured; 0 if it is not known.
+        """
+        if 0 < self._forgotten_at - stamp_s < _LONGEST_WAY_S:
+            return
         if frame_id != self._frame_id:
             self._frame_id = frame_id
             self._poses.clear()

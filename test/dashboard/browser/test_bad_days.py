@@ -64,21 +64,24 @@ def test_dead_dashboard_is_told_and_its_return(page, cell):
     page.wait_for('published', '#banner')
 
 
-def test_camera_that_is_unplugged_is_told_and_its_return(start_cell, open_page):
+def test_camera_that_is_unplugged_is_told_and_its_return(cell, start_cell, open_page):
     def take_frame():
         frame = np.full((480, 640, 3), 190, np.uint8)
         frame[::40] = 170
         return frame + np.random.default_rng().integers(0, 4, frame.shape, np.uint8)
 
     with MjpegServer(take_frame) as camera:
-        page = open_page(start_cell('-p', f'source:={camera.url}'))
-        page.wait_for('published', '#banner')
+        other = start_cell('-p', f'source:={camera.url}', namespace='/network')
+        page = open_page(other)
+        page.wait_for('/network', '#cell-choice')
+        page.wait_for('The surface is not calibrated', '#banner')
         camera.kill()
-        page.wait_for('camera', '#banner')
         wait_until(lambda: 'error' in page.element('#banner').get_attribute('class'),
                    lambda: page.read('#banner'))
+        page.wait_for(str(camera.port), '#banner')
         camera.start()
-        page.wait_for('published', '#banner')
+        page.wait_for('The surface is not calibrated', '#banner')
+        other.close()
 
 
 def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):

@@ -130,7 +130,7 @@ def test_background_is_taken_anew(page):
 def test_tabs_follow_the_arrow_keys(page):
     page.element('#tab-watch').send_keys(RIGHT)
     assert page.run('return document.activeElement.id') == 'tab-detect'
-    assert page.element('#part-detect').is_displayed()
+    wait_until(page.element('#part-detect').is_displayed, lambda: page.read())
     assert not page.element('#part-watch').is_displayed()
 
 

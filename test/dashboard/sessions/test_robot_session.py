@@ -14,6 +14,8 @@
 
 """The base frame on the page: click an object, touch it, type what the robot shows."""
 
+import time
+
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import transform_settings
 from camera_to_base.settings import camera_settings
@@ -224,6 +226,11 @@ def test_the_display_of_the_simulated_robot_is_shown(cell):
     assert 'robot' in cell.parts
     cell.do('simulated', 'show', shows='empty')
     assert cell.state('robot')['tool']['position'] is None
+    # A pose that was on its way still is of the former touch.
+    cell.sessions.see_tool(3.004, -1.0, 'base_link', time.time() - 0.5)
+    assert cell.state('robot')['tool']['position'] is None
+    cell.sessions.see_tool(5.0, -2.0, 'base_link', time.time() + 0.1)
+    assert cell.state('robot')['tool']['position'] == {'x': 5.0, 'y': -2.0}
     cell.values['camera']['source'] = '/dev/video0'
     cell.tell()
     cell.do('robot', 'cancel')

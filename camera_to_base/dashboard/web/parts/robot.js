@@ -86,7 +86,7 @@ function createSee(store) {
 function drawPairs(picture, {pairs, suggestion, open, accepted}) {
   const r = picture.size.width * 0.02;
   const marks = [
-    ...pairs.map((pair) => ({...pair, name: pair.valid && pair.fits ? 'pair' : 'pair bad'})),
+    ...pairs.filter(({pixel}) => pixel).map((pair) => ({...pair, name: pair.valid && pair.fits ? 'pair' : 'pair bad'})),
     ...(suggestion?.pixel && !open && !accepted ? [{number: 'next', pixel: suggestion.pixel, name: 'target'}] : []),
     ...(open?.pixel ? [{number: 'open', pixel: open.pixel, name: 'chosen'}] : []),
   ];
