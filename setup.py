@@ -13,6 +13,7 @@
 # limitations under the License.
 
 from glob import glob
+import os
 import sys
 
 from setuptools import find_packages, setup
@@ -33,10 +34,13 @@ setup(
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
+    package_data={f'{package_name}.dashboard': [
+        os.path.relpath(path, f'{package_name}/dashboard')
+        for path in glob(f'{package_name}/dashboard/web/**/*.*', recursive=True)]},
     python_requires='>=3.10',
     install_requires=[
         'matplotlib', 'numpy', 'opencv-python-headless', 'PyYAML', 'scipy', 'tornado', 'tqdm'],
-    zip_safe=True,
+    zip_safe=False,
     options={'build_scripts': {'executable': interpreter}},
     maintainer='The camera_to_base authors',
     maintainer_email='camera-to-base@example.org',
@@ -51,6 +55,7 @@ setup(
         'console_scripts': [
             'calibrate = camera_to_base.commands.calibrate:main',
             'camera_publisher = camera_to_base.nodes.executables:camera_publisher',
+            'dashboard = camera_to_base.dashboard.executable:dashboard',
             'locate = camera_to_base.commands.locate:main',
             'robot_base_publisher = camera_to_base.nodes.executables:robot_base_publisher',
             'robotic_arm_publishing_subscriber = '

@@ -175,7 +175,11 @@ class Table:
         canvas = self.canvas.copy() if draw else self.canvas
         for function in draw:
             function(canvas)
-        picture = cv2.warpAffine(canvas, view_of(move, SIZE, MARGIN), SIZE) * self._lens * light
+        return self.exposed(cv2.warpAffine(canvas, view_of(move, SIZE, MARGIN), SIZE), light)
+
+    def exposed(self, picture, light=1.0):
+        """Give what reaches the lens as a picture, with vignetting and noise."""
+        picture = picture * self._lens * light
         v, u = self._random.integers(0, 16, 2)
         picture += self._noises[self._random.integers(3)][v:v + HEIGHT, u:u + WIDTH]
         return np.clip(np.rint(picture), 0, 255).astype(np.uint8)

@@ -19,8 +19,8 @@ import math
 from typing import Dict, NamedTuple, Tuple
 
 from camera_to_base.calibration.covariances import lens_of, surface_error
+from camera_to_base.calibration.fits.alignment import align
 from camera_to_base.calibration.fits.homography_problem import HomographyProblem
-from camera_to_base.calibration.fits.rigid_fit import align
 from camera_to_base.surface import HomographySurface, MatchedPoints, RadialDistortion
 from camera_to_base.uncertainty import (
     base_covariance, base_error, CameraPlace, FrameState, Lens, PositionUncertainty, Shape,

@@ -75,6 +75,9 @@ def generate_launch_description() -> LaunchDescription:
             description='Publish the transform of the parameter file on /tf_static.'),
         DeclareLaunchArgument(
             'rviz', default_value='false', description='Start RViz, one window for each camera.'),
+        DeclareLaunchArgument(
+            'dashboard', default_value='false',
+            description='Start the dashboard, a page for all cameras; its address is printed.'),
     ]
     names = [argument.name for argument in arguments]
     return LaunchDescription([
@@ -101,6 +104,8 @@ def _start(context):
     if is_wanted('rviz', _value(context, 'rviz')):
         _require('rviz2', 'rviz:=true')
         actions += [_rviz(camera) for camera in cameras]
+    if is_wanted('dashboard', _value(context, 'dashboard')):
+        actions.append(_dashboard(cameras))
     return actions
 
 
@@ -150,6 +155,15 @@ def _rviz(camera):
         package='rviz2', executable='rviz2', namespace=camera.namespace, output='screen',
         arguments=['-d', os.path.join(CONFIG, 'camera_to_base.rviz'),
                    '-f', frames(camera).base])
+
+
+def _dashboard(cameras):
+    # The file that is installed with the package is not one to write to.
+    own = [camera.params_file for camera in cameras if camera.params_file != DEFAULT.params_file]
+    return Node(
+        package='camera_to_base', executable='dashboard', name='dashboard', output='screen',
+        respawn=True, respawn_delay=0.5, on_exit=_end_without_start, parameters=[
+            *own, {'params_file': own[0] if len(own) == 1 == len(cameras) else ''}])
 
 
 def _require(package, argument):

@@ -12,21 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Starts both nodes as processes, and prints each object that they publish."""
+"""Starts both nodes and the dashboard, and prints each object that they publish."""
 
+import argparse
 import json
 import math
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
 
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.settings import read_node_settings
 import cv2
+from demo_bumps import Bumps
 import numpy as np
 
 PICTURE = 'demo.png'
+# What is set up on the dashboard's page is saved here.
+CELL_FILE = 'cell.yaml'
+DASHBOARD_PORT = 8080
 # A frame's true position is sent right before its position; the frame before is 100 ms older.
 LONGEST_LAG_NS = 30_000_000
 # A signal only sets this flag: an exception raised inside rclpy is not always passed on.
@@ -35,7 +43,8 @@ told_to_end = threading.Event()
 
 def main(arguments):
     """Run the demo until Ctrl-C, or until the recording ends; return the exit code."""
-    source = arguments[0] if arguments else 'simulated'
+    options = parse(arguments)
+    source = options.source
     # A separate ROS domain, unless one is set, so that no arm follows the demo.
     os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
@@ -46,19 +55,54 @@ def main(arguments):
     remove_old_picture()
     print(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the source '
           f"'{source}'; Ctrl-C ends them", flush=True)
-    nodes = []
+    nodes, others = [], []
     try:
-        nodes.append(start('robot_base_publisher', {}))
+        nodes.append(start('robot_base_publisher', {}, options.params))
         nodes.append(start('camera_publisher', {
             'source': source, 'wait_for_subscribers': 2, 'wait_for_camera': False,
-            **method_for(source)}))
-        return listen(nodes)
+            **method_for(source), **Bumps.parameters(options.bump)}, options.params))
+        # Positions are printed with or without it.
+        others.append(start('dashboard', {
+            'port': port_for_dashboard(),
+            'params_file': os.path.abspath(options.params or CELL_FILE)}))
+        return listen(nodes, options)
     except BrokenPipeError:
         # The reader has closed the pipe. Further output is discarded.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     finally:
-        stop(nodes)
+        stop([*nodes, *others])
+
+
+def port_for_dashboard():
+    """Return the usual port, or 0 for any one if that is taken."""
+    with socket.socket() as one:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            one.bind(('127.0.0.1', DASHBOARD_PORT))
+        except OSError:
+            return 0
+    return DASHBOARD_PORT
+
+
+def parse(arguments):
+    """Parse the command line; the source is that of the parameter file, if it names one."""
+    parser = argparse.ArgumentParser(prog='scripts/demo', description=__doc__)
+    parser.add_argument('--params', metavar='FILE')
+    parser.add_argument('--bump', action='store_true')
+    parser.add_argument('source', nargs='?')
+    options = parser.parse_args(arguments)
+    try:
+        settings = read_node_settings(options.params)
+    except CameraToBaseError as error:
+        parser.error(str(error))
+    options.conversion = settings.transform.conversion
+    if options.source is None:
+        named = settings.camera.source
+        options.source = 'simulated' if named == 'auto' or options.bump else named
+    if options.bump and options.source != 'simulated':
+        parser.error('--bump bumps the simulated camera only: leave the source out')
+    return options
 
 
 def method_for(source):
@@ -66,23 +110,24 @@ def method_for(source):
     return {'detector.method': 'tutorial'} if os.path.isfile(source) else {}
 
 
-def start(executable, parameters):
+def start(executable, parameters, file=None):
     """Start an installed executable like `ros2 run`, but without the terminal's Ctrl-C."""
     from ament_index_python.packages import get_package_prefix
     path = os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
-    command = [path, '--ros-args']
+    command = [path, '--ros-args', *(['--params-file', file] if file else [])]
     for name, value in parameters.items():
         command += ['-p', f'{name}:={json.dumps(value)}']
     return subprocess.Popen(command, start_new_session=True)
 
 
-def listen(nodes):
+def listen(nodes, options):
     """Print what the nodes publish until one of them ends; return its exit code."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('demo')
-    report = Report(node)
+    report = Report(node, options.conversion)
+    bumps = Bumps(node, report) if options.bump else None
     try:
         while not told_to_end.is_set() and all(process.poll() is None for process in nodes):
             rclpy.spin_once(node, timeout_sec=0.1)
@@ -90,6 +135,8 @@ def listen(nodes):
         while not told_to_end.is_set() and time.monotonic() < until:
             rclpy.spin_once(node, timeout_sec=0.1)
     finally:
+        if bumps is not None:
+            bumps.close()
         report.close()
     return 0 if told_to_end.is_set() else max(exit_code(process) for process in nodes)
 
@@ -105,14 +152,21 @@ def exit_code(process):
 
 
 class Report:
-    """Prints a line for each position in the base frame, with the camera position it came from."""
+    """
+    Prints a line for each position in the base frame, with the camera position it came from.
 
-    def __init__(self, node):
+    `errors` has the time of each position and its error in mm, where the truth is known.
+    """
+
+    def __init__(self, node, conversion):
         from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
         from geometry_msgs.msg import PointStamped
         from sensor_msgs.msg import Image
         from std_msgs.msg import Float64MultiArray
-        self._conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
+        self.errors = []
+        self._conversion = conversion
+        # Of the simulated camera's true positions, whatever the calibration is.
+        self._true_conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
         self._camera_positions = []
         self._true_positions = []
         self._waiting = []
@@ -148,10 +202,10 @@ class Report:
     def _print_settled(self):
         # Topics are not synchronised: a camera position may arrive after its base position.
         while self._waiting and time.monotonic() - self._waiting[0][0] > 0.1:
-            _, stamp, position = self._waiting.pop(0)
-            self._print(stamp, *position)
+            received_at, stamp, position = self._waiting.pop(0)
+            self._print(received_at, stamp, *position)
 
-    def _print(self, stamp, x, y):
+    def _print(self, received_at, stamp, x, y):
         camera = self._origin(stamp, x, y)
         if camera is None:
             return  # sent before this subscriber was discovered
@@ -161,19 +215,17 @@ class Report:
         truth = last_before(self._true_positions, self._last_stamp)
         # The first true positions may be missing: an earlier frame's is no measure.
         if truth is not None and self._last_stamp - truth[0] < LONGEST_LAG_NS:
-            true_x, true_y, _ = self._conversion.convert_point(*truth[1])
+            true_x, true_y, _ = self._true_conversion.convert_point(*truth[1])
             error_mm = 10 * math.dist((x, y), (true_x, true_y))
+            self.errors.append((received_at, error_mm))
             line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.2f} mm'
         print(line, flush=True)
 
     def _origin(self, stamp, x, y):
-        # A position has no stamp. The transform keeps the order, so a position belongs to the next
-        # one that was sent before it; the first position belongs to the one that it agrees with.
+        # A position has no stamp, and a busy machine may lose one: it belongs to the camera
+        # position that it agrees with.
         waiting = [position for position in self._camera_positions
                    if self._last_stamp < position[0] <= stamp]
-        in_order = self._last_stamp and len(waiting) <= 10
-        if in_order and waiting:
-            return waiting[0]
         return min(waiting, default=None, key=lambda position: math.dist(
             (x, y), self._conversion.convert_point(*position[1])[:2]))
 

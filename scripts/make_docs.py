@@ -21,12 +21,14 @@ import re
 import sys
 from typing import Any, Iterable, List, Optional
 
+from camera_to_base.dashboard.specs import DASHBOARD_SPECS
 from camera_to_base.parameters import ParameterSpec, TRANSFORM_SPECS
 from camera_to_base.settings import CAMERA_SPECS
 
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'parameters.md'
 BEGIN, END = '<!-- generated: begin -->', '<!-- generated: end -->'
-NODES = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
+NODES = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS,
+         'dashboard': DASHBOARD_SPECS}
 HEAD = ('| parameter | default | unit | limits | meaning | at run time |\n'
         '| --- | --- | --- | --- | --- | --- |')
 
@@ -53,7 +55,7 @@ def with_tables(page: str) -> str:
 
 
 def tables() -> str:
-    """Make the tables of both nodes, one for each group of names."""
+    """Make the tables of all nodes, one for each group of names."""
     parts = []
     for node, specs in NODES.items():
         parts.append(f'## {node}')

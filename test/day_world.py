@@ -163,9 +163,12 @@ class World:
                                      + random.uniform(-8, 8, 3), 5, 250), at)
 
 
-def seen_at(pose, place):
-    """Tell where a camera sees a place, in px."""
-    return bumped_camera.seen_at(pose, place, SIZE, MARGIN)
+def seen_from_table(pose):
+    """Give the map from places on the table to the pixels of a camera, shape (3, 3)."""
+    corners = np.array([[0, 0], [1, 0], [0, 1]], float)
+    origin, right, down = bumped_camera.seen_at(pose, corners, SIZE, MARGIN)
+    return np.array([[*column, 0.0] for column in (right - origin, down - origin)]
+                    + [[*origin, 1.0]]).T
 
 
 def _field(random, width, height):

@@ -31,7 +31,7 @@ from camera_to_base.surface.models import ParallelSurface
 from camera_to_base.trust import CameraPipeline, DamageCheck, Limits
 import cv2
 from day_events import EVENTS
-from day_world import FRAMES_PER_S, HEIGHT, MM_PER_PX, seen_at, WIDTH, World
+from day_world import FRAMES_PER_S, HEIGHT, MM_PER_PX, seen_from_table, WIDTH, World
 import numpy as np
 
 WRONG_MM, SILENT_S, LENGTH_S = 3.0, 3.0, 18.0
@@ -81,6 +81,11 @@ class Watch:
     def has_background(self):
         """Whether there is one."""
         return self._pipeline.background is not None
+
+    @property
+    def correction(self):
+        """How the camera was nudged since the background was taken; None for not at all."""
+        return self._pipeline.correction
 
     def see(self, frame, at):
         """Give the points that are published of a frame, shape (n, 2), in mm."""
@@ -164,11 +169,15 @@ def shrunk(day, kind):
 
 
 class _Truth:
-    # What is where, by the background's view, and since when all is well.
+    # What is where, and since when all is well. Positions are those of the first background's
+    # view. A camera that was bumped and not corrected gives those of the next one.
 
     def __init__(self, world, watch):
         self._world, self._watch = world, watch
-        self._pose = world.pose
+        # The camera's pose when the background was taken, the one that its pixels are located by,
+        # and the map from the table to the first background's view.
+        self._pose = self._known_pose = world.pose
+        self._seen_from_table, self._correction = seen_from_table(world.pose), None
         self._frames, self._had_background, self._left = [], False, []
         self._since, self._places = {}, {}
         self._calm_since, self._light = 0.0, world.light
@@ -198,11 +207,16 @@ class _Truth:
     def judge(self, points, at):
         self._note_background()
         world = self._world
+        if self._watch.correction is not self._correction:
+            self._correction = self._watch.correction
+            self._known_pose = (
+                self._pose if self._correction is None else world.pose + world.shift)
         is_as_before = (world.is_calm and np.array_equal(world.pose, self._pose)
                         and world.light == self._light)
         if not is_as_before or not self._watch.has_background:
             self._calm_since, self._light = at, world.light
-        places = [seen_at(self._pose, thing.at) * MM_PER_PX for thing in world.things]
+        places = [(self._seen_from_table @ [*thing.at, 1.0])[:2] * MM_PER_PX
+                  for thing in world.things]
         for point in points:
             off = min((float(np.hypot(*(point - place))) for place in places), default=np.inf)
             if off > WRONG_MM:
@@ -212,7 +226,11 @@ class _Truth:
 
     def _note_background(self):
         if self._watch.has_background and not self._had_background:
-            self._pose = self._world.pose
+            now = seen_from_table(self._world.pose)
+            # Equal where the camera has not moved since its pixels were known.
+            self._seen_from_table = (
+                self._seen_from_table @ np.linalg.inv(seen_from_table(self._known_pose)) @ now)
+            self._pose = self._known_pose = self._world.pose
             self._left = [thing.at.copy() for thing in self._world.things]
             for thing in self._world.things:
                 thing.in_background = True
@@ -233,7 +251,7 @@ class _Truth:
         return None
 
     def _is_expected(self, thing, place):
-        at = place / MM_PER_PX
+        at = (seen_from_table(self._pose) @ [*thing.at, 1.0])[:2]
         edges = np.array([0, 0, WIDTH, HEIGHT])
         in_view = (np.concatenate([at, -at]) - edges * (1, 1, -1, -1)).min() > (
             thing.reach + _NEAR_EDGE_PX)

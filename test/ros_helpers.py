@@ -179,6 +179,11 @@ class Process:
         self.output = ''
 
     @property
+    def number(self):
+        """The process's number, its PID."""
+        return self._process.pid
+
+    @property
     def is_running(self):
         """Tell whether it has not ended."""
         return self._process.poll() is None

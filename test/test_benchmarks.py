@@ -32,8 +32,10 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('damage', {'stream', 'quality', 'damage', 'wrong', 'wrong published', 'damage check ms'}),
     ('view_shift', {'surface', 'move', 'disturbance', 'true_px', 'told_px'}),
     ('attack', {'surface', 'what', 'frames', 'wrong'}),
+    ('nudges', {'surface', 'case', 'wrong', 'is_corrected'}),
     ('uncertainty', {'what', 'contained'}),
     ('nodes', {'node'}),
+    ('dashboard_load', {'what', 'pages'}),
     ('whole_way', {'table', 'scene', 'ratio', 'damage_ms', 'detection_ms', 'location_ms'}),
     ('camera_node', {'picture', 'p50_ms', 'p99_ms', 'cpu_percent', 'lost', 'resident_mb'})])
 def test_benchmark_runs_and_writes_its_rows(tmp_path, name, columns):

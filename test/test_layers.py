@@ -28,10 +28,11 @@ PACKAGE = Path(camera_to_base.__file__).parent
 # A module imports from its own room and from the faces of the rooms before it. The ground floor is
 # the modules beside the rooms.
 GROUND = 'ground'
-ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'sources', 'simulation', 'detection',
-         'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands', 'launching']
-WITH_ROS = {'ros', 'nodes'}
-NUMPY_AND_OPENCV_ALONE = ['surface', 'simulation', 'detection', 'trust']
+ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'markers', 'sources', 'simulation',
+         'detection', 'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands',
+         'dashboard', 'launching']
+WITH_ROS = {'ros', 'nodes', 'dashboard'}
+NUMPY_AND_OPENCV_ALONE = ['surface', 'markers', 'simulation', 'detection', 'trust']
 NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]
 # Each is imported within the functions that need it.
 HEAVY = {'matplotlib', 'rosbags', 'scipy', 'tqdm'}
@@ -153,6 +154,10 @@ def test_a_room_with_ros_does_not_import_where_there_is_none():
     child = run_python('-c', IMPORT_WITHOUT_ROS, 'camera_to_base.ros.messages')
     assert child.returncode == 1
     assert 'is blocked' in child.stderr
+
+
+def test_the_web_server_is_in_the_dashboard_only():
+    assert {module.room for module in MODULES if 'tornado' in module.foreign()} == {'dashboard'}
 
 
 def test_the_core_imports_numpy_and_opencv_alone():

@@ -31,7 +31,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 INSTALLED = ['LICENSE', 'camera_to_base', 'config', 'examples', 'launch', 'package.xml',
              'resource', 'setup.cfg', 'setup.py']
-EXECUTABLES = {'calibrate', 'camera_publisher', 'locate', 'robot_base_publisher',
+EXECUTABLES = {'calibrate', 'camera_publisher', 'dashboard', 'locate', 'robot_base_publisher',
                'robotic_arm_publishing_subscriber'}
 MODULES = sorted(
     '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
@@ -39,7 +39,8 @@ MODULES = sorted(
 # The distribution that brings what is imported; those of ROS 2 bring rclpy and the messages.
 DISTRIBUTIONS = {
     'cv2': 'opencv-python-headless', 'matplotlib': 'matplotlib', 'numpy': 'numpy',
-    'rosbags': 'rosbags', 'scipy': 'scipy', 'tqdm': 'tqdm', 'yaml': 'PyYAML'}
+    'rosbags': 'rosbags', 'scipy': 'scipy', 'tornado': 'tornado', 'tqdm': 'tqdm',
+    'yaml': 'PyYAML'}
 ROS = {'builtin_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'rcl_interfaces', 'rclpy',
        'sensor_msgs', 'std_msgs', 'std_srvs', 'visualization_msgs'}
 
@@ -150,8 +151,9 @@ def test_wheel_requires_what_is_imported_and_nothing_else(wheel):
 def test_wheel_holds_each_module_and_what_ros_looks_for(wheel):
     files = {name for name in wheel.namelist() if '.dist-info/' not in name}
     modules = {name for name in files if name.startswith('camera_to_base/')}
-    assert modules == {str(path.relative_to(ROOT))
-                       for path in (ROOT / 'camera_to_base').rglob('*.py')}
+    page = [path for path in (ROOT / 'camera_to_base/dashboard/web').rglob('*') if path.is_file()]
+    assert modules == {str(path.relative_to(ROOT)) for path in (
+        *(ROOT / 'camera_to_base').rglob('*.py'), *page)}
     shared = {name.partition('.data/data/share/')[2] for name in files - modules}
     assert 'ament_index/resource_index/packages/camera_to_base' in shared
     for folder, pattern in (('config', '*.yaml'), ('config', '*.rviz'), ('config', 'sros2/*.xml'),

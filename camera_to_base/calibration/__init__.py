@@ -19,33 +19,42 @@ In: pictures of a chessboard, tables of points, or pairs of points in both frame
 of `surface.*` or of the transform, their errors in mm, and a picture of them. Rooms within:
 `boards`, `fits`, `checks` and `touches`.
 
-Callers: `commands`. The nodes do not import it.
+Callers: `commands` and `dashboard`. The nodes do not import it.
 """
 
 from camera_to_base.calibration.base_calibration import calibrate_base
-from camera_to_base.calibration.boards.board import find_board
-from camera_to_base.calibration.boards.board_frame import board_points
-from camera_to_base.calibration.boards.charuco import find_charuco
+from camera_to_base.calibration.board_calibration import calibrate_placements
+from camera_to_base.calibration.boards.board_look import BoardLook, look_for
+from camera_to_base.calibration.boards.placement import (
+    make_placement, Placement, refuse_unlike, renumbered, shares_of)
+from camera_to_base.calibration.boards.printed_board import PrintedBoard
 from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.cell_file import (
-    BASE, grown, parts_of, parts_to_lose, SURFACE)
-from camera_to_base.calibration.coverage_map import covered_shares, map_lines, uncovered
+    BASE, cell_text, grown, part_values, parts_of, parts_to_lose, SURFACE, TITLE)
+from camera_to_base.calibration.coverage_map import (
+    covered_shares, map_lines, NINTHS, uncovered)
+from camera_to_base.calibration.fits.rigid_fit import pair_figures, PairFigures
 from camera_to_base.calibration.report_text import Report, report_lines
 from camera_to_base.calibration.result import Calibration
-from camera_to_base.calibration.status import file_status, without_base
+from camera_to_base.calibration.status import file_status, report_of, without_base
 from camera_to_base.calibration.surface_calibration import (
     add_camera_pose, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
 from camera_to_base.calibration.touches.touch_plan import (
     read_typed_position, suggested_places, Suggestion)
+from camera_to_base.calibration.touches.touched_pairs import (
+    calibrate_touches, point_pairs, TouchedPair)
 from camera_to_base.calibration.touches.touched_place import FRAMES, measured_place, Place
 
 __all__ = [
-    'add_camera_pose', 'BASE', 'board_points', 'calibrate_base', 'calibrate_surface',
-    'Calibration', 'check_surface', 'covered_shares', 'file_status', 'find_board', 'find_charuco',
-    'FRAMES', 'grown', 'has_one_origin', 'map_lines', 'measured_place', 'PAPERS', 'parts_of',
-    'parts_to_lose', 'Place', 'read_camera_info', 'read_pairs', 'read_points',
-    'read_typed_position', 'refuse_other_size', 'Report', 'report_lines', 'sheet_content',
-    'suggested_places', 'Suggestion', 'SURFACE', 'uncovered', 'without_base',
+    'add_camera_pose', 'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements',
+    'calibrate_surface', 'calibrate_touches', 'Calibration', 'cell_text', 'check_surface',
+    'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin', 'look_for',
+    'make_placement', 'map_lines', 'measured_place', 'NINTHS', 'pair_figures', 'PairFigures',
+    'PAPERS', 'part_values', 'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs',
+    'PrintedBoard', 'read_camera_info', 'read_pairs', 'read_points', 'read_typed_position',
+    'refuse_other_size', 'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of',
+    'shares_of', 'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE', 'TITLE',
+    'TouchedPair', 'uncovered', 'without_base',
 ]

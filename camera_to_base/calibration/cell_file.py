@@ -14,8 +14,12 @@
 
 """The parts of a parameter file that grows with each step of a calibration."""
 
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
+from camera_to_base.calibration.result import Calibration
+from camera_to_base.parameters import calibration_record, parameter_text
+
+TITLE = 'Written by `calibrate` of camera_to_base.'
 SURFACE, BASE = 'the surface', 'the base frame'
 _BASE_NAMES = ('rotation_deg', 'displacement_cm', 'base_covariance', 'calibration.base')
 _SURFACE_NAMES = ('calibration.surface', 'calibration.device', 'calibration.thumbnail')
@@ -36,6 +40,12 @@ class GrownFile(NamedTuple):
 
     values: Dict[str, Any]
     dropped: List[str]
+
+    @property
+    def warnings(self) -> List[str]:
+        """Say what was left out."""
+        return [f'left out of the file: {name}: it was made for the former surface; measure it '
+                'again' for name in self.dropped]
 
 
 def parts_of(values: Mapping[str, Any]) -> List[str]:
@@ -70,6 +80,24 @@ def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFil
         dropped.append(f"{_HEIGHT}, which needs the camera's height")
         del kept[_HEIGHT]
     return GrownFile({**kept, **new}, dropped)
+
+
+def part_values(calibration: Calibration) -> Dict[str, Any]:
+    """Return the parameters that a calibration adds to a file: its values, and its record."""
+    report = calibration.report
+    record = 'calibration.base' if report['model'] == 'rigid' else 'calibration.surface'
+    return {**calibration.values, record: calibration_record(report)}
+
+
+def cell_text(values: Mapping[str, Any], *reports: Sequence[str]) -> str:
+    """
+    Return the text of a parameter file that says at its top how it was calibrated.
+
+    :param values: By full name.
+    :param reports: The lines of each report, the newest report first.
+    """
+    comments = [line for report in reports if report for line in ('', *report)][1:]
+    return parameter_text(values, [TITLE, *comments])
 
 
 def _part(name: str) -> Optional[str]:

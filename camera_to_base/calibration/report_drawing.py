@@ -14,7 +14,7 @@
 
 """Draws a calibration, so that a user can judge it by eye."""
 
-from typing import Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence
 
 from camera_to_base.calibration.error_map import ErrorRows, map_picture
 from camera_to_base.surface import (
@@ -45,11 +45,23 @@ CURVE_POINTS = 60
 SHIFT = 4
 
 
-def report_picture(surface: Surface, matched: MatchedPoints, image_size: ImageSize, *,
-                   image: Optional[np.ndarray] = None, lattice: Optional[np.ndarray] = None,
-                   lines: Sequence[str] = (), error_map: ErrorRows = ()) -> np.ndarray:
+class Panel(NamedTuple):
     """
-    Draw the picture with the fit over it, and the surface from above beside it.
+    A part of the report picture.
+
+    :param title: What it shows.
+    :param picture: Shape (PANEL_HEIGHT, w, 3), uint8, BGR.
+    """
+
+    title: str
+    picture: np.ndarray
+
+
+def report_panels(surface: Surface, matched: MatchedPoints, image_size: ImageSize, *,
+                  image: Optional[np.ndarray] = None, lattice: Optional[np.ndarray] = None,
+                  error_map: ErrorRows = ()) -> List[Panel]:
+    """
+    Draw the picture with the fit over it, the surface from above, and the expected errors.
 
     :param surface: Anything with `locate` and `pixels`.
     :param matched: The points of the fit or of the check.
@@ -57,9 +69,7 @@ def report_picture(surface: Surface, matched: MatchedPoints, image_size: ImageSi
     :param image: Shape (h, w, 3), uint8, BGR; None draws on an empty picture.
     :param lattice: Shape (rows, columns, 2), in cm: the points that the grid runs through; None
         draws a grid along x and y with a round step.
-    :param lines: Text below the picture, the figures first.
     :param error_map: Expected errors over the picture, see :class:`ErrorMap`; empty for none.
-    :returns: Shape (h, w, 3), uint8.
     """
     if image is None:
         image = np.full((image_size[1], image_size[0], 3), EMPTY, np.uint8)
@@ -72,11 +82,20 @@ def report_picture(surface: Surface, matched: MatchedPoints, image_size: ImageSi
               (matched.pixels + 0.5) * scale - 0.5, matched.points, lines_cm)
     above, project = top_view(image, surface, matched, extent, PANEL_HEIGHT)
     _draw_fit(above, project, project(surface.locate(matched.pixels)), matched.points, lines_cm)
+    panels = [Panel(PICTURE_TITLE, seen), Panel(TOP_VIEW_TITLE, above)]
+    return panels if mapped is None else [*panels, Panel(MAP_TITLE, mapped)]
+
+
+def report_picture(panels: Sequence[Panel], lines: Sequence[str] = ()) -> np.ndarray:
+    """
+    Put the panels side by side.
+
+    :param lines: Text below, the figures first.
+    :returns: Shape (h, w, 3), uint8.
+    """
     gap = np.full((PANEL_HEIGHT + CAPTION_HEIGHT, 8, 3), 255, np.uint8)
-    panels = [_titled(seen, PICTURE_TITLE), gap, _titled(above, TOP_VIEW_TITLE)]
-    if mapped is not None:
-        panels += [gap, _titled(mapped, MAP_TITLE)]
-    picture = np.hstack(panels)
+    shown = [part for panel in panels for part in (gap, _titled(panel.picture, panel.title))][1:]
+    picture = np.hstack(shown)
     return np.vstack([picture, *(_caption(picture.shape[1], line, 0.62) for line in lines)])
 
 

@@ -16,9 +16,10 @@
 
 from dataclasses import asdict, dataclass
 from datetime import datetime
-from typing import Any, Mapping, Optional
+from typing import Any, Mapping, Optional, Sequence
 
 from camera_to_base.calibration.figures import ErrorFigures
+from camera_to_base.calibration.report_drawing import Panel
 from camera_to_base.calibration.report_text import Report
 from camera_to_base.errors import CalibrationError
 import numpy as np
@@ -35,11 +36,13 @@ class Calibration:
     :param report: The report that `calibrate --json` prints.
     :param values: The nodes' parameters, by full name.
     :param picture: The report picture, shape (h, w, 3), uint8; None if there is none.
+    :param panels: Its parts.
     """
 
     report: Report
     values: Mapping[str, Any]
     picture: Optional[np.ndarray] = None
+    panels: Sequence[Panel] = ()
 
 
 def refuse_too_many(count: int) -> None:

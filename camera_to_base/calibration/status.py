@@ -18,6 +18,7 @@ from datetime import datetime
 import re
 from typing import Any, Iterator, List, Mapping, Optional, Tuple
 
+from camera_to_base.calibration.cell_file import BASE
 from camera_to_base.calibration.figures import coverage
 from camera_to_base.calibration.report_text import Report
 from camera_to_base.parameters import age_text, calibration_summary
@@ -76,6 +77,20 @@ def without_base(comments: List[str]) -> List[str]:
         if not is_base:
             kept.append(line)
     return kept
+
+
+def report_of(comments: List[str], part: str) -> List[str]:
+    """
+    Return the lines of the newest report of a part, SURFACE or BASE; [] if there is none.
+
+    :param comments: The lines at a file's top.
+    """
+    models = ('rigid',) if part == BASE else ('homography', 'polynomial')
+    section = _newest(_sections(comments), *models)
+    if section is None:
+        return []
+    title, lines = section
+    return [title[0], *(lines[:lines.index('')] if '' in lines else lines)]
 
 
 _Section = Tuple[re.Match, List[str]]

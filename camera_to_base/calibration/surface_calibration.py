@@ -25,7 +25,7 @@ from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.calibration.fits.homography_fit import fit_homography, POINTS_FOR_DISTORTION
 from camera_to_base.calibration.fits.polynomial_fit import fit_polynomial
-from camera_to_base.calibration.report_drawing import report_picture
+from camera_to_base.calibration.report_drawing import report_panels, report_picture
 from camera_to_base.calibration.report_text import figure_lines, Report
 from camera_to_base.calibration.result import (
     Calibration, figure_fields, origin_fields, refuse_too_many)
@@ -88,9 +88,9 @@ def calibrate_surface(
     values = {**surface_values(fit.surface, hull),
               SURFACE_COVARIANCE: triangle_of(error.covariance)}
     report.update(ErrorMap(values).fields)
-    picture = report_picture(fit.surface, matched, image_size, image=image, lattice=lattice,
-                             lines=figure_lines(report), error_map=report['error_map_mm'])
-    return Calibration(report, values, picture)
+    panels = report_panels(fit.surface, matched, image_size, image=image, lattice=lattice,
+                           error_map=report['error_map_mm'])
+    return Calibration(report, values, report_picture(panels, figure_lines(report)), panels)
 
 
 def add_camera_pose(

@@ -18,15 +18,15 @@ import argparse
 from typing import List, Optional
 
 from camera_to_base.calibration import (
-    BASE, calibrate_base, Calibration, parts_of, read_pairs, Report, SURFACE)
+    BASE, calibrate_base, calibrate_touches, Calibration, parts_of, point_pairs, read_pairs,
+    Report, SURFACE, TouchedPair)
 from camera_to_base.commands.calibrate_files import check_outputs, Outputs, write_part
-from camera_to_base.commands.live_pairs import collect, LivePair, measure_again
+from camera_to_base.commands.live_pairs import collect, measure_again
 from camera_to_base.commands.live_sources import open_positions, open_robot, Positions, Robot
 from camera_to_base.commands.prompts import ask, tell
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.parameters import read_parameter_file
 from camera_to_base.surface import PointPairs
-import numpy as np
 
 
 def run_base(options: argparse.Namespace) -> Report:
@@ -52,9 +52,8 @@ def _fit(pairs: PointPairs, outputs: Outputs, options: argparse.Namespace) -> Ca
     has_surface = outputs.old is not None and (
         options.surface is not None or SURFACE in parts_of(outputs.old.values))
     return calibrate_base(
-        pairs, source=options.table or 'objects that the robot touched', base_z=options.base_z,
-        surface_values=outputs.old.values if has_surface else None,
-        points_are='place' if options.live else 'row')
+        pairs, source=options.table, base_z=options.base_z,
+        surface_values=outputs.old.values if has_surface else None)
 
 
 def _write(calibration: Calibration, outputs: Outputs, thumbnail: str = '') -> Report:
@@ -88,13 +87,13 @@ def _run_live(options: argparse.Namespace) -> Report:
 
 
 def _agreed(
-    pairs: List[LivePair], positions: Positions, robot: Robot, outputs: Outputs,
+    pairs: List[TouchedPair], positions: Positions, robot: Robot, outputs: Outputs,
     options: argparse.Namespace,
 ) -> Calibration:
     """Fit the pairs; where they do not fit, let single ones be measured again."""
     while True:
         try:
-            return _fit(_point_pairs(pairs), outputs, options)
+            return calibrate_touches(point_pairs(pairs), outputs.old.values, options.base_z)
         except CalibrationError as error:
             tell(f'The pairs do not fit: {error}')
             answer = ask('Type the number of a pair to measure it again, or q to stop without a '
@@ -103,9 +102,3 @@ def _agreed(
                 raise
             if answer.isdecimal() and 1 <= int(answer) <= len(pairs):
                 measure_again(pairs, int(answer) - 1, positions, robot)
-
-
-def _point_pairs(pairs: List[LivePair]) -> PointPairs:
-    camera = [(*pair.camera_point, 0.0) for pair in pairs]
-    base = [(*pair.base_point, 0.0) for pair in pairs]
-    return PointPairs(np.array(camera), np.array(base))

@@ -18,54 +18,42 @@ import argparse
 from typing import Any, Dict, List, Tuple
 
 from camera_to_base.calibration import (
-    add_camera_pose, calibrate_surface, map_lines, read_camera_info, Report, SURFACE, uncovered)
-from camera_to_base.commands.board_placements import (
-    first_points, make_placement, outer_edge, Placement, refuse_unlike, shares_of)
+    calibrate_placements, make_placement, map_lines, Placement, PrintedBoard, read_camera_info,
+    refuse_unlike, Report, shares_of, SURFACE, uncovered)
 from camera_to_base.commands.calibrate_files import check_outputs, write_part
 from camera_to_base.commands.prompts import ask, tell, until_right
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.simulation import SimulatedChessboard
 from camera_to_base.sources import (
     DEVICE, FrameSource, kind_of, lasting_name, median_frame, open_frame_source, read_picture)
-from camera_to_base.trust import view_thumbnail
 
 
 def run_board(options: argparse.Namespace) -> Report:
     """Calibrate the surface, and write the file."""
     outputs = check_outputs(options, SURFACE, *options.pictures, options.intrinsics)
     intrinsics = read_camera_info(options.intrinsics) if options.intrinsics else None
-    source_values: Dict[str, Any] = {}
+    board, source_values = _printed_board(options), {}
     if options.camera is None:
-        placements = [_from_file(options, path, number)
+        placements = [_from_file(board, path, number, len(options.pictures) > 1)
                       for number, path in enumerate(options.pictures)]
         refuse_unlike(placements)
     else:
-        placements, source_values = _from_camera(options)
-    first, *further = placements
-    height, width = first.image.shape[:2]
-    columns, rows = options.corners
-    kind = 'a ChArUco board' if options.charuco else 'a chessboard'
-    calibration = calibrate_surface(
-        first.matched, (width, height), image=first.image,
-        lattice=first_points(options).reshape(rows, columns, 2), points_are='corner',
-        further=[placement.matched for placement in further],
-        source=f'{kind} of {columns} x {rows} inner corners, {options.square_mm:g} mm apart, in '
-               f'{", ".join(dict.fromkeys(one.name for one in placements))}'
-               + (f', in {len(placements)} places' if further else ''))
-    if intrinsics is not None:
-        calibration = add_camera_pose(calibration, first.matched, intrinsics)
-    report = calibration.report
-    report['warnings'] += [doubt for placement in placements for doubt in placement.doubts]
-    report['covered_map'] = map_lines(shares_of(placements))
-    report['not_covered'] = uncovered(shares_of(placements))
-    thumbnail = view_thumbnail(first.image, [outer_edge(first)])
-    return write_part(calibration, outputs, SURFACE,
-                      {**source_values, 'calibration.thumbnail': thumbnail})
+        placements, source_values = _from_camera(board, options)
+    calibration = calibrate_placements(board, placements, intrinsics)
+    return write_part(calibration, outputs, SURFACE, source_values)
 
 
-def _from_file(options: argparse.Namespace, path: str, number: int) -> Placement:
+def _printed_board(options: argparse.Namespace) -> PrintedBoard:
+    return PrintedBoard(
+        options.corners, options.square_mm, options.charuco, options.origin_corner,
+        options.origin_mm, options.yaw_deg)
+
+
+def _from_file(
+    board: PrintedBoard, path: str, number: int, says_name: bool
+) -> Placement:
     picture = read_picture(path)
-    placement = make_placement(options, picture.frame, path, number)
+    placement = make_placement(board, picture.frame, path, number, says_name)
     if picture.is_shown_turned:
         placement.doubts.append(
             'the EXIF orientation of the picture asks viewers to turn or mirror it; it was used '
@@ -74,7 +62,9 @@ def _from_file(options: argparse.Namespace, path: str, number: int) -> Placement
     return placement
 
 
-def _from_camera(options: argparse.Namespace) -> Tuple[List[Placement], Dict[str, Any]]:
+def _from_camera(
+    board: PrintedBoard, options: argparse.Namespace
+) -> Tuple[List[Placement], Dict[str, Any]]:
     """Take the pictures, guided from one placement to the next; return the source's values."""
     source, values = _open_camera(options)
     placements: List[Placement] = []
@@ -86,7 +76,8 @@ def _from_camera(options: argparse.Namespace) -> Tuple[List[Placement], Dict[str
 
             def take() -> Placement:
                 found = make_placement(
-                    options, median_frame(source), f'camera {options.camera}', number)
+                    board, median_frame(source), f'camera {options.camera}', number,
+                    says_name=number > 0)
                 refuse_unlike([*placements, found])
                 return found
 

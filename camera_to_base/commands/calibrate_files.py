@@ -16,19 +16,16 @@
 
 import argparse
 import os
-from typing import Any, Iterable, List, Mapping, NamedTuple, Optional
+from typing import Any, Iterable, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
-    BASE, Calibration, grown, parts_to_lose, Report, report_lines, without_base)
+    BASE, Calibration, cell_text, grown, part_values, parts_to_lose, Report, report_lines,
+    TITLE, without_base)
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
-from camera_to_base.parameters import (
-    calibration_record, parameter_text, ParameterFile, read_parameter_file, read_sections)
-
-TITLE = 'Written by `calibrate` of camera_to_base.'
-_RECORD_OF = {'rigid': 'calibration.base'}
+from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections
 
 
 class Outputs(NamedTuple):
@@ -95,17 +92,14 @@ def write_part(
     :param values: Further parameters by full name.
     :param comments: Further lines for the file's top.
     """
+    growth = grown(outputs.old.values if outputs.old else {},
+                   {**(values or {}), **part_values(calibration)}, part)
     report = calibration.report
-    record = _RECORD_OF.get(report['model'], 'calibration.surface')
-    new = {**(values or {}), **calibration.values, record: calibration_record(report)}
-    growth = grown(outputs.old.values if outputs.old else {}, new, part)
-    report['warnings'] += [
-        f'left out of the file: {name}: it was made for the former surface; measure it again'
-        for name in growth.dropped]
+    report['warnings'] += growth.warnings
     kept = []
     if outputs.old is not None and part == BASE:
-        kept = ['', *without_base(_reports_in(outputs.old.comments))]
-    text = parameter_text(growth.values, [TITLE, *report_lines(report), *kept, *comments])
+        kept = without_base([line for line in outputs.old.comments if line != TITLE])
+    text = cell_text(growth.values, [*report_lines(report), *comments], kept)
     contents = {outputs.file: text.encode()}
     if outputs.picture is not None:
         contents[outputs.picture] = encoded_picture(outputs.picture, calibration.picture)
@@ -134,7 +128,3 @@ def _refuse_loss(path: str, old: Optional[ParameterFile], part: str) -> None:
         raise InvalidValueError(
             f"'{path}' exists already with {' and '.join(lost)}: name another file, or replace "
             f'{"them" if len(lost) > 1 else "it"} with --force')
-
-
-def _reports_in(comments: List[str]) -> List[str]:
-    return [line for line in comments if line != TITLE]

@@ -14,28 +14,14 @@
 
 """Pairs for the base frame: one object after the other is seen, and touched by the robot."""
 
-from typing import Iterator, List, NamedTuple, Tuple
+from typing import Iterator, List
 
-from camera_to_base.calibration import measured_place, Suggestion
+from camera_to_base.calibration import measured_place, Suggestion, TouchedPair
 from camera_to_base.commands.live_sources import Positions, Robot
 from camera_to_base.commands.prompts import tell, until_right
 
 
-class LivePair(NamedTuple):
-    """
-    A place of the object in both frames.
-
-    :param suggestion: Where it was to be put.
-    :param camera_point: x and y, in cm, in the camera frame.
-    :param base_point: x and y, in cm, in the base frame.
-    """
-
-    suggestion: Suggestion
-    camera_point: Tuple[float, float]
-    base_point: Tuple[float, float]
-
-
-def collect(positions: Positions, robot: Robot, count: int) -> List[LivePair]:
+def collect(positions: Positions, robot: Robot, count: int) -> List[TouchedPair]:
     """
     Ask for one object after the other.
 
@@ -46,7 +32,7 @@ def collect(positions: Positions, robot: Robot, count: int) -> List[LivePair]:
     tell(f'Positions come from {positions.name}.')
     until_right(positions.prepare, 'Press Enter to try again, q to stop:')
     places: Iterator[Suggestion] = positions.suggestions()
-    pairs: List[LivePair] = []
+    pairs: List[TouchedPair] = []
     while len(pairs) < count:
         tell(f'Place {len(pairs) + 1} of {count}')
         pairs.append(_pair(next(places), positions, robot))
@@ -54,14 +40,14 @@ def collect(positions: Positions, robot: Robot, count: int) -> List[LivePair]:
 
 
 def measure_again(
-    pairs: List[LivePair], index: int, positions: Positions, robot: Robot
+    pairs: List[TouchedPair], index: int, positions: Positions, robot: Robot
 ) -> None:
     """Replace one of the pairs."""
     tell(f'Place {index + 1} again')
     pairs[index] = _pair(pairs[index].suggestion, positions, robot)
 
 
-def _pair(suggestion: Suggestion, positions: Positions, robot: Robot) -> LivePair:
+def _pair(suggestion: Suggestion, positions: Positions, robot: Robot) -> TouchedPair:
     place = until_right(lambda: measured_place(positions.see(suggestion)),
                         'Press Enter to measure it again, q to stop:')
     tell(f'  seen at ({place.x:.2f}, {place.y:.2f}) cm in the camera frame, in '
@@ -71,4 +57,4 @@ def _pair(suggestion: Suggestion, positions: Positions, robot: Robot) -> LivePai
         tell(f'  {hint}')
     base_point = until_right(robot.touch, 'Press Enter to try again, q to stop:')
     tell(f'  touched at ({base_point[0]:.2f}, {base_point[1]:.2f}) cm in the base frame')
-    return LivePair(suggestion, (place.x, place.y), base_point)
+    return TouchedPair(suggestion, (place.x, place.y), base_point)

@@ -26,11 +26,9 @@ from camera_to_base.detection.areas import Area, Areas, read_areas
 from camera_to_base.detection.background_taker import BackgroundTaker
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
-from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
+from camera_to_base.detection.frame_blocks import changed_blocks, has_changed_block, mean_blocks
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
-from camera_to_base.detection.markers import (
-    CELLS, find_markers, marker_cells, MARKER_COUNT)
 from camera_to_base.detection.on_surface import object_on_surface
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.random_pixels import random_pixel
@@ -41,9 +39,8 @@ from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDiffer
 
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
-    'BackgroundTaker', 'Box', 'CELLS', 'changed_blocks', 'check_frame', 'check_same_size',
-    'Detection', 'DETECTOR_SPECS', 'DetectorSettings', 'find_markers', 'Found', 'LeftOut',
-    'locate_pixel', 'LocatedObject', 'marker_cells', 'MARKER_COUNT', 'mean_blocks',
-    'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel', 'Point',
-    'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
+    'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame', 'check_same_size', 'Detection',
+    'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'has_changed_block', 'LeftOut', 'locate_pixel',
+    'LocatedObject', 'mean_blocks', 'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel',
+    'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
 ]

@@ -56,10 +56,15 @@ class LocatedObject(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """A detection that is not published, and the reason."""
+    """
+    A detection that is not published, and the reason.
+
+    :param point: Where it is; None if it is not on the surface.
+    """
 
     detection: Detection
     reason: Reason
+    point: Optional[Point] = None
 
 
 class Found(NamedTuple):
@@ -123,7 +128,7 @@ class ObjectLocator:
         """
         found = [self._located(detection)
                  for detection in self._detector.detect(frame)[:_MOST_OBJECTS]]
-        taken_away = (LeftOut(place, _TAKEN_AWAY) for place in self._detector.taken_away)
+        taken_away = map(self._taken_away, self._detector.taken_away)
         return Found([one for one in found if isinstance(one, LocatedObject)],
                      (*(one for one in found if isinstance(one, LeftOut)), *taken_away))
 
@@ -137,9 +142,16 @@ class ObjectLocator:
         point = Point(*place.point.tolist())
         reason = self._reason_to_leave_out(detection, point, place.cm_per_px)
         if reason is not None:
-            return LeftOut(detection, reason)
+            return LeftOut(detection, reason, point)
         yaw = object_yaw(self._surface, detection, place.cm_per_px, self._least_width)
         return LocatedObject(detection, point, yaw)
+
+    def _taken_away(self, place: Detection) -> LeftOut:
+        try:
+            point = locate_pixel(self._surface, place.centre)
+        except HorizonError:
+            point = None
+        return LeftOut(place, _TAKEN_AWAY, point)
 
     def _reason_to_leave_out(
         self, detection: Detection, point: Point, cm_per_px: np.ndarray

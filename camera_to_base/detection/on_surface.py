@@ -18,6 +18,7 @@ from typing import Callable, NamedTuple
 
 from camera_to_base.detection.detection import Detection, Pixel
 from camera_to_base.detection.shape import polygon_centroid
+import cv2
 import numpy as np
 
 # The place itself, and half a pixel left, right, above and below of it.
@@ -63,9 +64,18 @@ def object_on_surface(locate: Locate, detection: Detection) -> OnSurface:
     """
     corners = detection.outline.astype(float)
     points = locate(np.concatenate(
-        [_CROSS + detection.centre, polygon_centroid(corners)[None], corners]))
+        [_CROSS + detection.centre, _centroid(detection.outline), corners]))
     centre, centroid, outline = points[0], points[len(_CROSS)], points[len(_CROSS) + 1:]
     return OnSurface(centre + polygon_centroid(outline) - centroid, _scale(points))
+
+
+def _centroid(outline: np.ndarray) -> np.ndarray:
+    # Shape (1, 2). OpenCV is faster than `polygon_centroid`, and as exact for whole numbers.
+    moments = cv2.moments(outline)
+    area = moments['m00']
+    if not area:
+        return outline.mean(axis=0, keepdims=True)
+    return np.array([[moments['m10'] / area, moments['m01'] / area]])
 
 
 def _scale(points: np.ndarray) -> np.ndarray:

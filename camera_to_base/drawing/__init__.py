@@ -25,6 +25,7 @@ from camera_to_base.drawing.annotated_video import AnnotatedVideo, check_video_p
 from camera_to_base.drawing.areas import AreaOverlay
 from camera_to_base.drawing.background_file import BackgroundFile, check_background_path
 from camera_to_base.drawing.ellipses import draw_ellipses
+from camera_to_base.drawing.left_out import draw_left_out
 from camera_to_base.drawing.overlay import (
     base_label, camera_label, check_picture_path, draw_note, draw_objects, encoded_picture, Label,
     object_mask, write_picture)
@@ -32,5 +33,6 @@ from camera_to_base.drawing.overlay import (
 __all__ = [
     'AnnotatedVideo', 'AreaOverlay', 'BackgroundFile', 'base_label', 'camera_label',
     'check_background_path', 'check_picture_path', 'check_video_path', 'draw_ellipses',
-    'draw_note', 'draw_objects', 'encoded_picture', 'Label', 'object_mask', 'write_picture',
+    'draw_left_out', 'draw_note', 'draw_objects', 'encoded_picture', 'Label', 'object_mask',
+    'write_picture',
 ]

@@ -38,6 +38,11 @@ class AreaOverlay:
         self._surface, self._areas = surface, areas
         self._size: Optional[tuple] = None
 
+    def use_surface(self, surface: Surface) -> None:
+        """Draw the areas where the pixels of another surface show them, from now on."""
+        if surface is not self._surface:
+            self._surface, self._size = surface, None
+
     def draw(self, picture: np.ndarray) -> None:
         """Draw the areas' outlines on a picture of shape (h, w, 3), uint8, in place."""
         if self._areas == Areas():

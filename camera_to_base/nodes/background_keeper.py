@@ -14,6 +14,8 @@
 
 """Keeps a camera node's background in a file, so that a restarted node can use it."""
 
+from datetime import datetime, timedelta
+
 from camera_to_base.drawing import BackgroundFile
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import CameraSettings
@@ -41,6 +43,7 @@ class BackgroundKeeper:
         self._pipeline = pipeline
         self._is_live = kind.is_live
         self._path = settings.background_file if kind.is_live else ''
+        self._calibrated_at = settings.calibrated_for.date
         self._file = BackgroundFile(self._path)
         # No second warning for random pixels: their own warning covers it.
         if settings.background_file and not kind.is_live and kind != RANDOM:
@@ -61,7 +64,7 @@ class BackgroundKeeper:
     def keep(self) -> None:
         """Write the background to the file if it is new."""
         try:
-            self._file.keep(self._pipeline.background)
+            self._file.keep(self._pipeline.background_as_calibrated)
         except CameraToBaseError as error:
             self._logger.error(f'the background is not kept: {error}')
 
@@ -72,4 +75,10 @@ class BackgroundKeeper:
             self._logger.warning(f'{error}: the background is taken anew')
             return
         if kept is not None:
-            self._pipeline.restore_background(kept.picture, kept.age_s)
+            self._pipeline.restore_background(
+                kept.picture, kept.age_s, may_correct=self._is_newer_than_calibration(kept.age_s))
+
+    def _is_newer_than_calibration(self, age_s: float) -> bool:
+        # A camera that was moved and then calibrated must not be corrected by that movement.
+        date = self._calibrated_at
+        return date is None or datetime.now().astimezone() - timedelta(seconds=age_s) > date

@@ -18,7 +18,7 @@ import time
 from typing import Dict, Optional
 
 from camera_to_base.sources import ReaderStatus
-from camera_to_base.trust import CameraPipeline, View
+from camera_to_base.trust import CameraPipeline, Correction, View
 
 
 class DetectionRate:
@@ -52,10 +52,18 @@ def _shift_text(view: Optional[View]) -> str:
     return 'cannot be told' if view.shift_px is None else f'{view.shift_px:.1f}'
 
 
+def _correction_text(correction: Optional[Correction]) -> str:
+    if correction is None:
+        return 'not corrected'
+    return (f'{correction.shift_px:.1f} px, {correction.shift_mm:.1f} mm, to about '
+            f'{correction.error_mm:.2f} mm')
+
+
 def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:
     """Return all numbers about a camera, as text for the diagnostics."""
     values = {'background': _background_text(pipeline),
-              'view shift (px)': _shift_text(pipeline.view)}
+              'view shift (px)': _shift_text(pipeline.view),
+              'view corrected by': _correction_text(pipeline.correction)}
     values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))
     if reader is not None:
         status = reader.snapshot()

@@ -25,9 +25,11 @@ from camera_to_base.detection import locate_pixel, Pixel
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.nodes.background_keeper import BackgroundKeeper
 from camera_to_base.nodes.background_service import BackgroundService
+from camera_to_base.nodes.camera_pictures import CameraPictures
 from camera_to_base.nodes.camera_watch import CameraWatch
 from camera_to_base.nodes.debug_images import DebugImages
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
+from camera_to_base.nodes.freed_memory import keep_freed_memory
 from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.parameters import (
@@ -35,7 +37,7 @@ from camera_to_base.parameters import (
 from camera_to_base.reason import Reason
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
-    camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
+    CalibratedFor, camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
 from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
 from camera_to_base.trust import CameraPipeline, OwnCamera, read_thumbnail, Sighting
 import numpy as np
@@ -50,6 +52,7 @@ class CameraPublisher(Node):
     """Publishes the positions of objects on the work surface, in the camera frame."""
 
     _feed: Optional[Feed] = None
+    _calibrated_for: Optional[CalibratedFor] = None
 
     def __init__(self, **node_options) -> None:
         super().__init__('camera_publisher', **node_options)
@@ -65,16 +68,14 @@ class CameraPublisher(Node):
                 self._source.kind)
             self._positions = CameraPositions(self, self._source)
             self._debug_images = DebugImages(self)
+            self._pictures = CameraPictures(self)
             self._background_keeper = BackgroundKeeper(
                 self, self._pipeline, settings, self._source.kind)
             self._background_service = BackgroundService(
                 self, self._pipeline, lambda: self._settings.background_frames,
                 lambda: self._feed.reason)
             self._warn_of_settings_without_effect()
-            calibrated = settings.calibrated_for
-            self._own_camera = OwnCamera(
-                self._source.name, calibrated.device, read_thumbnail(calibrated.thumbnail))
-            self.get_logger().info(calibrated.summary)
+            self._follow_calibration()
             watch = CameraWatch(self, self._pipeline, self._is_calibrated, self._doubt)
             self._started_at = time.monotonic()
             self._feed = self._start_feed()
@@ -102,6 +103,14 @@ class CameraPublisher(Node):
         return (self._settings.is_calibrated
                 or self._source.kind.form in (RANDOM.form, SIMULATED.form))
 
+    def _follow_calibration(self) -> None:
+        calibrated = self._settings.calibrated_for
+        if calibrated != self._calibrated_for:
+            self._calibrated_for = calibrated
+            self._own_camera = OwnCamera(
+                self._source.name, calibrated.device, read_thumbnail(calibrated.thumbnail))
+            self.get_logger().info(calibrated.summary)
+
     def _start_feed(self) -> Feed:
         feed = start_feed(self, self._source, self._settings, self._positions.topic, FeedCallbacks(
             self._on_frame, self._on_pixel, self._may_start, self._on_end))
@@ -119,10 +128,14 @@ class CameraPublisher(Node):
             self._pipeline.process(frame, taken_at), self._pipeline.background,
             settings.calibrated_for.is_strict)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
-        self._positions.publish_sighting(header, sighting, settings, uncertainty)
+        in_force = self._pipeline.surface_in_force
+        self._positions.publish_sighting(
+            header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty)
+        settings.area_overlay.use_surface(in_force.surface)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting), settings.debug_label,
             settings.area_overlay, uncertainty)
+        self._pictures.publish(header, frame, sighting, self._pipeline.background)
         self._background_keeper.keep()
         self._background_service.notice_frame()
 
@@ -147,7 +160,8 @@ class CameraPublisher(Node):
 
     def _doubt(self) -> Optional[Reason]:
         return self._own_camera.reason(
-            self._pipeline.background, self._settings.calibrated_for.is_strict)
+            self._pipeline.background,
+            self._settings.calibrated_for.is_strict) or self._pipeline.doubt
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)
@@ -161,6 +175,7 @@ class CameraPublisher(Node):
         settings = self._settings
         self._pipeline.configure(settings.surface, settings.detector, settings.limits)
         self._warn_of_settings_without_effect()
+        self._follow_calibration()
         self._feed.configure(settings)
 
     def _warn_of_settings_without_effect(self) -> None:
@@ -176,6 +191,7 @@ class CameraPublisher(Node):
 
 def main(args: Optional[List[str]] = None) -> int:
     """Run the node until a signal arrives or its recording ends."""
+    keep_freed_memory()
     code = run('camera_publisher', CameraPublisher, args)
     if is_reader_hanging():
         os._exit(code)

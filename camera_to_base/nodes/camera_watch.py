@@ -38,16 +38,16 @@ class CameraWatch:
     :param node: The camera node.
     :param pipeline: Its pipeline.
     :param is_calibrated: Returns whether the surface is calibrated for the camera in use.
-    :param own_camera: Returns why the calibration is another camera's, or None.
+    :param doubt: Returns why positions are published with a warning, or None.
     """
 
     def __init__(
         self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool],
-        own_camera: Callable[[], Optional[Reason]],
+        doubt: Callable[[], Optional[Reason]],
     ) -> None:
         self._logger = node.get_logger()
         self._pipeline = pipeline
-        self._is_calibrated, self._own_camera = is_calibrated, own_camera
+        self._is_calibrated, self._doubt = is_calibrated, doubt
         self._told_doubt: Optional[str] = None
         self._reason: Optional[Reason] = None
         self._has_no_structure = self._told_faintness = False
@@ -71,7 +71,7 @@ class CameraWatch:
         if _kind(self._reason) != _kind(before):
             self._tell(self._reason)
             self._diagnostics.publish()
-        self._tell_doubt(self._own_camera())
+        self._tell_doubt(self._doubt())
         faintness = self._pipeline.faintness
         if faintness is not None and not self._told_faintness:
             self._told_faintness = True
@@ -86,7 +86,7 @@ class CameraWatch:
         if doubt is not None and doubt.kind != self._told_doubt:
             self._logger.warning(doubt.sentence)
             self._diagnostics.publish()
-        self._told_doubt = _kind(doubt) or self._told_doubt
+        self._told_doubt = _kind(doubt)
 
     def _tell(self, reason: Optional[Reason]) -> None:
         # Separate lines: rclpy refuses to log with another severity from the same line.
@@ -102,7 +102,7 @@ class CameraWatch:
                   **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
-        return Health(self._reason or self._own_camera() or well, values)
+        return Health(self._reason or self._doubt() or well, values)
 
 
 def _kind(reason: Optional[Reason]) -> Optional[str]:

@@ -17,7 +17,7 @@
 from typing import Callable, Optional
 
 from camera_to_base.drawing import (
-    AreaOverlay, draw_ellipses, draw_note, draw_objects, Label, object_mask)
+    AreaOverlay, draw_ellipses, draw_left_out, draw_note, draw_objects, Label, object_mask)
 from camera_to_base.nodes.image_messages import image_message, jpeg_message
 from camera_to_base.trust import FrameUncertainty, Sighting
 import numpy as np
@@ -64,7 +64,8 @@ class DebugImages:
         :param uncertainty: Of the positions; None to draw no ellipses.
         """
         if _has_listener(self._image) or _has_listener(self._jpeg):
-            picture = draw_objects(frame, sighting.objects, label)
+            picture = draw_left_out(frame, sighting.left_out)
+            picture = draw_objects(picture, sighting.objects, label)
             if uncertainty is not None:
                 draw_ellipses(picture, [(found.detection.centre, uncertainty.in_picture(found))
                                         for found in sighting.objects])

@@ -18,9 +18,9 @@ from camera_to_base.nodes.process import start
 
 def camera_publisher() -> int:
     """Run the node `camera_publisher`."""
-    return start('camera_publisher')
+    return start('camera_publisher', 'camera_to_base.nodes.camera_publisher')
 
 
 def robot_base_publisher() -> int:
     """Run the node `robot_base_publisher`."""
-    return start('robot_base_publisher')
+    return start('robot_base_publisher', 'camera_to_base.nodes.robot_base_publisher')

@@ -21,9 +21,10 @@ from camera_to_base.detection import Pixel
 from camera_to_base.nodes.frame_feeds import CameraFeed, OnFrame, TimedFeed
 from camera_to_base.nodes.image_topic import ImageTopic
 from camera_to_base.nodes.random_feed import RandomFeed
+from camera_to_base.nodes.simulated import SimulatedFeed
 from camera_to_base.reason import Reason
 from camera_to_base.settings import CameraSettings, NamedSource
-from camera_to_base.sources import COMPRESSED_TOPIC, RANDOM, ReaderStatus, TOPIC
+from camera_to_base.sources import COMPRESSED_TOPIC, RANDOM, ReaderStatus, SIMULATED, TOPIC
 from camera_to_base.trust import DamageCheck
 from rclpy.node import Node
 
@@ -80,7 +81,10 @@ def start_feed(
         return _subscribe(node, callbacks.on_frame, settings, kind == COMPRESSED_TOPIC)
     if kind.is_live:
         return CameraFeed(node, source, callbacks.on_frame, wait=settings.wait_for_camera)
-    return TimedFeed(node, source, callbacks.on_frame, callbacks.may_start, callbacks.on_end)
+    timed = callbacks.on_frame, callbacks.may_start, callbacks.on_end
+    if kind.form == SIMULATED.form:
+        return SimulatedFeed(node, source, settings, *timed)
+    return TimedFeed(node, source, *timed)
 
 
 def _subscribe(

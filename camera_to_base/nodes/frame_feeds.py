@@ -36,7 +36,7 @@ _START_PERIOD_S = 0.1
 
 class TimedFeed:
     """
-    Reads a recording, or the simulated board, at its own rate.
+    Reads a recording at its own rate.
 
     :param node: The node whose executor reads.
     :param source: The source to read.

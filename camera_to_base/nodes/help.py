@@ -26,18 +26,23 @@ publishes:
   pos_in_cam_frame/pose      geometry_msgs/PoseWithCovarianceStamped: the same, with its covariance
   objects_in_cam_frame       geometry_msgs/PoseArray: every object, largest first, in m
   objects_in_cam_frame/ellipses  visualization_msgs/MarkerArray: where 95 % of errors lie, for RViz
+  objects_in_cam_frame/left_out  visualization_msgs/MarkerArray: what is not published, and why
+  frame/compressed           sensor_msgs/CompressedImage: the frame as JPEG, at most 10 a second
+  mask/compressed, background/compressed  likewise as PNG; the background when it is taken
   debug_image, mask          sensor_msgs/Image: the objects found, drawn if there is a subscriber
   debug_image/compressed     sensor_msgs/CompressedImage: the same as JPEG
   true_pos_in_cam_frame      with source:=simulated only: true position of the coin, in cm
   true_objects_in_cam_frame  likewise: true positions of all objects, in m
+  simulated_tool             likewise: geometry_msgs/PoseStamped of the simulated robot's tool
   /diagnostics               state of the node, once a second
 
 subscribes to:
   image                      with source:=topic: sensor_msgs/Image of any camera driver
   image/compressed           with source:=compressed_topic: sensor_msgs/CompressedImage
 
-service:
+services:
   ~/capture_background       std_srvs/Trigger: takes a new background; clear the surface first
+  ~/bump_camera              with source:=simulated only: std_srvs/Trigger, bumps the camera
 
 parameters that are used most:
   source                     auto (default), a device (0, /dev/video0), a video file, a stream's
@@ -77,6 +82,20 @@ parameters that are used most:
 examples:
   ros2 run camera_to_base {name} --ros-args --params-file cell.yaml
   ros2 run camera_to_base {name} --ros-args -p reach_cm:=35.0
+""",
+    'dashboard': """
+Serves a page on which a cell is set up and watched in a browser; it prints the page's address.
+
+It needs the other two nodes, on this machine or on another one of the same ROS domain.
+
+parameters that are used most:
+  host                       127.0.0.1 (default) for this machine alone, 0.0.0.0 for all networks
+  port                       8080
+  params_file                the parameter file that is written when a calibration is saved
+
+examples:
+  ros2 run camera_to_base {name} --ros-args -p params_file:=$PWD/cell.yaml
+  ros2 run camera_to_base {name} --ros-args -p host:=0.0.0.0 -p port:=8081
 """,
 }
 _USAGE = 'usage: ros2 run camera_to_base {name} [--ros-args ROS_ARGUMENTS]\n'

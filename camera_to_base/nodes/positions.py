@@ -18,15 +18,18 @@ from typing import Callable, List, Optional, Sequence
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import LocatedObject
-from camera_to_base.nodes.true_positions import TruePositions
-from camera_to_base.ros import PositionTopics, UncertainPose
-from camera_to_base.settings import CameraSettings, NamedSource
+from camera_to_base.nodes.simulated import TruePositions
+from camera_to_base.ros import (
+    left_out_markers, NO_EVENTS, PositionTopics, UncertainPose)
+from camera_to_base.settings import NamedSource
 from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.surface import Hull
 from camera_to_base.trust import FrameUncertainty, Sighting
 from camera_to_base.uncertainty import PositionCovariance
 from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Header
+from visualization_msgs.msg import MarkerArray
 
 POSITION = 'pos_in_cam_frame'
 # A message that is sent while two nodes still discover each other may take this long.
@@ -45,6 +48,9 @@ class CameraPositions:
         self._logger = node.get_logger()
         self._topics = PositionTopics(
             node, POSITION, 'objects_in_cam_frame', live=source.kind.is_live)
+        self._left_out = node.create_publisher(
+            MarkerArray, 'objects_in_cam_frame/left_out', 10, event_callbacks=NO_EVENTS,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
         self._truth: Optional[TruePositions] = None
         if isinstance(source.frames, SimulatedBoard):
             self._truth = TruePositions(node, source.frames)
@@ -60,17 +66,22 @@ class CameraPositions:
         return self._topics.listener_count
 
     def publish_sighting(
-        self, header: Header, sighting: Sighting, settings: CameraSettings,
+        self, header: Header, sighting: Sighting, hull: Optional[Hull],
         uncertainty: FrameUncertainty,
     ) -> None:
-        """Publish the objects of a frame, unless the sighting has a reason not to."""
+        """
+        Publish the objects of a frame, unless the sighting has a reason not to.
+
+        :param hull: The area that the calibration was measured in; None where it is not known.
+        """
         if self._truth is not None:
             self._truth.publish(header)
         if sighting.reason is None:
-            self._warn_outside_hull(sighting.objects, settings.hull)
+            self._warn_outside_hull(sighting.objects, hull)
             self.publish(header, [Pose(*found.point, 0.0, found.yaw or 0.0)
                                   for found in sighting.objects],
                          lambda number: uncertainty.of(sighting.objects[number]))
+            self._publish_left_out(header, sighting)
 
     def publish(
         self, header: Header, poses: List[Pose],
@@ -97,6 +108,11 @@ class CameraPositions:
     def wait_until_received(self) -> None:
         """Wait until all subscribers have received what was published, for at most 5 s."""
         self._topics.wait_until_received(_LONGEST_DISCOVERY_S)
+
+    def _publish_left_out(self, header: Header, sighting: Sighting) -> None:
+        if self._left_out.get_subscription_count() > 0:
+            self._left_out.publish(left_out_markers(header, [
+                (one.point, one.reason) for one in sighting.left_out if one.point is not None]))
 
     def _warn_outside_hull(
         self, objects: Sequence[LocatedObject], hull: Optional[Hull]

@@ -35,13 +35,14 @@ CANNOT_START, DEFECT = 1, os.EX_SOFTWARE
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
-def start(node: str) -> int:
+def start(node: str, module: str) -> int:
     """
     Answer `--help`, refuse wrong arguments, or load a node's module and run its `main`.
 
     Loading ROS, OpenCV and numpy takes part of a second, so it is done last.
 
-    :param node: The node's name, which is also its module's name.
+    :param node: The node's name.
+    :param module: The module with its `main`.
     :returns: The process's exit code.
     """
     _end_quietly_while_loading()
@@ -61,7 +62,7 @@ def start(node: str) -> int:
             raise
         return _refuse(name, 'ROS 2 is missing: source /opt/ros/jazzy/setup.bash, or install the '
                              "extra ros: pip install '.[ros]'")
-    return import_module(f'camera_to_base.nodes.{node}').main()
+    return import_module(module).main()
 
 
 def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = None) -> int:

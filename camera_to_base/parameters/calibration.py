@@ -23,19 +23,19 @@ from camera_to_base.parameters.spec import ParameterSpec
 RECORD_SPECS = [
     ParameterSpec('calibration.surface', '',
                   'When the surface was calibrated, from what, and how well; written by '
-                  'calibrate.', fixed=True),
+                  'calibrate.'),
     ParameterSpec('calibration.base', '',
                   'When the base frame was calibrated, from what, and how well; written by '
-                  'calibrate.', fixed=True),
+                  'calibrate.'),
     ParameterSpec('calibration.device', '',
                   'The camera that the surface was calibrated with: a lasting link to a device, '
-                  'the URL of a stream, or simulated; written by calibrate.', fixed=True),
+                  'the URL of a stream, or simulated; written by calibrate.'),
 ]
 # Only the camera node has frames to compare.
 OWN_CAMERA_SPECS = [
     ParameterSpec('calibration.thumbnail', '',
                   'A small picture of the calibrated surface, PNG in base64: the node compares '
-                  'its background with it; written by calibrate.', fixed=True),
+                  'its background with it; written by calibrate.'),
     ParameterSpec('calibration.strict', False,
                   'Whether to publish nothing if the calibration belongs to another camera, or to '
                   'another view. Otherwise the node only warns.'),
@@ -65,6 +65,19 @@ def calibration_summary(values: Mapping[str, Any], now: Optional[datetime] = Non
     base = _part('base frame', values.get('calibration.base'), False, now)
     device = values.get('calibration.device')
     return f'calibration: {surface}; {base}' + (f'; camera {device}' if device else '')
+
+
+def calibration_date(values: Mapping[str, Any]) -> Optional[datetime]:
+    """
+    Tell when the surface was calibrated; None where that is not recorded.
+
+    :param values: By full name.
+    """
+    date = str(values.get('calibration.surface') or '').partition(', ')[0]
+    try:
+        return datetime.fromisoformat(date).astimezone()
+    except ValueError:
+        return None
 
 
 def age_text(date: str, now: datetime) -> str:

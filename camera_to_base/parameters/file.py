@@ -208,5 +208,6 @@ def _comments(text: str) -> List[str]:
     for line in text.splitlines():
         if not line.startswith('#'):
             break
-        lines.append(line[1:].strip())
+        # An indent belongs to the text: tables have one.
+        lines.append(line[1:].removeprefix(' ').rstrip())
     return lines

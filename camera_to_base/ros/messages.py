@@ -23,7 +23,8 @@ from typing import Iterable, List, Sequence, Tuple
 
 from camera_to_base.coordinate_transform import axis_angle, Pose
 from camera_to_base.errors import InvalidValueError
-from geometry_msgs.msg import Point, PointStamped, Pose as PoseMessage, PoseArray, Quaternion
+from geometry_msgs.msg import (
+    Point, PointStamped, Pose as PoseMessage, PoseArray, PoseStamped, Quaternion)
 from std_msgs.msg import Float64MultiArray, Header
 
 # A position has two numbers, or a few more; a message with thousands belongs to another topic.
@@ -81,6 +82,15 @@ def point_from_message(message: PointStamped) -> Tuple[float, float, float]:
     :raises InvalidValueError: If they are not finite.
     """
     return _cm(message.point)
+
+
+def tool_message(header: Header, x: float, y: float) -> PoseStamped:
+    """
+    Make the pose of a robot's tool on the work surface, in m.
+
+    :param x: In cm; y, too.
+    """
+    return PoseStamped(header=header, pose=pose_to_one(Pose(x, y, 0.0, 0.0)))
 
 
 def poses_message(header: Header, poses: Iterable[Pose]) -> PoseArray:

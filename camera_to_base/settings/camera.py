@@ -15,6 +15,7 @@
 """The parameters of `camera_publisher`, and the settings made from them."""
 
 from dataclasses import dataclass
+from datetime import datetime
 from typing import List, NamedTuple, Optional
 
 from camera_to_base.checks import frame_id
@@ -25,9 +26,10 @@ from camera_to_base.drawing import (
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.parameters import (
-    calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS, ParameterSpec,
-    PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
+    calibration_date, calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS,
+    ParameterSpec, PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
+from camera_to_base.sources import kind_of, SIMULATED
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
 from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, read_thumbnail
 from camera_to_base.uncertainty import (
@@ -40,12 +42,14 @@ class CalibratedFor(NamedTuple):
 
     :param device: Its lasting name; '' if it is not known.
     :param thumbnail: Its view, see `view_thumbnail`; '' if it is not known.
+    :param date: When; None if it is not known.
     :param is_strict: Whether to publish nothing with another camera or view.
     :param summary: What the parameters hold of the calibration, in one line.
     """
 
     device: str
     thumbnail: str
+    date: Optional[datetime]
     is_strict: bool
     summary: str
 
@@ -170,7 +174,7 @@ def camera_settings(values: Values) -> CameraSettings:
         surface=surface,
         hull=hull,
         uncertainty=position_uncertainty(values, surface),
-        simulated=simulation_settings(**grouped(values, 'simulated.')),
+        simulated=_simulation(values),
         debug_label=_debug_label(values),
         area_overlay=AreaOverlay(surface, areas),
         calibrated_for=_calibrated_for(values),
@@ -179,11 +183,19 @@ def camera_settings(values: Values) -> CameraSettings:
                           for name in _other_than_default(values)))
 
 
+def _simulation(values: Values) -> SimulationSettings:
+    settings = simulation_settings(grouped(values, 'simulated.'))
+    if kind_of(values['source']) == SIMULATED:
+        settings.check_scene(tuple(values['surface.image_size']))
+    return settings
+
+
 def _calibrated_for(values: Values) -> CalibratedFor:
     thumbnail = values['calibration.thumbnail']
     read_thumbnail(thumbnail)  # refuses what is none
-    return CalibratedFor(values['calibration.device'], thumbnail, values['calibration.strict'],
-                         calibration_summary(values))
+    return CalibratedFor(
+        values['calibration.device'], thumbnail, calibration_date(values),
+        values['calibration.strict'], calibration_summary(values))
 
 
 def _other_than_default(values: Values) -> List[str]:

@@ -16,19 +16,25 @@
 The simulated surface: frames of a rendered table whose objects' positions are known.
 
 In: a surface, a picture size, a seed and the parameters `simulated.*`. Out: frames, as every other
-source gives them, the true positions, and a chessboard to calibrate the simulated camera with.
+source gives them, the true positions, where the simulated robot touches, and a chessboard to
+calibrate the simulated camera with.
 
 Callers: `settings`, `nodes`, `commands` and benchmarks. No detector imports it.
 """
 
-from camera_to_base.simulation.board import SimulatedBoard, TrueObject
+from camera_to_base.simulation.board import SimulatedBoard
+from camera_to_base.simulation.camera_move import CameraMove, move_parameters
 from camera_to_base.simulation.chessboard import SimulatedChessboard
 from camera_to_base.simulation.conditions import BoardConditions
+from camera_to_base.simulation.objects import TrueObject
 from camera_to_base.simulation.parameters import simulation_settings, SimulationSettings
+from camera_to_base.simulation.robot import SimulatedRobot
+from camera_to_base.simulation.scene import Scene, Touch
 from camera_to_base.simulation.specs import SIMULATION_SPECS
 from camera_to_base.simulation.touch_table import SimulatedTouchTable
 
 __all__ = [
-    'BoardConditions', 'SimulatedBoard', 'SimulatedChessboard', 'SimulatedTouchTable',
-    'simulation_settings', 'SIMULATION_SPECS', 'SimulationSettings', 'TrueObject',
+    'BoardConditions', 'CameraMove', 'move_parameters', 'Scene', 'SimulatedBoard',
+    'SimulatedChessboard', 'SimulatedRobot', 'SimulatedTouchTable', 'simulation_settings',
+    'SIMULATION_SPECS', 'SimulationSettings', 'Touch', 'TrueObject',
 ]

@@ -12,45 +12,32 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A rendered work surface with moving objects: a frame source with known true positions."""
+"""A rendered work surface with objects: a frame source with known true positions."""
 
-import math
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
+from camera_to_base.simulation.bump import largest_shift_px, random_bump
+from camera_to_base.simulation.camera_move import CameraMove
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.disturbances import BoardDisturbances
-from camera_to_base.simulation.drawing import draw_oval, draw_table
-from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
+from camera_to_base.simulation.drawing import draw_oval
+from camera_to_base.simulation.objects import BoardObjects, true_object, TrueObject
+from camera_to_base.simulation.printed_board import placed_board
+from camera_to_base.simulation.printed_markers import PrintedMarkers
+from camera_to_base.simulation.scene import Scene, Touch
+from camera_to_base.simulation.specs import (
+    BOARD, OBJECTS, SIMULATION_DEFAULTS as _DEFAULTS, STILL_OBJECTS)
+from camera_to_base.simulation.table import Table
 from camera_to_base.simulation.view import BoardView, Oval
 from camera_to_base.sources import SIMULATED
 import numpy as np
 
-# One round of the path takes this long; 2 and 3 rounds in x and y make a closed figure.
+# One round of the objects' path takes this long.
 _ROUND_S = 60.0
-_YAW_STEP_DEG = 50.0
-
-
-class TrueObject(NamedTuple):
-    """
-    The true state of an object.
-
-    :param point: Where its centre is on the surface, x and y, in cm, in the camera frame.
-    :param pixel: The centroid of its picture, u and v, in px.
-    :param radius: Radius of a disc of the same area in the picture, in px.
-    :param cut_off: Distance by which it exceeds the picture's edge, in px; negative inside.
-    :param hidden: Whether a hand covers or touches it.
-    :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
-        in (-pi/2, pi/2]; None for a round one.
-    """
-
-    point: Tuple[float, float]
-    pixel: Tuple[float, float]
-    radius: float
-    cut_off: float
-    hidden: bool
-    yaw: Optional[float]
+# Corners along a row and a column, and the edge of a square in cm: what `calibrate sheet` prints.
+_PRINTED_BOARD = 9, 6, 2.5
 
 
 class SimulatedBoard:
@@ -64,6 +51,7 @@ class SimulatedBoard:
     :param tilt_deg: 0 looks straight down; up to 60, in degrees.
     :param seed: Seed of noise and texture; the same seed gives the same frames.
     :param frame_rate: Frames per second of simulated time.
+    :param scene: What the camera sees at first.
     :param conditions: Light, noise, objects: the fields of :class:`BoardConditions`.
     :raises InvalidValueError: If a value cannot be used.
     :raises HorizonError: If the picture would reach the horizon.
@@ -77,17 +65,48 @@ class SimulatedBoard:
         tilt_deg: float = _DEFAULTS['tilt_deg'],
         seed: int = _DEFAULTS['seed'],
         frame_rate: float = _DEFAULTS['frame_rate'],
+        scene: Scene = Scene(),
         **conditions,
     ) -> None:
-        self._view = BoardView(image_size, width_cm, tilt_deg)
+        self._start = BoardView(image_size, width_cm, tilt_deg)
         self._conditions = BoardConditions(**conditions)
         self._seed = seed
         self.frame_rate = frame_rate
         self.kind = SIMULATED._replace(frame_rate=frame_rate)
         self._disturbances = BoardDisturbances(image_size, self._conditions, self._seed)
-        self._table = draw_table(self._view, self._conditions, self._seed)
+        self._objects = BoardObjects(self._start, self._conditions)
+        self._markers = PrintedMarkers(self._start)
         self._frame_count = 0
         self.true_objects: List[TrueObject] = []
+        self._surface: Optional[Table] = None
+        self._scene = scene
+        self.arrange(scene)
+
+    def arrange(self, scene: Scene) -> None:
+        """
+        Show another scene from the next frame on.
+
+        :raises HorizonError: If the picture would reach the horizon; then nothing changes.
+        """
+        view = self._start if scene.move == CameraMove() else self._start.moved(scene.move)
+        if self._surface is None or scene.table != self._scene.table:
+            self._surface = Table(scene.table, self._start, self._conditions, self._seed)
+        self._scene, self._view = scene, view
+        self._table = self._lay_out()
+
+    def random_bump(self, random: np.random.Generator) -> CameraMove:
+        """Draw a bump of the camera, a few px from where it was at the start."""
+        return random_bump(random, self._start)
+
+    @property
+    def shift_px(self) -> float:
+        """How far the camera's move has taken the picture's corner that moved farthest, in px."""
+        return largest_shift_px(self._start, self._view)
+
+    @property
+    def shift_cm(self) -> float:
+        """The same on the table, by the scale at the picture's middle at tilt 0, in cm."""
+        return self.shift_px * self._start.cm_per_px
 
     @property
     def pixel_from_surface(self) -> np.ndarray:
@@ -102,8 +121,26 @@ class SimulatedBoard:
     @property
     def true_point(self) -> Optional[Tuple[float, float]]:
         """Return x and y of the largest whole object on the last frame, in cm, or None."""
-        whole = [true for true in self.true_objects if true.cut_off < 0 and not true.hidden]
-        return max(whole, key=lambda true: true.radius).point if whole else None
+        whole = self._whole_objects()
+        return whole[0].point if whole else None
+
+    @property
+    def true_markers(self) -> Dict[int, np.ndarray]:
+        """
+        Where the markers lie, whether they are shown or not.
+
+        :returns: By the marker's number its corners, as printed, from the top left clockwise:
+            shape (4, 2), x and y, in cm, in the camera frame.
+        """
+        return self._markers.corners
+
+    def point_of(self, touch: Touch) -> Optional[Tuple[float, float]]:
+        """Return the middle of what is touched, x and y, in cm, or None where nothing is there."""
+        if touch.marker >= 0:
+            x, y = self.true_markers[touch.marker].mean(axis=0)
+            return (float(x), float(y)) if self._scene.markers else None
+        whole = self._whole_objects()
+        return whole[touch.number - 1].point if 0 < touch.number <= len(whole) else None
 
     def read(self) -> np.ndarray:
         """
@@ -114,11 +151,11 @@ class SimulatedBoard:
         number, self._frame_count = self._frame_count, self._frame_count + 1
         picture, rounds = self._table.copy(), self._rounds(number)
         self.true_objects = []
-        if number > 0 or self._conditions.in_first_frame:
-            for index in range(len(self._conditions.diameters_cm)):
-                oval = self._oval(number, index)
-                draw_oval(picture, oval, self._view, self._conditions)
-                self.true_objects.append(self._true_object(oval, rounds))
+        for oval in self._ovals(number):
+            draw_oval(picture, oval, self._view, self._conditions)
+            ellipse = self._view.ellipse(oval)
+            self.true_objects.append(true_object(
+                oval, ellipse, self._view, self._disturbances.hides(ellipse, rounds)))
         self._disturbances.disturb(picture, number, rounds)
         return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
@@ -127,39 +164,34 @@ class SimulatedBoard:
 
     def object_point(self, number: int, index: int = 0) -> Tuple[float, float]:
         """
-        Return the position of an object.
+        Return the position of a moving object.
 
         :param number: The frame's, from 0.
         :param index: The object's; each object has its own part of the board, so they never meet.
         :returns: x and y, in cm, in the camera frame.
         """
-        part = self._rounds(number)
-        if self._conditions.rests:
-            stage, within = divmod(part * 12, 1)
-            part = (stage + min(2 * within, 1)) / 12
-        angle = 2 * math.pi * part
-        count = len(self._conditions.diameters_cm)
-        reach_x, reach_y = (0.53, 0.53) if self._conditions.over_edge else (0.3, 0.25)
-        width_cm = self._view.cm_per_px * self._view.width
-        height_cm = self._view.cm_per_px * self._view.height
-        return (width_cm / count * (index + 0.5 + reach_x * math.sin(2 * angle + index)),
-                height_cm * (0.5 + reach_y * math.sin(3 * angle + index)))
+        return self._objects.point(self._rounds(number), index)
+
+    def _lay_out(self) -> np.ndarray:
+        picture = self._surface.seen_by(self._view)
+        if self._scene.markers:
+            self._markers.paint(picture, self._view)
+        if self._scene.shows == BOARD:
+            board = placed_board(*_PRINTED_BOARD, self._start, self._scene.placement)
+            picture = board.paint(picture, self._view).astype(np.float32)
+        return picture
+
+    def _ovals(self, number: int) -> List[Oval]:
+        if number == 0 and not self._conditions.in_first_frame:
+            return []
+        if self._scene.shows == STILL_OBJECTS:
+            return self._objects.still()
+        return self._objects.moving(self._rounds(number)) if self._scene.shows == OBJECTS else []
+
+    def _whole_objects(self) -> List[TrueObject]:
+        # In the order of the published ones.
+        whole = [true for true in self.true_objects if true.cut_off < 0 and not true.hidden]
+        return sorted(whole, key=lambda true: -true.radius)
 
     def _rounds(self, number: int) -> float:
         return number / self.frame_rate / _ROUND_S
-
-    def _oval(self, number: int, index: int) -> Oval:
-        length, elongation = self._conditions.diameters_cm[index], self._conditions.elongation
-        yaw_deg = self._conditions.yaw_deg + index * _YAW_STEP_DEG if elongation > 1 else 0.0
-        return Oval(self.object_point(number, index), length / 2, length / 2 / elongation,
-                    math.radians(90 - (90 - yaw_deg) % 180))
-
-    def _true_object(self, oval: Oval, rounds: float) -> TrueObject:
-        ellipse = self._view.ellipse(oval)
-        last = np.array([self._view.width, self._view.height]) - 0.5
-        cut_off = max((ellipse.half - ellipse.centre).max() - 0.5,
-                      (ellipse.centre + ellipse.half - last).max())
-        return TrueObject(
-            oval.point, tuple(ellipse.centre), ellipse.radius, float(cut_off),
-            self._disturbances.hides(ellipse, rounds),
-            oval.yaw if oval.half_length > oval.half_width else None)

@@ -20,13 +20,12 @@ from typing import Tuple
 from camera_to_base.checks import finite_number, whole_number
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
+from camera_to_base.simulation.printed_board import PrintedBoard
 from camera_to_base.simulation.view import BoardView
 from camera_to_base.sources import SIMULATED
 import numpy as np
 
 _TABLE_COLOUR = np.array([196.0, 202.0, 208.0])
-_PAPER_COLOUR = np.array([225.0, 225.0, 225.0])
-_INK_COLOUR = np.array([35.0, 35.0, 35.0])
 _NOISE = 2.0
 
 
@@ -58,12 +57,12 @@ class SimulatedChessboard:
         seed: int = 0,
     ) -> None:
         self.view = BoardView(image_size, TUTORIAL_WIDTH_CM, tilt_deg)
-        self._columns = whole_number('columns', columns, 1, 1000)
-        self._rows = whole_number('rows', rows, 1, 1000)
-        self._square_cm = finite_number('square_cm', square_cm, 0.001, 1e4)
+        self._board = PrintedBoard(
+            whole_number('columns', columns, 1, 1000), whole_number('rows', rows, 1, 1000),
+            finite_number('square_cm', square_cm, 0.001, 1e4), tuple(self.view.size_cm / 2))
+        self._first_corner = self._board.middle - self._board.half_cm
         self._random = np.random.default_rng(seed)
-        self._shift, self._yaw = np.zeros(2), 0.0
-        self._picture = self._draw()
+        self._picture = self._board.paint(_TABLE_COLOUR, self.view)
 
     def lay(self, pixel: Tuple[float, float], yaw_deg: float) -> None:
         """
@@ -72,9 +71,9 @@ class SimulatedChessboard:
         :param pixel: What shows the board's middle, u and v, in px.
         :param yaw_deg: Its turn from x towards y.
         """
-        u, v, w = self.view.surface_from_pixel @ [*pixel, 1.0]
-        self._shift, self._yaw = np.array([u / w, v / w]) - self._middle, np.radians(yaw_deg)
-        self._picture = self._draw()
+        self._board = self._board._replace(
+            middle=self.view.point(pixel), yaw=np.radians(yaw_deg))
+        self._picture = self._board.paint(_TABLE_COLOUR, self.view)
 
     def free_place(self, number: int) -> Tuple[Tuple[float, float], float]:
         """
@@ -84,20 +83,16 @@ class SimulatedChessboard:
         :returns: The pixel of its middle, and its turn, see :meth:`lay`.
         """
         size = np.array([self.view.width, self.view.height])
-        board_px = self._square_cm * np.array([self._columns + 3, self._rows + 3]) / (
-            self.view.cm_per_px)
+        paper_cm = 2 * self._board.half_cm + 4 * self._board.square_cm
+        board_px = paper_cm / self.view.cm_per_px
         free = np.maximum(size - board_px, 0) / 2
         side = np.array([(-1, -1), (1, 1), (-1, 1), (1, -1)][(number - 1) % 4])
         return tuple((size / 2 + side * free * 0.9).tolist()), 0.0
 
     @property
-    def _middle(self) -> np.ndarray:
-        return self.view.cm_per_px * np.array([self.view.width, self.view.height]) / 2
-
-    @property
     def first_corner(self) -> np.ndarray:
-        """Where the first inner corner is, x and y, in cm, in the simulated camera frame."""
-        return self._middle - self._square_cm * np.array([self._columns - 1, self._rows - 1]) / 2
+        """Where the first inner corner is at the start, x and y, in cm, in the camera frame."""
+        return self._first_corner.copy()
 
     def read(self) -> np.ndarray:
         """
@@ -110,22 +105,3 @@ class SimulatedChessboard:
 
     def release(self) -> None:
         """Do nothing: there is no device to give back."""
-
-    def _draw(self) -> np.ndarray:
-        points = self.view.points(slice(0, self.view.height), slice(0, self.view.width))
-        cos, sin = np.cos(self._yaw), np.sin(self._yaw)
-        points = (points - self._shift - self._middle) @ [[cos, -sin], [sin, cos]] + self._middle
-        x, y = np.moveaxis((points - self.first_corner) / self._square_cm, 2, 0)
-        paper = (x > -2) & (x < self._columns + 1) & (y > -2) & (y < self._rows + 1)
-        inked = (x > -1) & (x < self._columns) & (y > -1) & (y < self._rows)
-        darkness = np.where(inked, 0.5 + 0.5 * _stripes(x) * _stripes(y), 0.0)[:, :, None]
-        board = _PAPER_COLOUR + darkness * (_INK_COLOUR - _PAPER_COLOUR)
-        return np.where(paper[:, :, None], board, _TABLE_COLOUR)
-
-
-def _stripes(position: np.ndarray) -> np.ndarray:
-    # 1 from 0 to 1, -1 from 1 to 2, and so on; over an edge it changes along one pixel's width.
-    sign = np.where(np.floor(position) % 2 == 0, 1.0, -1.0)
-    to_edge = 0.5 - np.abs(position % 1 - 0.5)
-    slope = np.hypot(*np.gradient(position))
-    return sign * np.clip(2 * to_edge / np.maximum(slope, 1e-9), 0, 1)

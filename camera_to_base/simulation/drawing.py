@@ -12,36 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Draws the simulated table and the objects on it."""
+"""Draws the objects on the simulated table."""
 
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.view import BoardView, Oval
-import cv2
 import numpy as np
 
-# Offsets of blue, green and red from the grey level: no real material is exactly grey.
-_TABLE_TINT = np.array([-6.0, 0.0, 6.0], np.float32)
+# Offsets of blue, green and red from the grey level.
 _OBJECT_TINT = np.array([-8.0, 0.0, 10.0], np.float32)
-# Faint lines every few cm show the tilt to the eye; they are below every detector's threshold.
-_GRID_CM, _GRID_DEPTH = 4.5, 10.0
-
-
-def draw_table(view: BoardView, conditions: BoardConditions, seed: int) -> np.ndarray:
-    """
-    Draw the table without an object.
-
-    :param seed: Seed of the texture.
-    :returns: Shape (h, w, 3), float32, BGR.
-    """
-    everything = slice(0, view.height), slice(0, view.width)
-    offset = (view.points(*everything) + _GRID_CM / 2) % _GRID_CM - _GRID_CM / 2
-    line = np.clip(1 - np.abs(offset).min(axis=2) / view.cm_per_px, 0, 1)
-    level = conditions.table_level - _GRID_DEPTH * line
-    if conditions.texture > 0:
-        grain = np.random.default_rng((seed, 0, 0)).standard_normal(level.shape, dtype=np.float32)
-        grain = cv2.GaussianBlur(grain, (0, 0), 3.0)
-        level += grain * (conditions.texture / grain.std())
-    return level[:, :, None].astype(np.float32) + _TABLE_TINT
 
 
 def draw_oval(

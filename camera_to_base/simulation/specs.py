@@ -12,15 +12,54 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The parameters of the simulated board: the camera's, and what kind of day the board has."""
+"""The parameters of the simulated board: the scene, the camera, and what kind of day it is."""
 
 from typing import Any, Mapping
 
 from camera_to_base.parameters import default_values, grouped, ParameterSpec
 
 LARGEST_TILT_DEG = 60.0
+SHOWN = OBJECTS, STILL_OBJECTS, BOARD, EMPTY = 'objects', 'still_objects', 'board', 'empty'
+TABLES = GREY, WOOD, PRINTED = 'grey', 'wood', 'printed'
+PLACEMENT_COUNT = 8
+MARKER_COUNT = 4
+
+# What a person changes while the node runs: the table, and where the camera is.
+_SCENE_SPECS = [
+    ParameterSpec('simulated.shows', OBJECTS,
+                  'simulated: what lies on the table: objects that move, five still objects, a '
+                  'printed chessboard of 9x6 corners and 25 mm squares, or nothing.',
+                  choices=SHOWN),
+    ParameterSpec('simulated.placement', 1,
+                  'simulated: where the chessboard lies: 1 in the middle, 2 to 5 towards the '
+                  'corners, 6 to 8 turned.', (1, PLACEMENT_COUNT)),
+    ParameterSpec('simulated.markers', False,
+                  'simulated: whether the markers 0 to 3, 40 mm wide, lie near the corners of '
+                  'the picture.'),
+    ParameterSpec('simulated.table', GREY,
+                  "simulated: the table's surface.", choices=TABLES),
+    ParameterSpec('simulated.touched', 0,
+                  'simulated: the number of the object that the robot touches, 1 for the largest '
+                  'in the picture; 0 for none. Its tool is published on simulated_tool.',
+                  (0, 100)),
+    ParameterSpec('simulated.touched_marker', -1,
+                  'simulated: the marker whose middle the robot touches; -1 for none.',
+                  (-1, MARKER_COUNT - 1)),
+    ParameterSpec('simulated.camera_shift_px', [0.0, 0.0],
+                  'simulated: the camera is moved, so that the picture of the table moves to '
+                  'the right and down.', (-2000, 2000), unit='px', lengths=(2,)),
+    ParameterSpec('simulated.camera_turn_deg', 0.0,
+                  'simulated: the camera is turned, so that the picture of the table turns '
+                  'clockwise about its middle.', (-180, 180), unit='deg'),
+    ParameterSpec('simulated.camera_tilt_deg', [0.0, 0.0],
+                  'simulated: the camera is tilted further, so that the top and the left of the '
+                  'picture show more distant points.', (-25, 25), unit='deg', lengths=(2,)),
+    ParameterSpec('simulated.camera_zoom', 1.0,
+                  'simulated: the camera comes nearer by this factor.', (0.3, 3)),
+]
 
 SIMULATION_SPECS = [
+    *_SCENE_SPECS,
     ParameterSpec('simulated.tilt_deg', 0.0,
                   "simulated: the camera's tilt, 0 looks straight down.", (0, LARGEST_TILT_DEG),
                   unit='deg', fixed=True),

@@ -14,19 +14,15 @@
 
 """The simulated surface with one object at rest, and a robot that touches it."""
 
-from typing import Optional, Tuple
+from typing import List, Optional, Tuple
 
-from camera_to_base.coordinate_transform import (
-    CameraToRobotBaseConversion, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
 from camera_to_base.image_size import ImageSize
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.simulation.drawing import draw_oval
+from camera_to_base.simulation.robot import SimulatedRobot
 from camera_to_base.simulation.view import Oval
 import numpy as np
 
 _DIAMETER_CM = 2.4
-# Of a gripper tip on the middle of a coin, in each direction.
-_TOUCH_ERROR_CM = 0.03
 
 
 class SimulatedTouchTable(SimulatedBoard):
@@ -40,22 +36,11 @@ class SimulatedTouchTable(SimulatedBoard):
     def __init__(self, image_size: ImageSize, **others) -> None:
         super().__init__(image_size=image_size, **others)
         self._point: Optional[Tuple[float, float]] = None
-        self._touch = np.random.default_rng(self._seed)
+        self._robot = SimulatedRobot(np.random.default_rng(self._seed))
 
     def lay_coin(self, pixel: Tuple[float, float]) -> None:
         """Lay the coin on the surface where a pixel shows it."""
-        u, v, w = self.surface_from_pixel @ [*pixel, 1.0]
-        self._point = float(u / w), float(v / w)
-
-    def read(self) -> np.ndarray:
-        """Render the next frame: shape (h, w, 3), uint8, BGR."""
-        number, self._frame_count = self._frame_count, self._frame_count + 1
-        picture = self._table.copy()
-        if self._point is not None:
-            coin = Oval(self._point, _DIAMETER_CM / 2, _DIAMETER_CM / 2, 0.0)
-            draw_oval(picture, coin, self._view, self._conditions)
-        self._disturbances.disturb(picture, number, self._rounds(number))
-        return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+        self._point = self._view.point(pixel)
 
     def robot_position(self) -> Tuple[float, float]:
         """
@@ -63,8 +48,11 @@ class SimulatedTouchTable(SimulatedBoard):
 
         :returns: x and y, in cm, in the base frame, with an error of a few tenths of a mm.
         """
-        conversion = CameraToRobotBaseConversion.from_roll_pitch_yaw(
-            TUTORIAL_ROTATION_DEG, TUTORIAL_DISPLACEMENT_CM)
-        error = self._touch.normal(0.0, _TOUCH_ERROR_CM, 2)
-        x, y, _ = conversion.convert_point(*self._point)
-        return round(x + error[0], 2), round(y + error[1], 2)
+        x, y = self._robot.touch(self._point)
+        self._robot.renew_error()
+        return round(x, 2), round(y, 2)
+
+    def _ovals(self, number: int) -> List[Oval]:
+        if self._point is None:
+            return []
+        return [Oval(self._point, _DIAMETER_CM / 2, _DIAMETER_CM / 2, 0.0)]

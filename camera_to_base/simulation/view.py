@@ -15,10 +15,11 @@
 """Geometry of the simulated board: a pinhole camera above a work surface."""
 
 import math
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Sequence, Tuple
 
 from camera_to_base.checks import finite_number
 from camera_to_base.image_size import check_image_size, ImageSize
+from camera_to_base.simulation.camera_move import CameraMove
 from camera_to_base.simulation.specs import LARGEST_TILT_DEG
 from camera_to_base.surface import HomographySurface
 import numpy as np
@@ -67,20 +68,33 @@ class BoardView:
     :param image_size: Width and height, in px.
     :param width_cm: What the picture's width sees of the surface at tilt 0, in cm.
     :param tilt_deg: 0 looks straight down; up to 60, in degrees.
+    :param move: How the camera was moved since; the camera frame stays on the surface.
     :raises InvalidValueError: If a value cannot be used.
     :raises HorizonError: If the picture would reach the horizon.
     """
 
-    def __init__(self, image_size: ImageSize, width_cm: float, tilt_deg: float) -> None:
+    def __init__(
+        self, image_size: ImageSize, width_cm: float, tilt_deg: float,
+        move: CameraMove = CameraMove(),
+    ) -> None:
+        self._from = image_size, width_cm, tilt_deg
         self.width, self.height = check_image_size(image_size)
         self.cm_per_px = finite_number('width_cm', width_cm, 1.0, 1000.0) / self.width
         tilt = math.radians(finite_number('tilt_deg', tilt_deg, 0.0, LARGEST_TILT_DEG))
-        self.pixel_from_surface = self._project(tilt)
+        self.pixel_from_surface = self._project(tilt, move)
         inverse = np.linalg.inv(self.pixel_from_surface)
         self.surface_from_pixel = inverse / inverse[2, 2]
         right, bottom = self.width - 1, self.height - 1
         HomographySurface(self.surface_from_pixel, image_size).locate(
             [[0, 0], [right, 0], [0, bottom], [right, bottom]])
+
+    def moved(self, move: CameraMove) -> 'BoardView':
+        """
+        Return the view of this camera after a move; this view is not to be a moved one.
+
+        :raises HorizonError: If the picture would reach the horizon.
+        """
+        return BoardView(*self._from, move)
 
     def points(self, rows: slice, columns: slice) -> np.ndarray:
         """
@@ -91,6 +105,11 @@ class BoardView:
         v, u = np.mgrid[rows, columns].astype(float)
         scaled = np.stack([u, v, np.ones_like(u)], axis=2) @ self.surface_from_pixel.T
         return scaled[:, :, :2] / scaled[:, :, 2:]
+
+    def point(self, pixel: Sequence[float]) -> Tuple[float, float]:
+        """Return the surface point that a pixel, u and v, shows: x and y, in cm."""
+        x, y, w = self.surface_from_pixel @ [*pixel, 1.0]
+        return float(x / w), float(y / w)
 
     def ellipse(self, oval: Oval) -> Ellipse:
         """
@@ -112,10 +131,15 @@ class BoardView:
 
     def window(self, ellipse: Ellipse) -> Tuple[slice, slice]:
         """Return the rows and columns of the picture that an ellipse touches."""
-        left, top = np.floor(ellipse.centre - ellipse.half).astype(int) - 1
-        right, bottom = np.ceil(ellipse.centre + ellipse.half).astype(int) + 2
-        return (slice(max(top, 0), max(min(bottom, self.height), 0)),
-                slice(max(left, 0), max(min(right, self.width), 0)))
+        return self._clipped(ellipse.centre - ellipse.half, ellipse.centre + ellipse.half)
+
+    def box(self, pixels: np.ndarray) -> Tuple[slice, slice]:
+        """
+        Return the rows and columns of the picture that a polygon touches.
+
+        :param pixels: Its corners, shape (n, 2), u and v.
+        """
+        return self._clipped(pixels.min(axis=0), pixels.max(axis=0))
 
     def coverage(self, oval: Oval, rows: slice, columns: slice) -> np.ndarray:
         """
@@ -133,16 +157,35 @@ class BoardView:
         slope = np.hypot(*np.gradient(beyond_edge)) if min(x.shape) > 1 else self.cm_per_px
         return np.clip(0.5 - beyond_edge / np.maximum(slope, 1e-9), 0.0, 1.0)
 
-    def _project(self, tilt: float) -> np.ndarray:
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points of the surface to the picture.
+
+        :param points: Shape (n, 2), x and y, in cm.
+        :returns: Shape (n, 2), u and v, in px.
+        """
+        scaled = np.column_stack([points, np.ones(len(points))]) @ self.pixel_from_surface.T
+        return scaled[:, :2] / scaled[:, 2:]
+
+    @property
+    def size_cm(self) -> np.ndarray:
+        """Width and height of what the camera sees of the surface at tilt 0, in cm."""
+        return self.cm_per_px * np.array([self.width, self.height])
+
+    def _clipped(self, first: np.ndarray, last: np.ndarray) -> Tuple[slice, slice]:
+        left, top = np.clip(np.floor(first).astype(int) - 1, 0, None)
+        right, bottom = np.clip(np.ceil(last).astype(int) + 2, 0, [self.width, self.height])
+        return slice(top, bottom), slice(left, right)
+
+    def _project(self, tilt: float, move: CameraMove) -> np.ndarray:
         # Hartley and Zisserman, Multiple View Geometry, 8.1: a plane's points project by
         # K [r1 r2 t]; here the plane's origin is moved to where the picture's centre looks.
         centre = self.width / 2, self.height / 2
         focal = _CAMERA_DISTANCE_CM / self.cm_per_px
         camera = np.array([[focal, 0, centre[0]], [0, focal, centre[1]], [0, 0, 1]])
-        pose = np.array([[1, 0, 0],
-                         [0, math.cos(tilt), 0],
-                         [0, -math.sin(tilt), _CAMERA_DISTANCE_CM]])
-        to_centre = np.array([[1, 0, -centre[0] * self.cm_per_px],
-                              [0, 1, -centre[1] * self.cm_per_px],
+        pose = move.rotation(tilt)
+        pose[:, 2] = 0, 0, _CAMERA_DISTANCE_CM / move.zoom
+        to_centre = np.array([[1, 0, (move.shift_px[0] - centre[0]) * self.cm_per_px],
+                              [0, 1, (move.shift_px[1] - centre[1]) * self.cm_per_px],
                               [0, 0, 1]])
         return camera @ pose @ to_centre

@@ -29,15 +29,18 @@ from camera_to_base.surface.matched_points import (
     check_inside, check_spread, MatchedPoints, on_one_line, PointPairs)
 from camera_to_base.surface.models import (
     homogeneous, HomographySurface, PolynomialSurface, Surface)
+from camera_to_base.surface.nudged import NudgedSurface, PictureMap
 from camera_to_base.surface.parameters import make_hull, make_surface, surface_values
 from camera_to_base.surface.pose import camera_pose, CameraIntrinsics
+from camera_to_base.surface.raised import flat_surface
 from camera_to_base.surface.rectification import sees_y_clockwise, surface_extent, top_view
 from camera_to_base.surface.specs import SURFACE_DEFAULTS, SURFACE_SPECS
 
 __all__ = [
-    'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread',
-    'divide', 'homogeneous', 'HomographySurface', 'Hull', 'ImageSize', 'make_hull', 'make_surface',
-    'MatchedPoints', 'on_one_line', 'PointPairs', 'PolynomialSurface', 'RadialDistortion',
-    'sees_y_clockwise', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent', 'SURFACE_SPECS',
-    'surface_values', 'top_view', 'undivide',
+    'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread', 'divide',
+    'flat_surface', 'homogeneous', 'HomographySurface', 'Hull', 'ImageSize', 'make_hull',
+    'make_surface', 'MatchedPoints', 'NudgedSurface', 'on_one_line', 'PictureMap',
+    'PointPairs', 'PolynomialSurface', 'RadialDistortion', 'sees_y_clockwise', 'Surface',
+    'SURFACE_DEFAULTS', 'surface_extent', 'SURFACE_SPECS', 'surface_values', 'top_view',
+    'undivide',
 ]

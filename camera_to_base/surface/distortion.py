@@ -71,6 +71,8 @@ class RadialDistortion:
         :param pixels: Shape (n, 2), columns u and v, in px.
         :returns: Shape (n, 2), in px; NaN where the model has no answer, see `divide`.
         """
+        if self.coefficient == 0:
+            return np.asarray(pixels, float)
         offsets = (np.asarray(pixels, float) - self.centre) / self.radius
         return self.centre + self.radius * divide(offsets, self.coefficient)
 

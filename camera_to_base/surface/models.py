@@ -29,7 +29,15 @@ _HORIZON = 0.01
 
 
 class Surface(Protocol):
-    """Maps pixels to the work surface."""
+    """
+    Maps pixels to the work surface.
+
+    `distortion` is that of the lens, None for a lens without; `height_share` is the height of the
+    objects as a share of the camera's, 0 for flat ones.
+    """
+
+    distortion: Optional[RadialDistortion]
+    height_share: float
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """
@@ -66,6 +74,7 @@ class ParallelSurface:
         width_cm: float = SURFACE_DEFAULTS['surface.parallel.width_cm'],
         image_width: int = DEFAULT_IMAGE_SIZE[0],
     ) -> None:
+        self.distortion, self.height_share = None, 0.0
         self._width_cm = width_cm
         self._image_width = image_width
 
@@ -109,6 +118,7 @@ class PolynomialSurface:
         centre_u: float = SURFACE_DEFAULTS['surface.polynomial.centre_u'],
         image_size: ImageSize = DEFAULT_IMAGE_SIZE,
     ) -> None:
+        self.distortion, self.height_share = None, 0.0
         self.y_of_v = finite_numbers('y_of_v', y_of_v, 3)
         self.px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
         self.centre_u = float(finite_numbers('centre_u', centre_u))
@@ -166,6 +176,7 @@ class HomographySurface:
         image_size: ImageSize = DEFAULT_IMAGE_SIZE,
         distortion: Optional[RadialDistortion] = None,
     ) -> None:
+        self.height_share = 0.0
         matrix = finite_numbers('surface_from_pixel', surface_from_pixel, 3, 3)
         self.image_size = check_image_size(image_size)
         self.distortion = distortion or RadialDistortion.of_picture(self.image_size)

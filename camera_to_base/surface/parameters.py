@@ -28,6 +28,11 @@ from camera_to_base.surface.raised import RaisedSurface
 from camera_to_base.surface.specs import MOST_CORNERS, SURFACE_SPECS
 import numpy as np
 
+# What a flat surface does not depend on.
+_OF_THE_OBJECTS = (
+    'object_height_cm', 'surface.camera_height_cm', 'surface.camera_foot_cm', 'surface.hull',
+    'surface.reject_outside_hull')
+
 
 def make_surface(values: Mapping[str, Any]) -> Surface:
     """
@@ -45,7 +50,7 @@ def make_surface(values: Mapping[str, Any]) -> Surface:
 @lru_cache(maxsize=8)
 def _made_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
     values = dict(items)
-    surface = _flat_surface(values)
+    surface = _flat_surface(tuple(item for item in items if item[0] not in _OF_THE_OBJECTS))
     if values['object_height_cm'] == 0:
         return surface
     foot_cm = values['surface.camera_foot_cm'] or None
@@ -66,7 +71,9 @@ def _where_is_the_camera(name: str) -> str:
             '--intrinsics find it')
 
 
-def _flat_surface(values: Mapping[str, Any]) -> Surface:
+@lru_cache(maxsize=8)
+def _flat_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
+    values = dict(items)
     model = values['surface.model']
     image_size = values['surface.image_size']
     if model == 'parallel':

@@ -57,13 +57,14 @@ class RaisedSurface:
         camera_foot_cm: Optional[Sequence[float]] = None,
         image_size: ImageSize = DEFAULT_IMAGE_SIZE,
     ) -> None:
-        self._surface = surface
+        self._surface, self.distortion = surface, surface.distortion
         self._object_height_cm = object_height_cm
         self._camera_height_cm = camera_height_cm
         if not object_height_cm < camera_height_cm:
             raise InvalidValueError(
                 f"object_height_cm must be below the camera's height, {camera_height_cm:g} cm, "
                 f'got {object_height_cm:g}')
+        self.height_share = object_height_cm / camera_height_cm
         self._given_foot_cm = camera_foot_cm
         if camera_foot_cm is None:
             centre = np.subtract(image_size, 1) / 2
@@ -73,11 +74,20 @@ class RaisedSurface:
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the surface below what they show, see :meth:`Surface.locate`."""
         seen = self._surface.locate(pixels)
-        share = 1 - self._object_height_cm / self._camera_height_cm
-        return self._foot_cm + (seen - self._foot_cm) * share
+        return self._foot_cm + (seen - self._foot_cm) * (1 - self.height_share)
+
+    @property
+    def flat(self) -> Surface:
+        """The work surface itself."""
+        return self._surface
 
     def for_image_size(self, image_size: ImageSize) -> 'RaisedSurface':
         """Give the model for pictures of a size, see :meth:`Surface.for_image_size`."""
         return RaisedSurface(
             self._surface.for_image_size(image_size), self._object_height_cm,
             self._camera_height_cm, self._given_foot_cm, image_size)
+
+
+def flat_surface(surface: Surface) -> Surface:
+    """Give the work surface itself: the calibration, whatever the height of the objects is."""
+    return surface.flat if isinstance(surface, RaisedSurface) else surface

@@ -17,12 +17,14 @@ Trust: decides whether the positions of a frame may be published.
 
 In: frames. Out: one sighting for each frame, with its objects, or with the reason why none of them
 may be published. There are checks for damage, a moved view, objects that reach in from the edge,
-jumps and age; the pipeline runs them in order.
+jumps and age; the pipeline runs them in order. A nudge of the camera is corrected: `standpoint`
+keeps the surface and the background that hold where the camera stands.
 
 Callers: `nodes` and `commands`. It imports only numpy and OpenCV.
 """
 
 from camera_to_base.trust.arms.arm_check import ArmCheck
+from camera_to_base.trust.correction.correction import Correction
 from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
@@ -30,12 +32,13 @@ from camera_to_base.trust.limits import LIMIT_SPECS, Limits, make_limits
 from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.surface_in_force import SurfaceInForce
 from camera_to_base.trust.thumbnail import read_thumbnail, view_thumbnail
 from camera_to_base.trust.view.view_check import View, ViewCheck
 from camera_to_base.trust.view.view_watch import ViewWatch
 
 __all__ = [
-    'ArmCheck', 'CameraPipeline', 'DamageCheck', 'FrameUncertainty', 'LIMIT_SPECS', 'Limits',
-    'make_limits', 'OwnCamera', 'PositionGate', 'read_thumbnail', 'Sighting', 'View',
-    'view_thumbnail', 'ViewCheck', 'ViewWatch',
+    'ArmCheck', 'CameraPipeline', 'Correction', 'DamageCheck', 'FrameUncertainty', 'LIMIT_SPECS',
+    'Limits', 'make_limits', 'OwnCamera', 'PositionGate', 'read_thumbnail', 'Sighting',
+    'SurfaceInForce', 'View', 'view_thumbnail', 'ViewCheck', 'ViewWatch',
 ]

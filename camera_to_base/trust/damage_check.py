@@ -17,7 +17,7 @@
 from collections import deque
 from typing import Any, Optional
 
-from camera_to_base.detection import changed_blocks, mean_blocks
+from camera_to_base.detection import changed_blocks, has_changed_block, mean_blocks
 from camera_to_base.reason import Level, Reason
 import numpy as np
 
@@ -139,7 +139,8 @@ class DamageCheck:
 
 def _is_flat(rows: np.ndarray) -> bool:
     # The first row tells of most pictures that they are not.
-    return bool((rows[0] == rows[0, 0]).all() and (rows == rows[0, 0]).all())
+    colour, width = rows[0, 0].tobytes(), rows.shape[1]
+    return rows[0].tobytes() == colour * width and rows.tobytes() == colour * width * len(rows)
 
 
 def _is_near(colour: np.ndarray, others: Any) -> bool:
@@ -151,5 +152,7 @@ def _is_near(colour: np.ndarray, others: Any) -> bool:
 
 
 def _differ(blocks: np.ndarray, others: np.ndarray) -> bool:
+    if not has_changed_block(blocks, others):
+        return False
     changed = changed_blocks(blocks, others)
     return changed.mean() > _LARGEST_SHARE or changed[-1].mean() > _LARGEST_BOTTOM_SHARE

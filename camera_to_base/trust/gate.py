@@ -64,7 +64,7 @@ class PositionGate:
             _UNCONFIRMED if believed is None else self._age_reason(taken_at))
         if reason is not None:
             return seen._replace(reason=reason)
-        left_out = (LeftOut(found.detection, _JUMPED) for found in seen.objects
+        left_out = (LeftOut(found.detection, _JUMPED, found.point) for found in seen.objects
                     if not any(found is other for other in believed))
         return seen._replace(objects=believed, left_out=(*seen.left_out, *left_out))
 

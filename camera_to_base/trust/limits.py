@@ -39,6 +39,15 @@ LIMIT_SPECS = [
     ParameterSpec(
         'view.check_period', 2.0,
         'No longer has an effect: the view of each frame is checked.', (0.01, 3600), unit='s'),
+    ParameterSpec(
+        'view.correct_up_to_px', 20.0,
+        'A movement of the view of up to this many px, at the farthest corner of the picture, is '
+        'measured on the structure of the surface, and positions are corrected; 0 for never.',
+        (0, 1000), unit='px'),
+    ParameterSpec(
+        'view.correct_error_mm', 1.0,
+        'Nothing is corrected, and nothing published, if one of a hundred positions would be off '
+        'by more than this after the correction.', (0.01, 1000), unit='mm'),
 ]
 _DEFAULTS = default_values(LIMIT_SPECS)
 
@@ -51,12 +60,19 @@ class Limits(NamedTuple):
     max_shift_px: float = _DEFAULTS['view.max_shift_px']
     max_changed_share: float = _DEFAULTS['view.max_changed_share']
     check_period_s: float = _DEFAULTS['view.check_period']
+    correct_up_to_px: float = _DEFAULTS['view.correct_up_to_px']
+    correct_error_mm: float = _DEFAULTS['view.correct_error_mm']
 
     @property
     def without_effect(self) -> List[str]:
         """Names of parameters that were set but no longer have an effect."""
         is_set = self.check_period_s != _DEFAULTS['view.check_period']
         return ['view.check_period'] if is_set else []
+
+    @property
+    def may_correct(self) -> bool:
+        """Whether a movement of the view is corrected: where it is checked at all."""
+        return self.max_shift_px > 0 and self.correct_up_to_px > 0
 
     @property
     def for_recording(self) -> 'Limits':

@@ -17,35 +17,26 @@
 from collections import Counter
 import math
 import time
-from typing import NamedTuple, Optional
+from typing import Optional
 
-from camera_to_base.detection import (
-    BackgroundTaker, check_frame, check_same_size, DetectorSettings, ObjectLocator)
+from camera_to_base.detection import check_frame, check_same_size, DetectorSettings
 from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
-from camera_to_base.trust.arms.arm_check import ArmCheck
+from camera_to_base.trust.background import Background, BackgroundKeeper
+from camera_to_base.trust.correction.correction import Correction
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.scene import Scene
 from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.standpoint import Standpoint
+from camera_to_base.trust.surface_in_force import SurfaceInForce
 from camera_to_base.trust.view.view_check import View
-from camera_to_base.trust.view.view_watch import ViewWatch
-from camera_to_base.uncertainty import FrameState, PositionUncertainty, ShiftMean
+from camera_to_base.uncertainty import FrameState, PositionUncertainty
 import numpy as np
-
-# By how much a frame that was moved back may still be off, see the benchmark of the view.
-_MOVED_BACK_PX = 0.1
-
-
-class KeptBackground(NamedTuple):
-    """A background that is being replaced, and when it was taken, by time.monotonic()."""
-
-    picture: np.ndarray
-    taken_at: float
-    is_restored: bool
 
 
 class CameraPipeline:
@@ -69,15 +60,11 @@ class CameraPipeline:
     ) -> None:
         self._kind = kind
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
-        self._view: Optional[ViewWatch] = None
-        self._held_back, self._shifts = HeldBack(), ShiftMean()
+        self._held_back = HeldBack()
         self.counts: Counter = Counter()
-        self._surface, self._detector = surface, detector
-        self._limits = self._limits_here(limits)
-        self._locator: Optional[ObjectLocator] = None
-        self.background: Optional[np.ndarray] = None
-        self.background_frame_count = 0
-        self._replaced: Optional[KeptBackground] = None
+        self._detector, self._limits = detector, self._limits_here(limits)
+        self._background = BackgroundKeeper(confirm=kind.is_live)
+        self._standpoint = Standpoint(surface, self._limits)
         self.capture_background(background_frames)
 
     def configure(
@@ -88,17 +75,13 @@ class CameraPipeline:
 
         Parts whose settings have not changed keep their state, so that no frame is held back.
         """
-        limits = self._limits_here(limits)
-        if (surface, detector) != (self._surface, self._detector):
-            self._surface, self._detector = surface, detector
-            self._locator = None
-            if self._view is not None:
-                self._arms.forget_objects()
-        if limits != self._limits:
-            self._limits = limits
-            self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
-            if self._view is not None:
-                self._view.configure(limits)
+        if detector != self._detector:
+            self._detector = detector
+            if self._scene is not None:
+                self._scene.forget_objects()
+        self._limits = self._limits_here(limits)
+        self._gate.configure(self._limits.max_frame_age_s, self._limits.confirm_jump_px)
+        self._standpoint.configure(surface, self._limits)
 
     def capture_background(self, frame_count: int) -> None:
         """
@@ -107,11 +90,7 @@ class CameraPipeline:
         Fewer frames are taken if they would need too much memory, see :class:`BackgroundTaker`;
         `background_frame_count` is their number.
         """
-        if self.background is not None:
-            self._replaced = KeptBackground(
-                self.background, self._background_taken_at, self.background_is_restored)
-        self._taker: Optional[BackgroundTaker] = BackgroundTaker(frame_count)
-        self.background = None
+        self._background.take(frame_count)
 
     def keep_background(self) -> bool:
         """
@@ -119,45 +98,101 @@ class CameraPipeline:
 
         :returns: Whether there is one; otherwise the next good frames become the background.
         """
-        if self.background is None and self._replaced is not None:
-            picture, taken_at, is_restored = self._replaced
-            self._use_background(
-                picture, age_s=time.monotonic() - taken_at, is_restored=is_restored)
-        return self.background is not None
+        return self._background.keep_before() is not None
 
-    def restore_background(self, background: np.ndarray, age_s: float) -> None:
+    def restore_background(
+        self, background: np.ndarray, age_s: float, may_correct: bool = True
+    ) -> None:
         """
         Use a saved background; the first frame's view is compared with it.
 
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: Its age.
+        :param may_correct: Whether the camera stood for it where it was calibrated.
         """
-        self._use_background(background, age_s=age_s, is_restored=True)
+        restored = Background(background, time.monotonic() - age_s, is_restored=True)
+        self._background.use(restored)
+        self._use_background(restored, may_correct)
+
+    def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
+        """
+        Use another surface from the next frame on, see :meth:`Standpoint.use_surface`.
+
+        :param surface: None for that of the parameters.
+        """
+        self._standpoint.use_surface(surface)
+
+    @property
+    def background(self) -> Optional[np.ndarray]:
+        """The background as it was taken, shape (h, w, 3); None while one is taken."""
+        current = self._background.current
+        return None if current is None else current.picture
+
+    @property
+    def background_as_calibrated(self) -> Optional[np.ndarray]:
+        """The background as the camera sees it from where it was calibrated; None for none."""
+        return None if self.background is None else self._standpoint.background_as_calibrated
+
+    @property
+    def background_is_restored(self) -> bool:
+        """Whether the background is from a file."""
+        return self._background.current is not None and self._background.current.is_restored
+
+    @property
+    def background_frame_count(self) -> int:
+        """Number of frames that the last background was made of."""
+        return self._background.frame_count
 
     @property
     def background_age_s(self) -> float:
         """Age of the background, in s."""
-        return time.monotonic() - self._background_taken_at
+        return self._background.current.age_s
+
+    @property
+    def surface_in_force(self) -> SurfaceInForce:
+        """What the pixels of the last frame mean."""
+        return self._standpoint.surface
+
+    @property
+    def correction(self) -> Optional[Correction]:
+        """How the camera was nudged since the background was taken; None for not at all."""
+        return self._standpoint.correction
+
+    @property
+    def doubt(self) -> Optional[Reason]:
+        """Why positions are located by another surface than the calibrated one, or None."""
+        return self.surface_in_force.reason
 
     @property
     def faintness(self) -> Optional[str]:
         """Say how faint an object may be with the noise of the frames; None for not known."""
-        noise = None if self._locator is None else self._locator.noise
+        noise = None if self._scene is None else self._scene.noise
         return None if noise is None else self._detector.faintness(noise)
 
     def frame_uncertainty(
         self, frame: np.ndarray, uncertainty: PositionUncertainty
     ) -> FrameUncertainty:
-        """Return the uncertainty of the positions on the last frame."""
-        noise = None if self._locator is None else self._locator.noise
-        return FrameUncertainty(uncertainty, frame, self.background, FrameState(
-            (frame.shape[1], frame.shape[0]), math.nan if noise is None else noise,
-            self._shifts.deviation_px))
+        """
+        Return the uncertainty of the positions on the last frame.
+
+        :param uncertainty: That of the calibration.
+        """
+        size, scene = (frame.shape[1], frame.shape[0]), self._scene
+        if scene is None:
+            return FrameUncertainty(uncertainty, frame, None, FrameState(size))
+        noise = math.nan if scene.noise is None else scene.noise
+        return FrameUncertainty(
+            scene.uncertainty(uncertainty), frame, scene.background.picture,
+            FrameState(size, noise, scene.shifts.deviation_px))
+
+    @property
+    def _scene(self) -> Optional[Scene]:
+        return self._standpoint.scene
 
     @property
     def view(self) -> Optional[View]:
         """Result of the last comparison of a frame's view with the background; None for none."""
-        return None if self._view is None else self._view.view
+        return None if self._scene is None else self._scene.view.view
 
     @property
     def reason(self) -> Optional[Reason]:
@@ -166,7 +201,7 @@ class CameraPipeline:
 
         A passing reason counts after a second, see :class:`HeldBack`.
         """
-        return self._held_back.reason if self._taker is None else self._taker.reason
+        return self._background.reason or self._held_back.reason
 
     def process(self, frame: np.ndarray, taken_at: Optional[float] = None) -> Sighting:
         """
@@ -192,18 +227,12 @@ class CameraPipeline:
             reason = self._background_reason(frame)
             if reason is not None:
                 return Sighting([], reason)
-            locator = self._current_locator()
+            self._scene.prepare(self._detector)
             check_same_size(frame, self.background)
-            reason = self._view.reason(frame)
-            there = frame
-            if self._detector.method == 'precise':
-                frame = self._view.moved_back(frame)
-            self._shifts.add(_MOVED_BACK_PX if frame is not there else self._view.shift_px)
-            found = locator.find(frame)
+            reason = self._standpoint.reason(frame)
+            found = self._scene.find(frame, self._detector, self._time_of(taken_at))
         except CameraToBaseError as error:
             return Sighting([], self._frame_reason(error))
-        if self._view.is_in_place and self._leaves_out_cut_off():
-            found = self._arms.check(frame, found, self._time_of(taken_at), self._view.shift_px)
         seen = Sighting(found.objects, reason, found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
 
@@ -211,25 +240,23 @@ class CameraPipeline:
         # Each frame of a recording stands for itself.
         return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
 
-    def _leaves_out_cut_off(self) -> bool:
-        # An arm that reaches in is a cut-off object; it is an object if these are published.
-        return self._detector.method == 'precise' and not self._detector.publish_cut_off
-
     def _background_reason(self, frame: np.ndarray) -> Optional[Reason]:
-        if self._taker is None:
-            return None
-        background = self._taker.add(frame, confirm=self._kind.is_live)
-        if background is None:
-            return self._taker.reason
-        self.background_frame_count = self._taker.taken_count
-        self._use_background(background, witness=frame if self._kind.is_live else None)
-        return None
+        if self._background.current is None:
+            taken = self._background.add(frame)
+            if taken is not None:
+                self._use_background(taken)
+        return self._background.reason
+
+    def _use_background(self, background: Background, may_correct: bool = True) -> None:
+        self._standpoint.use_background(background, may_correct)
+        self._held_back = HeldBack()
 
     def _frame_reason(self, error: CameraToBaseError) -> Reason:
         if not isinstance(error, FrameSizeError):
             return Reason('frame_unusable', Level.ERROR, f'no position is published: {error}')
         # A new background does not change the picture size of the surface's calibration.
-        cure = ', or clear the surface and call ~/capture_background' if self._locator else ''
+        has_surface = self._scene is not None and self._scene.is_prepared
+        cure = ', or clear the surface and call ~/capture_background' if has_surface else ''
         return Reason('frame_size', Level.ERROR, f'{error}{cure}')
 
     def _count(self, sighting: Sighting) -> None:
@@ -238,19 +265,3 @@ class CameraPipeline:
             self.counts['frames with an object'] += 1
         if sighting.reason is not None:
             self.counts[f'frames held back: {sighting.reason.kind}'] += 1
-
-    def _use_background(
-        self, background: np.ndarray, witness: Optional[np.ndarray] = None,
-        age_s: float = 0.0, is_restored: bool = False,
-    ) -> None:
-        self.background, self.background_is_restored = background, is_restored
-        self._background_taken_at = time.monotonic() - age_s
-        self._view = ViewWatch(background, self._limits, witness)
-        self._arms = ArmCheck(background)
-        self._held_back, self._shifts = HeldBack(), ShiftMean()
-        self._taker = self._locator = None
-
-    def _current_locator(self) -> ObjectLocator:
-        if self._locator is None:
-            self._locator = ObjectLocator(self.background, self._surface, self._detector)
-        return self._locator

@@ -17,7 +17,8 @@
 from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.calibration.boards.board_frame import board_points
 from camera_to_base.calibration.fits.homography_fit import fit_homography
-from camera_to_base.calibration.report_drawing import ARROW, report_picture, round_step
+from camera_to_base.calibration.report_drawing import (
+    ARROW, report_panels, report_picture, round_step)
 from camera_to_base.surface.matched_points import MatchedPoints
 from camera_to_base.surface.rectification import surface_extent, top_view
 import numpy as np
@@ -48,7 +49,8 @@ def test_a_bad_fit_looks_bad():
     image, matched, surface = fitted()
     lattice = matched.points.reshape(6, 9, 2)
     shifted = MatchedPoints(matched.points + np.array([[0.2, 0.0]]), matched.pixels)
-    red = [(report_picture(surface, points, IMAGE_SIZE, image=image, lattice=lattice)
+    red = [(report_picture(report_panels(
+        surface, points, IMAGE_SIZE, image=image, lattice=lattice))
             == ARROW).all(axis=2).sum() for points in (matched, shifted)]
     assert red[1] > 3 * red[0]
 
@@ -57,7 +59,7 @@ def test_a_table_is_drawn_on_an_empty_picture():
     points = np.array([[0, 0], [20, 0], [0, 12], [20, 12], [7, 5]], float)
     matched = MatchedPoints(points, project(pixel_from_surface(60), points))
     surface = fit_homography(matched, IMAGE_SIZE).surface
-    picture = report_picture(surface, matched, IMAGE_SIZE, lines=('one', 'two'))
+    picture = report_picture(report_panels(surface, matched, IMAGE_SIZE), ('one', 'two'))
     assert picture.dtype == np.uint8 and picture.shape[0] == 640 + 3 * 34
 
 

@@ -61,7 +61,7 @@ class Prefix:
 @pytest.fixture
 def prefix(tmp_path, monkeypatch):
     prefix = Prefix(tmp_path / 'install')
-    prefix.add('camera_to_base', *OURS)
+    prefix.add('camera_to_base', *OURS, 'dashboard')
     share = prefix.path / 'share/camera_to_base'
     share.mkdir()
     for directory in ('config', 'launch'):
@@ -135,7 +135,7 @@ def test_both_nodes_are_started_and_nothing_else(prefix):
 def test_every_argument_has_a_default_and_a_description(prefix):
     arguments = {argument.name: argument for argument in description().get_launch_arguments()}
     assert list(arguments) == ['params_file', 'source', 'namespace', 'image_topic',
-                               'camera_driver', 'cameras', 'publish_tf', 'rviz']
+                               'camera_driver', 'cameras', 'publish_tf', 'rviz', 'dashboard']
     for argument in arguments.values():
         assert argument.default_value is not None and argument.description.endswith('.')
 
@@ -150,6 +150,23 @@ def test_what_was_asked_for_is_started_or_named_where_it_is_missing(
         described(**{argument: value})
     prefix.add(package, OTHERS[package])
     assert described(**{argument: value}) == sorted({*OURS, OTHERS[package]})
+
+
+def test_the_dashboard_is_started_once_and_saves_to_the_file_that_was_given(prefix, tmp_path):
+    assert described(dashboard='true') == sorted([*OURS, 'dashboard'])
+    assert described(dashboard='true', cameras=str(ROOT / 'config/two_cameras.yaml')) == sorted(
+        [*OURS, *OURS, 'dashboard'])
+    cell = tmp_path / 'cell.yaml'
+    cell.write_text('/**: {ros__parameters: {reach_cm: 30.0}}')
+    command = command_of('dashboard', started(3, dashboard='true', params_file=str(cell)))
+    written = ''.join(Path(path).read_text()
+                      for path in re.findall(r'--params-file (\S*launch_params\S*)', command))
+    assert f'params_file: {cell}' in written
+
+
+def test_the_dashboard_does_not_save_to_the_installed_file(prefix):
+    command = command_of('dashboard', started(3, dashboard='true'))
+    assert 'overhead_camera' not in command
 
 
 def test_two_cameras_have_two_nodes_and_a_transform_each(prefix):

@@ -291,6 +291,7 @@ def test_demo_prints_each_position_saves_a_picture_and_leaves_nothing_behind(tmp
     errors = [float(error) for error in re.findall(r'error ([\d.]+) mm', output)]
     assert len(errors) >= 10 and max(errors) < 2.0
     assert f'annotated picture: {tmp_path}/demo.png' in output
+    assert 'the dashboard is at http://localhost:' in output
     assert cv2.imread(str(tmp_path / 'demo.png')).shape == (480, 640, 3)
     assert subprocess.run(['pgrep', '-f', str(tmp_path)]).returncode == 1
 
@@ -310,7 +311,8 @@ def test_demo_ends_with_an_error_where_a_node_dies(tmp_path):
     (share / 'camera_to_base').touch()
     (tmp_path / 'lib/camera_to_base').mkdir(parents=True)
     for name, script in (('camera_publisher', 'kill -ABRT $$'),
-                         ('robot_base_publisher', 'exec sleep 60')):
+                         ('robot_base_publisher', 'exec sleep 60'),
+                         ('dashboard', 'exec sleep 60')):
         executable = tmp_path / 'lib/camera_to_base' / name
         executable.write_text(f'#!/bin/sh\n{script}\n')
         executable.chmod(0o755)

@@ -201,8 +201,9 @@ def test_object_that_jumps_in_beside_a_steady_one_is_left_out_until_a_second_fra
         camera.process(frame, time.monotonic())
     sighting = camera.process(both, time.monotonic())
     assert len(sighting.objects) == 1
-    (detection, reason), = sighting.left_out
-    assert detection.centre == pytest.approx((100, 100), abs=2) and reason.kind == 'unconfirmed'
+    left_out, = sighting.left_out
+    assert left_out.detection.centre == pytest.approx((100, 100), abs=2)
+    assert left_out.reason.kind == 'unconfirmed'
     assert len(camera.process(both, time.monotonic()).objects) == 2
 
 

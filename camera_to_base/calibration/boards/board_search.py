@@ -69,6 +69,10 @@ def why_not_found(grey: np.ndarray, columns: int, rows: int) -> str:
     """
     scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
     grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    # One call that finds most boards; the others take some seconds.
+    part = any_board(grey)
+    if part is not None and sorted(part.shape[:2]) != sorted((columns, rows)):
+        return part_text(grey, part, columns, rows)
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
     for other in _nearby_counts(columns, rows):
         found, corners = cv2.findChessboardCorners(grey, other, flags=flags)
@@ -79,12 +83,49 @@ def why_not_found(grey: np.ndarray, columns: int, rows: int) -> str:
                 return other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows,
                                     edges_reached(grey, corners))
     edges = _cut_off_at(grey, columns, rows)
-    if edges:
-        return f'{_cut_off_text(edges)}: the whole board must be in it, with a white margin'
+    return _whole_board_text(edges) if edges else not_found_text(columns, rows)
+
+
+def not_found_text(columns: int, rows: int) -> str:
+    """Say that a picture shows no board, where nothing tells why."""
     return (
         f'no chessboard with {columns} x {rows} inner corners found: the whole board must be in '
         'the picture with a white margin, evenly lit and sharp, and its inner corners counted '
         'where four squares meet (one less than the squares in each direction)')
+
+
+def any_board(grey: np.ndarray) -> Optional[np.ndarray]:
+    """
+    Find the chessboard that a picture shows, whatever its counts, or the part that it shows.
+
+    :param grey: Shape (h, w), uint8.
+    :returns: Shape (rows, columns, 2), in px; None if there is none.
+    """
+    flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_LARGER
+    found, corners, cells = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), flags=flags)
+    if not found:
+        return None
+    corners = corners.reshape(*cells.shape, 2).astype(float)
+    return corners if is_pattern(grey, corners) else None
+
+
+def part_text(
+    grey: np.ndarray, part: np.ndarray, columns: int, rows: int
+) -> str:
+    """
+    Say why a board that a picture shows is not the one that is looked for.
+
+    :param part: Shape (rows, columns, 2), see :func:`any_board`.
+    """
+    edges = edges_reached(grey, part)
+    more_columns, more_rows = count_beyond(grey, part)
+    found = part.shape[1] + more_columns, part.shape[0] + more_rows
+    # It cannot be told which way the board lies: as near to what is looked for as it can be.
+    found = min(found, found[::-1], key=lambda counts: abs(counts[0] - columns)
+                + abs(counts[1] - rows))
+    if edges and found[0] <= columns and found[1] <= rows:
+        return _whole_board_text(edges)
+    return other_counts(columns, rows, *found, edges)
 
 
 def _cut_off_at(grey, columns, rows):
@@ -120,6 +161,10 @@ def other_counts(
     return (
         f'the board in the picture has {found_columns} x {found_rows} inner corners, not '
         f'{columns} x {rows}: {cut_off}give --corners {found_columns}x{found_rows}')
+
+
+def _whole_board_text(edges):
+    return f'{_cut_off_text(edges)}: the whole board must be in it, with a white margin'
 
 
 def _cut_off_text(edges):

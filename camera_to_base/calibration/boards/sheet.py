@@ -19,8 +19,8 @@ from typing import Any, Tuple
 
 from camera_to_base.calibration.boards.charuco import MARKER_SHARE, marker_squares
 from camera_to_base.checks import finite_number, whole_number
-from camera_to_base.detection import CELLS, marker_cells
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.markers import CELLS, marker_cells
 import numpy as np
 
 # Width and height as the sheet lies, in mm.

@@ -20,6 +20,7 @@ from camera_to_base.detection.detection import Box, Detection, Pixel, touches_ed
 from camera_to_base.detection.precise.highlight import close_around_highlights
 from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
 from camera_to_base.detection.precise.plain import place_plain, Plain
+from camera_to_base.detection.precise.reduced import enlarged, reduced
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 from camera_to_base.detection.precise.shaded import find_shaded
@@ -31,6 +32,8 @@ import numpy as np
 
 # Surroundings that a region's place is told from, in px.
 _SURROUNDINGS = 12
+# A larger object, its surroundings included, is placed on a reduced picture; in px².
+_MOST_TO_PLACE = 80_000
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -83,7 +86,12 @@ class Placer:
         box = grown(Box(*cv2.boundingRect(piece.mask)), _SURROUNDINGS, piece.mask)
         part = slices(box)
         near = Piece(*(np.ascontiguousarray(picture[part]) for picture in piece))
-        return self._placed(way(near), box._replace(x=box.x + window.x, y=box.y + window.y))
+        coarse, scale = reduced(near, _MOST_TO_PLACE)
+        placed = way(coarse)
+        return self._placed(
+            Placed(enlarged(placed.shares, scale, near.mask),
+                   enlarged(placed.mask, scale, near.mask)),
+            box._replace(x=box.x + window.x, y=box.y + window.y))
 
     def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
         height, width = frame.shape[:2]

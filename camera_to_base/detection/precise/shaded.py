@@ -22,12 +22,12 @@ goes on into the arm, and what lies on the arm is not surrounded by table or sha
 these is taken for an object.
 """
 
-from typing import Iterator, List, Tuple
+from typing import Iterator, List
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.piece import (
-    in_clearest_colour, Look, look_at, Piece, square)
-from camera_to_base.detection.precise.regions import grown, slices
+    in_clearest_colour, Look, look_at, outlines_in, Piece, square)
+from camera_to_base.detection.precise.regions import filled, grown, slices
 import cv2
 import numpy as np
 
@@ -53,10 +53,15 @@ def find_shaded(piece: Piece, min_area: float) -> List[np.ndarray]:
     found: List[np.ndarray] = []
     taken = np.zeros_like(piece.mask)
     for mask in _candidates(piece, look):
-        for part in _parts_inside(mask, min_area):
-            if not (part & taken).any() and _is_set_apart(*_cut_out(part, piece)):
-                found.append(part)
-                taken |= part
+        for outline in _outlines_inside(mask, min_area):
+            window = grown(Box(*cv2.boundingRect(outline)), max(_WINDOWS), mask)
+            part, inside = slices(window), filled(outline, window)
+            if not (inside & taken[part]).any() and _is_set_apart(
+                    inside, Piece(*(picture[part] for picture in piece)),
+                    Look(*(picture[part] for picture in look))):
+                taken[part] |= inside
+                found.append(np.zeros_like(taken))
+                found[-1][part] = inside
     return found
 
 
@@ -67,25 +72,19 @@ def _candidates(piece: Piece, look: Look) -> Iterator[np.ndarray]:
         yield piece.mask & (look.ratio < ratio).astype(np.uint8)
 
 
-def _parts_inside(mask: np.ndarray, min_area: float) -> Iterator[np.ndarray]:
+def _outlines_inside(mask: np.ndarray, min_area: float) -> Iterator[np.ndarray]:
     height, width = mask.shape
-    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    for outline in outlines:
+    for outline in outlines_in(mask):
         x, y, across, down = cv2.boundingRect(outline)
         is_inside = x > 0 and y > 0 and x + across < width and y + down < height
         if is_inside and cv2.contourArea(outline) >= min_area:
-            yield cv2.drawContours(np.zeros_like(mask), [outline], 0, 1, cv2.FILLED)
+            yield outline
 
 
-def _cut_out(part: np.ndarray, piece: Piece) -> Tuple[np.ndarray, Piece]:
-    window = slices(grown(Box(*cv2.boundingRect(part)), max(_WINDOWS), part))
-    return part[window], Piece(*(picture[window] for picture in piece))
-
-
-def _is_set_apart(part: np.ndarray, piece: Piece) -> bool:
+def _is_set_apart(part: np.ndarray, piece: Piece, look: Look) -> bool:
     rim = part & (1 - cv2.erode(part, square(3)))
     around = cv2.dilate(part, square(9)) & (1 - cv2.dilate(part, square(5)))
-    if not _is_on_table(around, look_at(piece)):
+    if not _is_on_table(around, look):
         return False
     level = cv2.log(in_clearest_colour(piece, part, around)[0])
     contrast = np.abs(np.median(level[rim > 0]) - np.median(level[around > 0]))

@@ -48,6 +48,10 @@ _LEFT = Reason(
     'has left: clear the surface, and call ~/capture_background', is_passing=True)
 
 
+# Where something reaches in; None for nowhere.
+_Mask = Optional[np.ndarray]
+
+
 class _Known(NamedTuple):
     found: LocatedObject
     rim: Rim
@@ -83,9 +87,10 @@ class ArmCheck:
         if not found.objects and not found.left_out and not self._fills:
             self._known = []
             return found
-        changes = self._reaching_in.find(frame, shift_px)
+        changes = self._reaching_in.find(
+            frame, shift_px, [one.detection.outline for one in found.objects])
         found = self._without_left(frame, found, changes)
-        fill = changes.reaching_in
+        fill = changes.reaching_in if changes.any_reaching_in else None
         if taken_at is None:
             return _divided(found, [_TOUCHED if self._is_covered(one, fill) else None
                                     for one in found.objects])
@@ -101,18 +106,18 @@ class ArmCheck:
             or self._left_behind.is_part_of(frame, outline, changes.gain) else None
             for outline in outlines])
 
-    def _recent(self, fill: np.ndarray, taken_at: float) -> np.ndarray:
+    def _recent(self, fill: _Mask, taken_at: float) -> _Mask:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
             self._fills.popleft()
-        recent = reduce(cv2.max, (mask for _, mask in self._fills), fill)
-        if fill.any():
+        if fill is not None:
             self._fills.append((taken_at, fill))
+        recent = reduce(cv2.max, (mask for _, mask in self._fills)) if self._fills else None
         self._known = [known for known in self._known
                        if 0 <= taken_at - known.seen_at <= _KNOWN_S]
         return recent
 
-    def _reason(self, one: LocatedObject, frame: np.ndarray, fill: np.ndarray,
-                recent: np.ndarray, taken_at: float) -> Optional[Reason]:
+    def _reason(self, one: LocatedObject, frame: np.ndarray, fill: _Mask,
+                recent: _Mask, taken_at: float) -> Optional[Reason]:
         known = next((known for known in self._known if _is_same(
             known.found.detection, one.detection)), None)
         if not self._is_covered(one, recent):
@@ -124,7 +129,7 @@ class ArmCheck:
             return None
         return _TOUCHED if self._is_covered(one, fill) else _WAS_TOUCHED
 
-    def _shaded(self, frame: np.ndarray, recent: np.ndarray,
+    def _shaded(self, frame: np.ndarray, recent: _Mask,
                 taken_at: float) -> List[LocatedObject]:
         # Known objects that the detector does not tell from an arm and its shadow.
         shaded = [known for known in self._known if known.seen_at != taken_at
@@ -140,8 +145,8 @@ class ArmCheck:
         others = [other for other in self._known if other is not before]
         self._known = [now, *others][:_MOST_KNOWN]
 
-    def _is_covered(self, one: LocatedObject, mask: np.ndarray) -> bool:
-        return self._share(one.detection.outline, mask) > 0
+    def _is_covered(self, one: LocatedObject, mask: _Mask) -> bool:
+        return mask is not None and self._share(one.detection.outline, mask) > 0
 
     def _share(self, outline: np.ndarray, mask: np.ndarray) -> float:
         return covered_share(mask, outline, self._reaching_in.scale)
@@ -155,7 +160,8 @@ def _is_same(one: Detection, other: Detection) -> bool:
 
 def _divided(found: Found, reasons: Sequence[Optional[Reason]]) -> Found:
     pairs = list(zip(found.objects, reasons))
-    touched = tuple(LeftOut(one.detection, reason) for one, reason in pairs if reason is not None)
+    touched = tuple(LeftOut(one.detection, reason, one.point)
+                    for one, reason in pairs if reason is not None)
     return Found([one for one, reason in pairs if reason is None], (*found.left_out, *touched))
 
 

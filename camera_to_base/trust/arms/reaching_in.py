@@ -14,13 +14,14 @@
 
 """What reaches in from the picture's edge: a hand, a sleeve, an arm, and their shadows."""
 
-from typing import NamedTuple
+from typing import List, NamedTuple, Sequence
 
+from camera_to_base.trust.arms.cells import (
+    any_channel, CellBackground, Cells, Light, medians)
+from camera_to_base.trust.arms.picture_edge import PictureEdge
 import cv2
 import numpy as np
 
-# The picture is made this long at most, in px: a quarter of 640 px.
-_LONGEST = 160
 # What differs from the background by more than this in one channel is there, in levels at the
 # background's light; in a dark frame not less than the second, for it is rounded.
 _FAINTEST, _FAINTEST_IN_THE_DARK = 3.0, 2.5
@@ -38,8 +39,6 @@ _GRID_STEP = 4
 # On a surface whose own levels vary by this much, an arm is like it here and there: gaps of up to
 # 4 cells are closed there.
 _TEXTURE_LEVELS, _CLOSING = 2.0, np.ones((5, 5), np.uint8)
-# Of a large picture some pixels are enough: this many along a cell.
-_SAMPLES = 4
 
 
 class Changes(NamedTuple):
@@ -47,13 +46,18 @@ class Changes(NamedTuple):
     Where a frame differs from the background, in cells of some px.
 
     :param reaching_in: Shape (h / scale, w / scale), uint8, 1 where something reaches in.
-    :param differs: The same, 1 where anything differs.
+    :param differs: The same, 1 where anything differs; looked at where the outlines are, at least.
     :param gain: How much brighter the frame is.
     """
 
     reaching_in: np.ndarray
     differs: np.ndarray
     gain: float
+
+    @property
+    def any_reaching_in(self) -> bool:
+        """Whether anything reaches in."""
+        return cv2.countNonZero(self.reaching_in) > 0
 
     @property
     def edge_share(self) -> float:
@@ -67,60 +71,84 @@ class ReachingIn:
     Finds what differs from the background and is connected to the picture's edge.
 
     A detector finds strong differences, so that a hand whose brightness is like the table's falls
-    apart into islands. A faint difference shows that they belong together.
+    apart into islands. A faint difference shows that they belong together. Where nothing differs
+    near the edge, nothing reaches in: then the rest of the picture is not looked at.
 
     :param background: Shape (h, w, 3), uint8, BGR.
     """
 
     def __init__(self, background: np.ndarray) -> None:
         height, width = background.shape[:2]
-        self.scale = max(1, round(max(height, width) / _LONGEST))
-        self._size = max(1, width // self.scale), max(1, height // self.scale)
-        self._samples = _SAMPLES if self.scale >= _SAMPLES else min(self.scale, 2)
-        small = self._small(background)
-        self._background = np.maximum(small, 1).astype(np.float32)
-        self._range = cv2.morphologyEx(small, cv2.MORPH_GRADIENT, np.ones((3, 3)))
+        self._cells = Cells(width, height)
+        means = self._all_means(background)
+        self._background = CellBackground(
+            np.maximum(means, 1).astype(np.float32),
+            cv2.morphologyEx(means, cv2.MORPH_GRADIENT, np.ones((3, 3))))
         noise = np.median(np.abs(np.diff(background[::4].astype(np.int16), axis=1)))
         self._is_textured = cv2.dilate(
-            (self._range.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8), np.ones((3, 3)))
+            (self._background.spread.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8),
+            np.ones((3, 3)))
         # Of the mean of a cell; that of a frame and the background's together.
-        self._noise = float(noise) / 0.6745 / self._samples
-        self._terms = _quadratic_terms(*self._size)
+        self._noise = float(noise) / 0.6745 / self._cells.samples
+        self._terms = _quadratic_terms(self._cells.columns, self._cells.rows)
+        self._edge = PictureEdge(background, self._cells, self._background)
 
-    def find(self, frame: np.ndarray, shift_px: float) -> Changes:
+    @property
+    def scale(self) -> int:
+        """How many px along a cell."""
+        return self._cells.scale
+
+    def find(self, frame: np.ndarray, shift_px: float,
+             outlines: Sequence[np.ndarray] = ()) -> Changes:
         """
         Find it on a frame of the background's size.
 
         :param shift_px: How far the view has moved, in px: so much blurs the surface's edges.
+        :param outlines: Of the objects, each of shape (n, 2), int32, columns u and v in px.
         """
-        picture = self._small(frame)
-        ratio = (picture[::_GRID_STEP, ::_GRID_STEP]
-                 / self._background[::_GRID_STEP, ::_GRID_STEP]).reshape(-1, 3)
-        gains = np.median(ratio, axis=0).tolist()
+        gains = self._edge.gains(frame)
         gain = sorted(gains)[1]
-        most = self._most(gain, shift_px)
-        lit = cv2.multiply(self._background, (*gains, 0.0), dtype=cv2.CV_8U)
-        found = self._changes(picture, lit, most, gain)
+        light = self._light(gains, gain, shift_px)
+        if self._edge.differs(frame, light):
+            return self._find_everywhere(frame, shift_px)
+        nothing = np.zeros((self._cells.rows, self._cells.columns), np.uint8)
+        return Changes(nothing, self._differs_at(frame, light, outlines), gain)
+
+    def _differs_at(self, frame: np.ndarray, light: Light,
+                    outlines: Sequence[np.ndarray]) -> np.ndarray:
+        differs = np.zeros((self._cells.rows, self._cells.columns), np.uint8)
+        for outline in outlines:
+            place = self._cells.around(outline)
+            if differs[place].size:
+                means = self._cells.means(self._cells.pixels(frame, *place))
+                differs[place] = any_channel(self._background.part(*place).excess(means, light))
+        return differs
+
+    def _find_everywhere(self, frame: np.ndarray, shift_px: float) -> Changes:
+        means = self._all_means(frame)
+        ratio = (means[::_GRID_STEP, ::_GRID_STEP]
+                 / self._background.levels[::_GRID_STEP, ::_GRID_STEP]).reshape(-1, 3)
+        gains = medians(ratio)
+        gain = sorted(gains)[1]
+        light = self._light(gains, gain, shift_px)
+        found = self._changes(means, light, gain)
         if found.edge_share > _EDGE_SHARE:
-            lit = cv2.multiply(self._background, self._smooth_light(ratio), dtype=cv2.CV_8U)
-            other = self._changes(picture, lit, most, gain)
+            other = self._changes(
+                means, light._replace(factors=self._smooth_light(ratio)), gain)
             found = min(found, other, key=lambda changes: changes.edge_share)
         if found.edge_share <= _WHOLE_EDGE:
             return found
         return found._replace(reaching_in=np.zeros_like(found.reaching_in))
 
-    def _most(self, gain: float, shift_px: float) -> np.ndarray:
-        # What the surface itself may differ by; half a level less, as both pictures are rounded.
+    def _light(self, gains: List[float], gain: float, shift_px: float) -> Light:
+        # Half a level less, as both pictures are rounded.
         least = max(_FAINTEST * min(gain, 1.0), _FAINTEST_IN_THE_DARK,
                     _NOISE_DEVIATIONS * self._noise)
         slack = (shift_px + _SHIFT_ERROR_PX) / self.scale / 2
-        return cv2.convertScaleAbs(self._range, alpha=slack, beta=least - 0.5)
+        return Light((*gains, 0.0), least - 0.5, slack)
 
-    def _changes(self, picture: np.ndarray, lit: np.ndarray, most: np.ndarray,
-                 gain: float) -> Changes:
-        over = cv2.split(cv2.subtract(cv2.absdiff(picture, lit), most))
-        differs = cv2.threshold(
-            cv2.max(cv2.max(over[0], over[1]), over[2]), 0, 1, cv2.THRESH_BINARY)[1]
+    def _changes(self, means: np.ndarray, light: Light, gain: float) -> Changes:
+        differs = any_channel(self._background.excess(means, light))
         closed = cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
         # Around it is an edge from which all that touches it is filled.
         framed = cv2.copyMakeBorder(
@@ -138,18 +166,9 @@ class ReachingIn:
             weights = 1 / (1 + (missed / _HALF_WEIGHT) ** 2) ** 2
         return (self._terms @ factors).astype(np.float32)
 
-    def _small(self, picture: np.ndarray) -> np.ndarray:
-        # Halving is several times as fast as other ratios.
-        samples = self._samples
-        while True:
-            size = self._size[0] * samples, self._size[1] * samples
-            halves = picture.shape[:2] == (2 * size[1], 2 * size[0])
-            if picture.shape[1::-1] != size:
-                picture = cv2.resize(picture, size, interpolation=(
-                    cv2.INTER_AREA if halves else cv2.INTER_NEAREST))
-            if samples == 1:
-                return picture
-            samples //= 2
+    def _all_means(self, picture: np.ndarray) -> np.ndarray:
+        cells = self._cells
+        return cells.means(cells.pixels(picture, slice(0, cells.rows), slice(0, cells.columns)))
 
 
 def _quadratic_terms(width: int, height: int) -> np.ndarray:

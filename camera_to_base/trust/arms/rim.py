@@ -77,10 +77,11 @@ def rim_of(frame: np.ndarray, outline: np.ndarray) -> Rim:
     :param frame: Shape (h, w, 3), uint8, BGR, that shows it without shade.
     :param outline: Shape (n, 2), int32, columns u and v in px.
     """
-    left, top = np.maximum(outline.min(axis=0) - 2 * _RIM_PX, 0)
-    right, bottom = outline.max(axis=0) + 2 * _RIM_PX + 1
-    return Rim((int(left), int(top)), frame[top:bottom, left:right].copy(),
-               (outline - (left, top)).astype(np.int32))
+    left, top, width, height = cv2.boundingRect(outline)
+    right, bottom = left + width + 2 * _RIM_PX, top + height + 2 * _RIM_PX
+    left, top = max(left - 2 * _RIM_PX, 0), max(top - 2 * _RIM_PX, 0)
+    return Rim((left, top), frame[top:bottom, left:right].copy(),
+               outline - np.array([left, top], np.int32))
 
 
 def _all_agree(before: np.ndarray, now: np.ndarray, sectors: np.ndarray) -> bool:

@@ -27,25 +27,20 @@ _STRONG_EDGE, _CORNER_SIGMA = 20.0, 1.5
 _EDGE_SHARE = 0.02
 # Room for the filters of the gradient.
 _MARGIN_PX = 3
+_MEAN = np.full(SIDE * SIDE, 1 / SIDE ** 2, np.float32)
 
 
 class Patches:
     """
-    Reads square patches of pictures of one size.
+    Reads square patches of pictures of one size: a sample is the mean of four pixels.
 
     :param centres: Shape (n, 2), columns u and v in px, n at least 1.
     :param step: Distance of two samples, in px.
     """
 
     def __init__(self, centres: np.ndarray, step: int) -> None:
-        offsets = (np.arange(SIDE) - (SIDE - 1) / 2) * step
-        u, v = (np.floor(centre[:, None] + offsets).astype(np.float32) for centre in centres.T)
-        shape = len(centres), SIDE, SIDE
-        # Between four pixels, so that a sample is their mean.
-        self._u = np.broadcast_to(u[:, None, :], shape).reshape(-1, SIDE) + np.float32(0.5)
-        self._v = np.broadcast_to(v[:, :, None], shape).reshape(-1, SIDE) + np.float32(0.5)
-        self._maps = cv2.convertMaps(self._u, self._v, cv2.CV_16SC2)
-        self.count = len(centres)
+        self._step, self.count = step, len(centres)
+        self._first = np.floor(centres - (SIDE - 1) / 2 * step).astype(int)
 
     def read(self, picture: np.ndarray) -> np.ndarray:
         """
@@ -54,8 +49,12 @@ class Patches:
         :param picture: Shape (h, w, 3), uint8, BGR.
         :returns: Shape (n, 256), float32.
         """
-        pieces = cv2.remap(picture, *self._maps, cv2.INTER_LINEAR)
-        return self._without_mean(cv2.cvtColor(pieces, cv2.COLOR_BGR2GRAY).astype(np.float32))
+        u, v = self._first.T
+        rows = _pieces(picture, self._step)[v, u].reshape(self.count * 2 * SIDE, -1, 3)
+        grey = cv2.cvtColor(rows, cv2.COLOR_BGR2GRAY)
+        means = cv2.resize(grey, (grey.shape[1] // 2, grey.shape[0] // 2),
+                           interpolation=cv2.INTER_AREA)
+        return self._without_mean(means[:, ::self._step // 2].astype(np.float32))
 
     def slopes(self, grey: np.ndarray, half_px: float) -> np.ndarray:
         """
@@ -64,15 +63,33 @@ class Patches:
         :param grey: Shape (h, w), float32.
         :returns: Shape (n, 256, 2), along u and v, in levels per px.
         """
+        u, v = self._centres_of_samples()
         ahead_u, back_u, ahead_v, back_v = (
-            self._without_mean(cv2.remap(grey, self._u + du, self._v + dv, cv2.INTER_LINEAR,
+            self._without_mean(cv2.remap(grey, u + du, v + dv, cv2.INTER_LINEAR,
                                          borderMode=cv2.BORDER_REPLICATE))
             for du, dv in ((half_px, 0), (-half_px, 0), (0, half_px), (0, -half_px)))
         return np.stack([ahead_u - back_u, ahead_v - back_v], axis=2) / (2 * half_px)
 
+    def _centres_of_samples(self) -> tuple:
+        offsets = np.arange(SIDE, dtype=np.float32) * self._step + np.float32(0.5)
+        shape = self.count, SIDE, SIDE
+        u, v = (first[:, None] + offsets for first in self._first.T)
+        return (np.broadcast_to(u[:, None, :], shape).astype(np.float32).reshape(-1, SIDE),
+                np.broadcast_to(v[:, :, None], shape).astype(np.float32).reshape(-1, SIDE))
+
     def _without_mean(self, pieces: np.ndarray) -> np.ndarray:
         samples = pieces.reshape(self.count, -1)
-        return samples - samples.mean(axis=1, keepdims=True)
+        return samples - (samples @ _MEAN)[:, None]
+
+
+def _pieces(picture: np.ndarray, step: int) -> np.ndarray:
+    # A view of the rows of every patch that a picture can have: shape (v, u, 16, 2, bytes).
+    picture, length = np.ascontiguousarray(picture), (SIDE - 1) * step + 2
+    height, width = picture.shape[:2]
+    row, pixel, _ = picture.strides
+    return np.ndarray(
+        (height - length + 1, width - length + 1, SIDE, 2, 3 * length), np.uint8, picture,
+        strides=(row, pixel, step * row, row, 1))
 
 
 def step_for(size: tuple) -> int:

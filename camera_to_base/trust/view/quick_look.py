@@ -100,10 +100,10 @@ class QuickLook:
             return None
         seen = self._fit.measure(frame)
         motion = self._motion_fit.solve(
-            seen.shifts, seen.is_seen, float(np.clip(seen.gain, _DARKEST_GAIN, 1)) ** 2)
+            seen.shifts, seen.is_seen, min(max(seen.gain, _DARKEST_GAIN), 1.0) ** 2)
         part = self._whitening @ self._motion_fit.total(motion.agrees) @ self._whitening.T
-        numbers = self._told @ (self._told.T @ motion.numbers)
-        return Look(max(0.0, float(np.linalg.eigvalsh(part)[0])),
+        numbers = self._told_part @ motion.numbers
+        return Look(max(0.0, float(cv2.eigen(part)[1][-1, 0])),
                     self._motion_fit.farthest_px(numbers), self._motion_fit.matrix(numbers))
 
     def _make_fit(self, places: np.ndarray) -> PatchFit:
@@ -137,6 +137,7 @@ class QuickLook:
         values, vectors = np.linalg.eigh(total)
         is_told = values > _TOLD_PX ** -2
         self._told = vectors[:, is_told]
+        self._told_part = self._told @ self._told.T
         # Of this the whole structure is the unit matrix.
         self._whitening = (self._told / np.sqrt(np.maximum(values[is_told], 1e-9))).T
 

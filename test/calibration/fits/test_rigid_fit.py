@@ -16,7 +16,8 @@
 
 import re
 
-from camera_to_base.calibration.fits.rigid_fit import align, fit_rigid, rotation_deg
+from camera_to_base.calibration.fits.alignment import align, rotation_deg
+from camera_to_base.calibration.fits.rigid_fit import fit_rigid
 from camera_to_base.coordinate_transform import rotation_matrix
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface.matched_points import PointPairs

@@ -14,10 +14,10 @@
 
 """A placement of a board: one picture, and the corners that it shows."""
 
-import argparse
-from typing import List, NamedTuple, Tuple
+from typing import List, NamedTuple, Sequence
 
-from camera_to_base.calibration import board_points, covered_shares, find_board, find_charuco
+from camera_to_base.calibration.boards.printed_board import PrintedBoard
+from camera_to_base.calibration.coverage_map import covered_shares
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface import Hull, MatchedPoints
 import numpy as np
@@ -44,48 +44,45 @@ class Placement(NamedTuple):
 
 
 def make_placement(
-    options: argparse.Namespace, image: np.ndarray, name: str, number: int
+    board: PrintedBoard, image: np.ndarray, name: str, number: int, says_name: bool = True
 ) -> Placement:
-    """Find the board in a picture; `number` counts the placements from 0."""
+    """
+    Find the board in a picture.
+
+    :param image: Shape (h, w, 3), uint8, BGR.
+    :param number: Counts the placements from 0: the first one defines the camera frame.
+    :param says_name: Whether an error names the picture.
+    :raises CalibrationError: If the picture shows no such board; the message says why.
+    """
     try:
-        numbers, pixels, doubts = _corners(options, image)
+        numbers, pixels, doubts = board.find(image)
     except CalibrationError as error:
-        if number == 0 and len(options.pictures) < 2:
+        if not says_name:
             raise
         raise CalibrationError(f'{name}: {error}') from error
-    points = first_points(options) if number == 0 else _further_points(options)
-    return Placement(image, name, MatchedPoints(points[numbers], pixels), numbers,
+    return Placement(image, name, _matched(board, numbers, pixels, number), numbers,
                      Hull(pixels).corners, doubts)
 
 
-def first_points(options: argparse.Namespace) -> np.ndarray:
-    """Return the board's points where the first placement, which defines the frame, has them."""
-    return board_points(
-        *options.corners, options.square_mm, origin_corner=options.origin_corner,
-        origin_mm=options.origin_mm, yaw_deg=options.yaw_deg)
+def renumbered(board: PrintedBoard, placement: Placement, number: int) -> Placement:
+    """Give a placement another number, after one before it was removed."""
+    matched = _matched(board, placement.numbers, placement.matched.pixels, number)
+    return placement._replace(matched=matched, name=f'placement {number + 1}')
 
 
-def _further_points(options: argparse.Namespace) -> np.ndarray:
-    # Where it lies does not matter; the origin's corner tells on which side of the surface z is.
-    return board_points(
-        *options.corners, options.square_mm, origin_corner=options.origin_corner)
+def _matched(
+    board: PrintedBoard, numbers: np.ndarray, pixels: np.ndarray, number: int
+) -> MatchedPoints:
+    points = board.first_points() if number == 0 else board.further_points()
+    return MatchedPoints(points[numbers], pixels)
 
 
-def _corners(
-    options: argparse.Namespace, image: np.ndarray
-) -> Tuple[np.ndarray, np.ndarray, List[str]]:
-    """Find the board's corners: their numbers, their pixels, and what is doubtful."""
-    columns, rows = options.corners
-    if options.charuco:
-        return *find_charuco(image, columns, rows), []
-    board = find_board(image, columns, rows)
-    doubts = ['another such board is in the picture: this is the larger one'
-              ] if board.second_board else []
-    return np.arange(columns * rows), board.pixels, doubts
+def refuse_unlike(placements: Sequence[Placement]) -> None:
+    """
+    Refuse pictures of another size, and placements that are the same.
 
-
-def refuse_unlike(placements: List[Placement]) -> None:
-    """Refuse pictures of another size, and placements that are the same."""
+    :raises CalibrationError: Naming the two pictures.
+    """
     *before, last = placements
     for one in before:
         if one.image.shape != last.image.shape:
@@ -100,14 +97,7 @@ def refuse_unlike(placements: List[Placement]) -> None:
         refuse_unlike(before)
 
 
-def _distance(one: Placement, other: Placement) -> float:
-    """Return how far apart two placements are, in px; infinite without a common corner."""
-    _, here, there = np.intersect1d(one.numbers, other.numbers, return_indices=True)
-    moves = one.matched.pixels[here] - other.matched.pixels[there]
-    return float(np.linalg.norm(moves, axis=1).mean()) if len(moves) else np.inf
-
-
-def shares_of(placements: List[Placement]) -> np.ndarray:
+def shares_of(placements: Sequence[Placement]) -> np.ndarray:
     """Measure how much of each ninth of the picture the placements cover, shape (3, 3)."""
     height, width = placements[0].image.shape[:2]
     return covered_shares([placement.outline for placement in placements], (width, height))
@@ -117,3 +107,10 @@ def outer_edge(placement: Placement) -> np.ndarray:
     """Return about where the board's white margin ends, shape (n, 2), in px."""
     centre = placement.outline.mean(axis=0)
     return centre + 1.6 * (placement.outline - centre)
+
+
+def _distance(one: Placement, other: Placement) -> float:
+    """Return how far apart two placements are, in px; infinite without a common corner."""
+    _, here, there = np.intersect1d(one.numbers, other.numbers, return_indices=True)
+    moves = one.matched.pixels[here] - other.matched.pixels[there]
+    return float(np.linalg.norm(moves, axis=1).mean()) if len(moves) else np.inf

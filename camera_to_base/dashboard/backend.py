@@ -1,0 +1,132 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Carries out what pages ask for: from the web server's thread to the node's."""
+
+import asyncio
+from concurrent.futures import Future
+from typing import Any, Callable, Dict, List, Mapping
+
+from camera_to_base.dashboard.all_sessions import AllSessions
+from camera_to_base.dashboard.live.remote_parameters import RefusedError
+from camera_to_base.dashboard.server.guarded import Refused
+from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
+from camera_to_base.dashboard.watched_cells import WatchedCells
+from camera_to_base.errors import CameraToBaseError
+
+# A node answers within milliseconds. The background takes up to 10 s, see its service.
+_LONGEST_ANSWER_S, _LONGEST_BACKGROUND_S = 5.0, 15.0
+
+
+class Backend:
+    """
+    What the web server calls, in its thread.
+
+    :param call: Runs a function of the cells in the node's thread, see :class:`NodeThread`.
+    :param cells: The cells, for functions in the node's thread.
+    :param sessions: What people do with the cells.
+    """
+
+    def __init__(
+        self, call: Callable[[Callable[[], Any]], Future], cells: WatchedCells,
+        sessions: AllSessions,
+    ) -> None:
+        self._call, self._cells, self._sessions = call, cells, sessions
+
+    def look_at(self, cell: str) -> None:
+        """Watch a cell from now on."""
+        self._call(lambda: self._cells.look_at(cell))
+        self._sessions.show(cell)
+
+    def look_away(self, cell: str) -> None:
+        """Do not watch a cell any more."""
+        self._call(lambda: self._cells.look_away(cell))
+
+    def look_at_picture(self, cell: str, kind: str) -> None:
+        """Receive a kind of picture from now on."""
+        self._call(lambda: self._cells.look_at_picture(cell, kind))
+
+    def look_away_picture(self, cell: str, kind: str) -> None:
+        """Do not receive a kind of picture any more."""
+        self._call(lambda: self._cells.look_away_picture(cell, kind))
+
+    async def cells(self) -> List[Dict[str, Any]]:
+        """Return all cells."""
+        return await self._answer(self._cells.all_cells)
+
+    async def set_parameters(
+        self, cell: str, node: str, values: Dict[str, Any]
+    ) -> Dict[str, Any]:
+        """Set parameters of a node, all or none; return their new values."""
+        return await self._answer(
+            lambda: self._cells.watch(cell).set_parameters(node, values))
+
+    async def capture_background(self, cell: str) -> str:
+        """Take the background anew; return the node's sentence."""
+        return await self._answer(
+            lambda: self._cells.watch(cell).capture_background(), _LONGEST_BACKGROUND_S)
+
+    async def geometry(self, cell: str, name: str, numbers: Any) -> Any:
+        """Map pixels to points or back: `locate` or `pixels` of :class:`Geometry`."""
+        return await self._answer(
+            lambda: getattr(self._cells.watch(cell).known_geometry, name)(numbers))
+
+    async def act(
+        self, cell: str, part: str, name: str, body: Dict[str, Any]
+    ) -> Dict[str, Any]:
+        """Carry out a step of a session: all of it, or nothing; return its state."""
+        sessions = self._sessions.of(cell)
+        if not sessions.has(part, name):
+            raise Refused(404, f'there is no step {name:.40} of {part}')
+        changes = await self.ask_sessions(cell, lambda one: one.act(part, name, body))
+        if changes is not None:
+            await self._apply(cell, changes.values)
+            sessions.done(part, name, changes)
+        return sessions.state(part)
+
+    async def ask_sessions(self, cell: str, function: Callable[[CellSessions], Any]) -> Any:
+        """Call a function of a cell's sessions, which may take a while."""
+        loop = asyncio.get_running_loop()
+        try:
+            return await loop.run_in_executor(None, function, self._sessions.of(cell))
+        except CameraToBaseError as error:
+            raise Refused(409, str(error)) from error
+
+    async def _apply(self, cell: str, values: Mapping[str, Dict[str, Any]]) -> None:
+        # Each node takes all or nothing; if the second one refuses, the first one goes back.
+        before = await self._answer(lambda: {
+            node: self._cells.watch(cell).values_of(node, names)
+            for node, names in values.items()})
+        applied: List[str] = []
+        try:
+            for node, wanted in values.items():
+                await self.set_parameters(cell, node, wanted)
+                applied.append(node)
+        except Refused:
+            for node in applied:
+                await self.set_parameters(cell, node, before[node])
+            raise
+
+    async def _answer(
+        self, function: Callable[[], Any], longest_s: float = _LONGEST_ANSWER_S
+    ) -> Any:
+        try:
+            return await asyncio.wait_for(asyncio.wrap_future(self._call(function)), longest_s)
+        except RefusedError as error:
+            raise Refused(400, str(error), errors=error.errors) from error
+        except CameraToBaseError as error:
+            raise Refused(409, str(error)) from error
+        except asyncio.TimeoutError:
+            raise Refused(503, f'the node does not answer within {longest_s:g} s: does it still '
+                               'run? Look at its terminal') from None

@@ -1,0 +1,220 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Everything about one cell while somebody looks at it."""
+
+import time
+from typing import Any, Callable, Dict, Iterable, Optional
+
+from camera_to_base.dashboard.live.cells import CAMERA, Cell, Cells, full_name, TRANSFORM
+from camera_to_base.dashboard.live.charts import Charts
+from camera_to_base.dashboard.live.geometry import Geometry
+from camera_to_base.dashboard.live.health import CellHealth
+from camera_to_base.dashboard.live.log_lines import Lines, LogLines
+from camera_to_base.dashboard.live.positions import CellPositions
+from camera_to_base.dashboard.live.remote_parameters import RemoteParameters
+from camera_to_base.dashboard.live.session_feed import SessionFeed
+from camera_to_base.dashboard.live.silence import silence, SILENT_S, State, warning
+from camera_to_base.dashboard.live.watch_data import left_out_data, objects_data
+from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.parameters import TRANSFORM_SPECS, Values
+from camera_to_base.ros import real_time_timer
+from camera_to_base.settings import CAMERA_SPECS
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+_PERIOD_S = 0.1
+_BEATS_PER_S = 10
+
+OnPart = Callable[[str, Any], None]
+
+
+class CellWatch:
+    """
+    Listens to a cell's nodes, and tells each part of its state that has changed.
+
+    :param node: The node that listens.
+    :param namespace: The cell's.
+    :param cells: All cells.
+    :param on_part: Called with a part's name and its data.
+    :param lines: What its nodes have logged before.
+    :param sessions: What people do with it.
+    """
+
+    def __init__(
+        self, node: Node, namespace: str, cells: Cells, on_part: OnPart, lines: Lines,
+        sessions: CellSessions,
+    ) -> None:
+        self._node, self._namespace, self._cells = node, namespace, cells
+        self._on_part = on_part
+        self._sent: Dict[str, Any] = {}
+        self._cell = Cell(namespace, None, None)
+        self._was_seen, self._beats = False, 0
+        names = {name: full_name(namespace, name) for name in (CAMERA, TRANSFORM)}
+        self.camera = RemoteParameters(
+            node, names[CAMERA], CAMERA_SPECS, self._on_parameters)
+        self.transform = RemoteParameters(
+            node, names[TRANSFORM], TRANSFORM_SPECS, self._on_parameters)
+        self.geometry: Optional[Geometry] = None
+        self._events = node.create_subscription(
+            ParameterEvent, '/parameter_events', self._on_event, 100)
+        self._sessions, self._feed = sessions, SessionFeed(node, namespace, sessions)
+        self.positions = CellPositions(node, namespace, self._feed.on_objects)
+        self._health = CellHealth(node, names.values())
+        self._log = LogLines(node, names.values(), lines)
+        self._charts = Charts()
+        self._capture = node.create_client(
+            Trigger, f'{names[CAMERA]}/capture_background')
+        self._timer = real_time_timer(node, _PERIOD_S, self._beat)
+        self._look_at_graph()
+
+    @property
+    def cell(self) -> Cell:
+        """The cell's nodes that run."""
+        return self._cell
+
+    @property
+    def known_geometry(self) -> Geometry:
+        """
+        Where things are.
+
+        :raises InvalidValueError: If the camera node's parameters are not known.
+        """
+        if self.geometry is None:
+            raise InvalidValueError('camera_publisher has not told its parameters yet: does it '
+                                    'run?')
+        return self.geometry
+
+    def set_parameters(self, node: str, values: Values) -> Future:
+        """
+        Set parameters of a node, all or none.
+
+        :param node: 'camera' or 'transform'.
+        :returns: The future of the new values.
+        :raises InvalidValueError: If the node does not run.
+        :raises RefusedError: If there is no such parameter; the future may raise it, too.
+        """
+        parameters = self.camera if node == 'camera' else self.transform
+        if not parameters.is_known:
+            raise InvalidValueError(
+                f'{parameters.remote} does not run, so nothing was set: start it')
+        return parameters.change(values)
+
+    def values_of(self, node: str, names: Iterable[str]) -> Dict[str, Any]:
+        """Return the present values of some parameters of a node, 'camera' or 'transform'."""
+        known = (self.camera if node == 'camera' else self.transform).values
+        return {name: known[name] for name in names if name in known}
+
+    def capture_background(self) -> Future:
+        """
+        Let the camera node take the background anew.
+
+        :returns: The future of its sentence.
+        :raises InvalidValueError: If it does not run; the future, if it has not taken one.
+        """
+        if not self._capture.service_is_ready():
+            raise InvalidValueError('camera_publisher does not run, so no background was taken')
+        answer = Future()
+        self._capture.call_async(Trigger.Request()).add_done_callback(
+            lambda done: _tell_sentence(done.result(), answer))
+        return answer
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._node.destroy_timer(self._timer)
+        self._node.destroy_client(self._capture)
+        self._node.destroy_subscription(self._events)
+        for part in (self.camera, self.transform, self.positions, self._health, self._log,
+                     self._feed):
+            part.close()
+
+    def _beat(self) -> None:
+        self._beats += 1
+        self._tell('watch', self._watch_data())
+        self._feed.check()
+        if self._beats % _BEATS_PER_S == 0:
+            self._look_at_graph()
+            self._tell('health', self._health_data())
+        if self._beats % (_BEATS_PER_S // 2) == 0:
+            self._tell('log', self._log.data)
+
+    def _look_at_graph(self) -> None:
+        cells = self._cells.find()
+        self._cell = next(
+            (cell for cell in cells if cell.namespace == self._namespace), self._cell)
+        self._was_seen |= self._cell.camera is not None
+        self._tell('cells', [cell.data for cell in cells])
+        for name, parameters, running in (
+                ('camera', self.camera, self._cell.camera),
+                ('transform', self.transform, self._cell.transform)):
+            if running is None:
+                parameters.forget()
+                self._sessions.see_parameters(name, None)
+            else:
+                parameters.ask()
+
+    def _tell(self, part: str, data: Any) -> None:
+        if part not in self._sent or self._sent[part] != data:
+            self._sent[part] = data
+            self._on_part(part, data)
+
+    def _on_event(self, event: ParameterEvent) -> None:
+        self.camera.on_event(event)
+        self.transform.on_event(event)
+
+    def _on_parameters(self) -> None:
+        self._tell('parameters', {'camera': self.camera.data, 'transform': self.transform.data})
+        self._sessions.see_parameters('camera', self.camera.values or None)
+        self._sessions.see_parameters('transform', self.transform.values or None)
+        try:
+            self.geometry = Geometry(
+                self.camera.values, self.transform.values) if self.camera.is_known else None
+        except CameraToBaseError:
+            self.geometry = None  # the node itself has refused them
+
+    def _state(self) -> State:
+        return State(self._cell, self._was_seen, self.positions.silent_s,
+                     self._health.report(self.camera.remote),
+                     self._health.report(self.transform.remote))
+
+    def _watch_data(self) -> Dict[str, Any]:
+        state, frame = self._state(), self.positions.newest
+        comes = frame is not None and state.silent_s <= SILENT_S
+        geometry = self.geometry
+        return {
+            'silence': silence(state), 'warning': warning(state),
+            'rate_hz': round(self.positions.rate_hz, 1),
+            'age_s': None if frame is None else round(time.time() - frame.stamp_s, 1),
+            'latency_ms': round(1e3 * frame.latency_s, 1) if comes else None,
+            'objects': objects_data(frame, geometry) if comes else [],
+            'left_out': left_out_data(frame, geometry) if comes else [],
+            'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data,
+            'truth': None}
+
+    def _health_data(self) -> Dict[str, Any]:
+        frame = self.positions.newest
+        comes = frame is not None and self.positions.silent_s <= SILENT_S
+        self._charts.add(round(self.positions.rate_hz, 1),
+                         round(1e3 * frame.latency_s, 1) if comes else None)
+        return {'nodes': self._health.data, 'charts': self._charts.data}
+
+
+def _tell_sentence(response: Trigger.Response, answer: Future) -> None:
+    if response.success:
+        answer.set_result(response.message)
+    else:
+        answer.set_exception(InvalidValueError(response.message))

@@ -1,0 +1,179 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The parameters of a running node: read, watched and set from outside."""
+
+from typing import Any, Callable, Dict, List, Mapping, Optional
+
+from camera_to_base.dashboard.live.parameter_data import kind_of, parameter_data, typed
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.parameters import ParameterSpec
+from rcl_interfaces.msg import ParameterDescriptor, ParameterEvent
+from rcl_interfaces.srv import (
+    DescribeParameters, GetParameters, ListParameters, SetParametersAtomically)
+from rclpy.node import Node
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.task import Future
+
+
+class RefusedError(CameraToBaseError):
+    """
+    A node has refused parameters.
+
+    `errors` holds a sentence for each parameter that is named in the reason.
+    """
+
+    def __init__(self, sentence: str, errors: Mapping[str, str]) -> None:
+        super().__init__(sentence)
+        self.errors = dict(errors)
+
+
+class RemoteParameters:
+    """
+    The parameters of one node.
+
+    :param node: The node that asks.
+    :param remote: Full name of the other node.
+    :param specs: What is known about its parameters beforehand: order, defaults and units.
+    :param on_change: Called when a value or the list has changed.
+    """
+
+    def __init__(
+        self, node: Node, remote: str, specs: List[ParameterSpec],
+        on_change: Callable[[], None],
+    ) -> None:
+        self._node, self.remote = node, remote
+        self._specs = {spec.name: spec for spec in specs}
+        self._on_change = on_change
+        self._descriptors: Dict[str, ParameterDescriptor] = {}
+        self.values: Dict[str, Any] = {}
+        self._clients = {
+            kind: node.create_client(kind, f'{remote}/{service}') for kind, service in (
+                (ListParameters, 'list_parameters'), (GetParameters, 'get_parameters'),
+                (DescribeParameters, 'describe_parameters'),
+                (SetParametersAtomically, 'set_parameters_atomically'))}
+        self._is_asking = False
+
+    @property
+    def is_known(self) -> bool:
+        """Whether all values were read."""
+        return bool(self.values)
+
+    @property
+    def data(self) -> List[Dict[str, Any]]:
+        """All parameters as JSON: the known ones in the order of their list, then the others."""
+        order = {name: number for number, name in enumerate(self._specs)}
+        return [parameter_data(self._descriptors[name], self.values[name], self._specs.get(name))
+                for name in sorted(self.values, key=lambda name: (
+                    order.get(name, len(order)), name))]
+
+    def forget(self) -> None:
+        """Forget the values: the node has ended."""
+        if self.values:
+            self.values = {}
+            self._on_change()
+
+    def ask(self) -> None:
+        """Read the values, if they are not known and the node answers."""
+        if not self.values and not self._is_asking and all(
+                client.service_is_ready() for client in self._clients.values()):
+            self.read()
+
+    def read(self) -> None:
+        """Read the list, the descriptors and the values anew."""
+        self._is_asking = True
+        self._call(ListParameters.Request(), self._on_names)
+
+    def change(self, values: Mapping[str, Any]) -> Future:
+        """
+        Set parameters, all or none.
+
+        :returns: The future of the new values; RefusedError if the node has refused them.
+        :raises RefusedError: If there is no such parameter, or the type does not fit.
+        """
+        parameters = [self._parameter(name, value) for name, value in values.items()]
+        answer = Future()
+        self._call(
+            SetParametersAtomically.Request(
+                parameters=[parameter.to_parameter_msg() for parameter in parameters]),
+            lambda response: self._on_set(response, parameters, answer))
+        return answer
+
+    def on_event(self, event: ParameterEvent) -> None:
+        """Take what a node has announced on /parameter_events."""
+        if event.node != self.remote:
+            return
+        if event.new_parameters or not self.values:
+            self.read()  # a node that has just started
+            return
+        changed = {parameter.name: _value(parameter.value)
+                   for parameter in event.changed_parameters if parameter.name in self.values}
+        self.values.update(changed)
+        self._on_change()
+
+    def close(self) -> None:
+        """Give the clients back."""
+        for client in self._clients.values():
+            self._node.destroy_client(client)
+
+    def _parameter(self, name: str, value: Any) -> Parameter:
+        if name not in self._descriptors:
+            sentence = f'{self.remote} has no parameter {name}'
+            raise RefusedError(sentence, {name: sentence})
+        try:
+            kind = kind_of(self._descriptors[name], self._specs.get(name))
+            return Parameter(name, kind, typed(kind, value))
+        except (TypeError, ValueError, OverflowError):
+            sentence = f'parameter {name} cannot be {value!r:.80}: another type is expected'
+            raise RefusedError(sentence, {name: sentence}) from None
+
+    def _on_names(self, response: ListParameters.Response) -> None:
+        names = list(response.result.names)
+        self._call(DescribeParameters.Request(names=names), lambda described: self._call(
+            GetParameters.Request(names=names), lambda got: self._on_values(described, got)))
+
+    def _on_values(
+        self, described: DescribeParameters.Response, got: GetParameters.Response
+    ) -> None:
+        self._is_asking = False
+        self._descriptors = {
+            descriptor.name: descriptor for descriptor in described.descriptors}
+        self.values = dict(zip(self._descriptors, map(_value, got.values)))
+        self._on_change()
+
+    def _on_set(
+        self, response: SetParametersAtomically.Response, parameters: List[Parameter],
+        answer: Future,
+    ) -> None:
+        if response.result.successful:
+            changed = {parameter.name: parameter.value for parameter in parameters}
+            answer.set_result({name: _plain(value) for name, value in changed.items()})
+            return
+        reason = response.result.reason
+        names = [parameter.name for parameter in parameters]
+        named = [name for name in names if name in reason] or names
+        answer.set_exception(RefusedError(reason, {name: reason for name in named}))
+
+    def _call(self, request: Any, then: Callable[[Any], None]) -> None:
+        kind = next(kind for kind in self._clients if isinstance(request, kind.Request))
+        future = self._clients[kind].call_async(request)
+        future.add_done_callback(lambda done: then(done.result()))
+
+
+def _value(message: Any) -> Any:
+    return _plain(parameter_value_to_python(message))
+
+
+def _plain(value: Any) -> Optional[Any]:
+    return list(value) if hasattr(value, 'tolist') else value

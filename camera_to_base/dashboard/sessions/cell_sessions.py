@@ -1,0 +1,201 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""All sessions of a cell."""
+
+import threading
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
+
+from camera_to_base.calibration import report_lines
+from camera_to_base.dashboard.sessions.areas import area_changes, areas_data
+from camera_to_base.dashboard.sessions.board_data import PANEL_NAMES
+from camera_to_base.dashboard.sessions.board_session import BoardSession
+from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.robot_session import RobotSession
+from camera_to_base.dashboard.sessions.save_session import SaveSession
+from camera_to_base.dashboard.sessions.simulated_cell import (
+    show, simulated_data, TOOL_TOPIC, touch)
+from camera_to_base.dashboard.sessions.worker import Worker
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameters import Values
+import cv2
+import numpy as np
+
+PARTS = ('board', 'robot', 'save', 'areas', 'simulated')
+Action = Callable[[Mapping[str, Any]], Optional[Changes]]
+
+
+class CellSessions:
+    """
+    What people do with a cell on its pages, whichever thread says so.
+
+    It lives as long as the server: a page that is loaded again finds it as it was.
+
+    :param params_file: The file that Save writes; '' if it is not known.
+    :param on_change: Called with a part's name when its state has changed, by any thread.
+    :param on_picture: Called with each picture of the board as JPEG, by any thread.
+    """
+
+    def __init__(
+        self, params_file: str = '', on_change: Callable[[str], None] = lambda part: None,
+        on_picture: Callable[[bytes], None] = lambda jpeg: None,
+    ) -> None:
+        self._lock = threading.RLock()
+        self._on_change = on_change
+        self._values = CellValues()
+        self._worker = Worker(self._lock)
+        self._board = BoardSession(
+            self._values, self._worker, lambda: on_change('board'), on_picture)
+        self._robot = RobotSession(self._values, lambda: on_change('robot'))
+        self._save = SaveSession(
+            self._values, lambda: (self._robot.calibration, self._board.calibration), params_file,
+            lambda: on_change('save'))
+        self._actions = self._list_actions()
+
+    @property
+    def wants_frames(self) -> bool:
+        """Whether :meth:`see_frame` is to be called."""
+        return self._board.wants_frames
+
+    @property
+    def wants_objects(self) -> bool:
+        """Whether :meth:`see_objects` and :meth:`see_background` are to be called."""
+        return self._robot.wants_objects
+
+    @property
+    def tool_topic(self) -> str:
+        """The topic whose poses go to :meth:`see_tool`, in the cell's namespace; '' for none."""
+        with self._lock:
+            is_on = self._robot.wants_objects or simulated_data(self._values)['shown']
+            return self._robot.tool.topic if is_on else ''
+
+    def see_frame(self, image: np.ndarray) -> None:
+        """Take the newest frame, shape (h, w, 3), uint8, BGR."""
+        with self._lock:
+            self._board.see_frame(image)
+
+    def see_objects(self, points: Sequence[Tuple[float, float]]) -> None:
+        """Take all objects of a frame, x and y, in cm, in the camera frame."""
+        with self._lock:
+            self._robot.see_objects(points)
+
+    def see_tool(self, x: float, y: float, frame_id: str = '') -> None:
+        """Take a pose of the robot's tool: x and y, in cm, in the base frame."""
+        with self._lock:
+            before = self._robot.tool.data
+            self._robot.tool.see(x, y, frame_id)
+            if self._robot.tool.data != before:
+                self._on_change('robot')
+
+    def see_background(self, mark: Any) -> None:
+        """Take something that changes with each background."""
+        with self._lock:
+            self._robot.see_background(mark)
+
+    def see_parameters(self, node: str, values: Optional[Values]) -> None:
+        """Take all parameters of 'camera' or 'transform'; None where it does not run."""
+        with self._lock:
+            before = getattr(self._values, node)
+            self._values.see(node, values)
+            if before == getattr(self._values, node):
+                return
+            if simulated_data(self._values)['shown']:
+                # What is touched may be another object now.
+                self._robot.tool.listen(self._robot.tool.topic or TOOL_TOPIC)
+                self._robot.tool.forget()
+            self._robot.check_again()
+            for part in PARTS:
+                self._on_change(part)
+
+    def state(self, part: str) -> Dict[str, Any]:
+        """Return the state of one of PARTS as JSON."""
+        with self._lock:
+            if part in ('areas', 'simulated'):
+                return (areas_data if part == 'areas' else simulated_data)(self._values)
+            return {'board': self._board, 'robot': self._robot, 'save': self._save}[part].state
+
+    def act(self, part: str, name: str, body: Mapping[str, Any]) -> Optional[Changes]:
+        """
+        Carry out what a page asks for.
+
+        :param part: One of PARTS.
+        :param name: The action, see `/api/PART/NAME`.
+        :returns: What is to be set on the nodes first; then :meth:`done` is called.
+        :raises CameraToBaseError: If it cannot be done.
+        """
+        with self._lock:
+            return self._actions[part, name](body)
+
+    def done(self, part: str, name: str, changes: Changes) -> None:
+        """Take note that the nodes have what an action wanted to be set."""
+        with self._lock:
+            if name == 'accept':
+                (self._board if part == 'board' else self._robot).set_accepted(changes)
+            for changed in PARTS:
+                self._on_change(changed)
+
+    def has(self, part: str, name: str) -> bool:
+        """Return whether there is such an action."""
+        return (part, name) in self._actions
+
+    def sheet(self, body: Mapping[str, Any]) -> bytes:
+        """
+        Draw the board to print.
+
+        :param body: Options of the board; the others are as they are in its state.
+        :returns: A PDF.
+        :raises InvalidValueError: If it does not fit on the paper.
+        """
+        return self._board.options.changed(body).sheet()
+
+    def report(self, name: str) -> bytes:
+        """
+        Return a part of the board's report: 'fit.png', 'above.png', 'errors.png', 'board.txt'.
+
+        :raises InvalidValueError: If there is none.
+        """
+        calibration = self._board.calibration
+        stem, _, ending = name.partition('.')
+        if calibration is not None and name == 'board.txt':
+            return '\n'.join([*report_lines(calibration.report), '']).encode()
+        if calibration is None or stem not in PANEL_NAMES or ending != 'png':
+            raise InvalidValueError(f'there is no report {name:.40}')
+        picture = calibration.panels[PANEL_NAMES.index(stem)].picture
+        return cv2.imencode('.png', picture)[1].tobytes()
+
+    def file_text(self) -> str:
+        """Return the parameter file as it would be saved."""
+        with self._lock:
+            return self._save.text()
+
+    def close(self) -> None:
+        """End the worker."""
+        self._worker.close()
+
+    def _list_actions(self) -> Dict[Tuple[str, str], Action]:
+        board, robot, values = self._board, self._robot, self._values
+        return {
+            ('board', 'start'): board.start, ('board', 'take'): lambda body: board.take(),
+            ('board', 'remove'): board.remove, ('board', 'fit'): lambda body: board.fit(),
+            ('board', 'accept'): lambda body: board.acceptance(),
+            ('board', 'cancel'): lambda body: board.cancel(),
+            ('robot', 'start'): robot.start, ('robot', 'see'): robot.see,
+            ('robot', 'touch'): robot.touch, ('robot', 'from_topic'): robot.from_topic,
+            ('robot', 'again'): robot.again, ('robot', 'remove'): robot.remove,
+            ('robot', 'base_z'): robot.set_base_z,
+            ('robot', 'accept'): lambda body: robot.acceptance(),
+            ('robot', 'cancel'): robot.cancel, ('save', 'save'): self._save.save,
+            ('areas', 'set'): lambda body: area_changes(values, body),
+            ('simulated', 'show'): lambda body: show(values, body),
+            ('simulated', 'touch'): lambda body: touch(values, robot.object_number(body))}

@@ -1,0 +1,44 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// Puts the page together: the store, the connection, the parts and their tabs.
+
+import {notice} from './base/notices.js';
+import {connect, Store} from './base/state.js';
+import {createCalibrate} from './parts/calibrate.js';
+import {createDetect} from './parts/detect.js';
+import {createHealth} from './parts/health.js';
+import {createRobot} from './parts/robot.js';
+import {createSave} from './parts/save.js';
+import {createWatch} from './parts/watch.js';
+import {createBanner} from './pieces/banner.js';
+import {createCells} from './pieces/cells.js';
+import {createSimulated} from './pieces/simulated.js';
+import {createTabs} from './pieces/tabs.js';
+
+const store = new Store();
+
+createTabs(document.getElementById('tabs'), document.getElementById('main'), {
+  watch: ['Watch', createWatch(store)],
+  detect: ['Detect', createDetect(store)],
+  calibrate: ['Calibrate', createCalibrate(store)],
+  robot: ['Robot', createRobot(store)],
+  health: ['Health', createHealth(store)],
+  save: ['Save', createSave(store)],
+});
+createBanner(store);
+createCells(store);
+createSimulated(store);
+store.on('notice', ({level, sentence}) => notice(sentence, level));
+connect(store);

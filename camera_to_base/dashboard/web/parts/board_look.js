@@ -1,0 +1,98 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// The live look at the board: what is found, how sharp it is, and which parts are covered.
+
+import {button, card, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
+import {fixed} from '../base/numbers.js';
+import {LivePicture} from '../pieces/pictures.js';
+import {board} from '../base/sessions.js';
+
+const ENOUGH_COVER = 0.1;
+
+/** Make the card. */
+export function createBoardLook() {
+  const picture = new LivePicture('board', 'The live picture with the corners that were found.');
+  const verdict = element('p', {class: 'verdict', role: 'status'});
+  const cover = createMeter('Board in the picture');
+  const total = createMeter('Covered by all placements');
+  const sharp = element('p', {class: 'quiet'});
+  const suggestion = element('p');
+  const take = button('Keep this placement', () => board('take'), {class: 'primary'});
+  const fit = button('Fit', () => board('fit'));
+  const stop = button('Stop', () => board('cancel'), {
+    'aria-label': 'Stop, and drop the placements'});
+  const list = element('ol', {class: 'placements', 'aria-label': 'Placements of the board'});
+  const node = card('3. Lay the board on the table', element('div', {class: 'columns'},
+    picture.node,
+    element('div', {}, verdict, cover.node, total.node, sharp, suggestion,
+      element('div', {class: 'buttons'}, take, fit, stop), list)));
+  show(node, false);
+  const update = (state) => {
+    const {look, placements, busy, covered} = state;
+    show(node, state.step !== 'off');
+    setText(verdict, look ? look.sentence : 'Waiting for the first picture …');
+    verdict.classList.toggle('good', Boolean(look?.found));
+    cover.update(look?.found ? look.covered : 0, ENOUGH_COVER);
+    total.update(covered?.share ?? 0);
+    setText(sharp, look?.sharpness ? `The picture is ${look.sharpness} ` +
+      `(an edge is ${fixed(look.sharp_px, 1)} px wide).` : '');
+    setText(suggestion, missing(state));
+    take.disabled = Boolean(busy) || !look?.found;
+    stop.disabled = Boolean(busy);
+    fit.disabled = Boolean(busy) || !placements.length;
+    sync(list, placements, ({number}) => number, makePlacement, fillPlacement);
+    drawCover(picture, state);
+  };
+  return {node, update, start: () => picture.start(), stop: () => picture.stop()};
+}
+
+function missing({suggestion, covered, placements}) {
+  if (suggestion) return suggestion.sentence;
+  if (!placements.length || !covered?.missing?.length) return '';
+  return `Not covered yet: ${covered.missing.join(', ')}.`;
+}
+
+function createMeter(name) {
+  const bar = element('meter', {min: 0, max: 1, 'aria-label': name});
+  const text = element('span');
+  const update = (share, low = 0) => {
+    bar.low = low;
+    bar.value = share;
+    setText(text, `${fixed(100 * share, 0)} %`);
+  };
+  return {update, node: element('p', {class: 'meter'}, element('span', {}, name), bar, text)};
+}
+
+function makePlacement({number}) {
+  return element('li', {}, element('span'), button('Remove', () => board('remove', {number}), {
+    class: 'quiet small', 'aria-label': `Remove placement ${number}`}));
+}
+
+function fillPlacement(node, {corners, doubts}) {
+  setText(node.firstChild, [`${corners} corners`, ...doubts].join('; '));
+}
+
+function drawCover(picture, {placements, suggestion}) {
+  const outlines = placements.map(({outline, number}) => ['polygon', {
+    class: 'placement', 'data-number': number,
+    points: outline.map(([u, v]) => `${u},${v}`).join(' ')}]);
+  const target = suggestion?.pixel ? [['circle', {class: 'target', cx: suggestion.pixel[0],
+    cy: suggestion.pixel[1], r: picture.size.width * 0.06}]] : [];
+  const shapes = [...outlines, ...target];
+  sync(picture.overlay, shapes, ([tag], index) => `${tag}${index}`, ([tag]) => svg(tag),
+    (shape, [, attributes]) => {
+      Object.entries(attributes).forEach(([name, value]) => setAttribute(shape, name, value));
+    });
+}

@@ -1,0 +1,87 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// Health: what each node says of itself, its counters, the rates, and the last messages.
+
+import {createChart} from '../pieces/charts.js';
+import {card, element, fillRow, row, setAttribute, setText, show, sync, table} from '../base/dom.js';
+import {ago, clock, sentence as asSentence} from '../base/numbers.js';
+
+const WORDS = {ok: 'Well', warn: 'Warning', error: 'Fault', stale: 'Silent'};
+const SEVERITY = {debug: 0, info: 1, warn: 2, error: 3, fatal: 4};
+
+/** Make the part. */
+export function createHealth(store) {
+  const nodes = element('div', {class: 'nodes'});
+  const none = element('p', {}, 'No node has said anything yet.');
+  const rate = createChart('Rate', 'Hz');
+  const latency = createChart('Latency', 'ms');
+  const log = createLog();
+  store.on('health', (health) => {
+    show(none, !health.nodes.length);
+    sync(nodes, health.nodes, (node) => node.name, makeNode, fillNode);
+    rate.update(health.charts?.rate_hz ?? []);
+    latency.update(health.charts?.latency_ms ?? []);
+  });
+  store.on('log', log.update);
+  return {node: element('div', {},
+    card('Nodes', none, nodes),
+    card('The last minute', element('div', {class: 'charts'}, rate.node, latency.node)),
+    card('Messages', log.node))};
+}
+
+function makeNode({name}) {
+  const counters = table(`Counters of ${name}`, ['What', 'Value']);
+  return element('article', {class: 'node'},
+    element('h4', {}, element('span', {class: 'mark'}), ` ${name}`),
+    element('p', {class: 'sentence'}),
+    element('p', {class: 'quiet'}),
+    element('details', {}, element('summary', {}, 'Counters and details'), counters.node));
+}
+
+function fillNode(node, {level, sentence, reason, age_s: age, values}) {
+  const mark = node.querySelector('.mark');
+  setAttribute(mark, 'class', `mark pill ${level}`);
+  setText(mark, WORDS[level] ?? level);
+  setText(node.children[1], asSentence(sentence));
+  setText(node.children[2], `${ago(age)}${reason && reason !== 'ok' ? ` · ${reason}` : ''}`);
+  const pairs = Object.entries(values ?? {});
+  sync(node.querySelector('tbody'), pairs, ([key]) => key, () => row(2),
+    (line, [key, value]) => fillRow(line, [key.replaceAll('_', ' '), String(value)]));
+}
+
+function createLog() {
+  const choice = element('select', {id: 'log-level'},
+    element('option', {value: 'info'}, 'all'),
+    element('option', {value: 'warn'}, 'warnings and errors'),
+    element('option', {value: 'error'}, 'errors'));
+  const list = table('Last hundred messages, the newest first', ['Time', 'Level', 'Node', 'Text'],
+    {class: 'log'});
+  let messages = [];
+  const draw = () => {
+    const least = SEVERITY[choice.value];
+    const shown = messages.filter(({level}) => (SEVERITY[level] ?? 1) >= least).reverse();
+    sync(list.body, shown, ({time, text}) => `${time} ${text}`, () => row(4), (line, message) => {
+      setAttribute(line, 'class', message.level);
+      fillRow(line, [clock(message.time), message.level, message.node, message.text]);
+    });
+  };
+  choice.addEventListener('change', draw);
+  const update = (items) => {
+    messages = items;
+    draw();
+  };
+  return {update, node: element('div', {class: 'log-box'}, element('p', {},
+    element('label', {for: 'log-level'}, 'Show '), choice), list.node)};
+}

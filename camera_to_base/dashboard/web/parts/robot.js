@@ -1,0 +1,111 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// Robot: pairs of what the camera sees and what the robot touches tell where the base frame is.
+
+import {button, card, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
+import {createPairs} from './pairs.js';
+import {LivePicture} from '../pieces/pictures.js';
+import {createFit} from './robot_fit.js';
+import {robot} from '../base/sessions.js';
+import {createTouch} from './touch.js';
+
+/** Make the part. */
+export function createRobot(store) {
+  const hint = element('p', {class: 'hint', role: 'status'});
+  const start = button('Start', () => robot('start'), {class: 'primary'});
+  const cancel = button('Stop, and drop the pairs', () => robot('cancel'));
+  const way = createBaseZ();
+  const see = createSee(store);
+  const touch = createTouch();
+  const pairs = createPairs();
+  const fit = createFit();
+  const work = element('div', {}, element('div', {class: 'columns'}, see.node, touch.node),
+    pairs.node);
+  let isShown = false;
+  const follow = () => {
+    if (isShown && store.get('robot')?.step === 'measuring') see.start();
+    else see.stop();
+  };
+  store.on('robot', (state) => {
+    const isMeasuring = state.step === 'measuring';
+    setText(hint, state.error ?? state.needs ?? state.hint ?? '');
+    hint.classList.toggle('error', Boolean(state.error ?? state.needs));
+    show(start, !isMeasuring);
+    show(cancel, isMeasuring);
+    start.disabled = Boolean(state.needs);
+    way.update(state);
+    show(work, isMeasuring || state.pairs.length);
+    [see, touch, pairs, fit].forEach((each) => each.update(state));
+    follow();
+  });
+  const node = element('div', {class: 'robot'},
+    element('p', {class: 'lead'}, 'Put an object down, click it, and touch it with the robot. ' +
+      'Five places that are far apart tell where the camera frame lies in the base frame.'),
+    card('Start', way.node, element('div', {class: 'buttons'}, start, cancel)),
+    hint, work, fit.node);
+  return {
+    node,
+    shown: () => { isShown = true; follow(); },
+    hidden: () => { isShown = false; follow(); },
+  };
+}
+
+function createBaseZ() {
+  const choice = element('select', {id: 'base-z'}, element('option', {value: 'up'},
+    'up (the robot stands on the table)'), element('option', {value: 'down'},
+    'down (the robot hangs above the table)'));
+  choice.addEventListener('change', () => robot('base_z', {base_z: choice.value}));
+  return {update: ({base_z: z}) => { choice.value = z; },
+    node: element('p', {}, element('label', {for: 'base-z'}, 'The z axis of the base frame points '),
+      choice)};
+}
+
+function createSee(store) {
+  const picture = new LivePicture('annotated', 'The live picture with the number of each object.');
+  const buttons = element('div', {class: 'buttons', role: 'group',
+    'aria-label': 'Objects in the picture'});
+  const suggestion = element('p');
+  picture.node.addEventListener('click', (event) => {
+    const pixel = picture.pixelAt(event);
+    if (pixel) robot('see', pixel);
+  });
+  store.on('watch', ({objects}) => sync(buttons, objects.filter((each) => each.pixel),
+    ({number}) => number, ({number}) => button(`Object ${number}`, () => {
+      const object = store.get('watch').objects.find((each) => each.number === number);
+      if (object) robot('see', {u: object.pixel[0], v: object.pixel[1]});
+    }), () => {}));
+  const update = (state) => {
+    setText(suggestion, state.open ? '' : state.suggestion?.sentence ?? '');
+    drawPairs(picture, state);
+  };
+  return {update, start: () => picture.start(), stop: () => picture.stop(),
+    node: card('1. Choose the object', picture.node, suggestion,
+      element('p', {class: 'quiet'}, 'Click the object that the robot will touch, or choose it here:'),
+      buttons)};
+}
+
+function drawPairs(picture, {pairs, suggestion, open}) {
+  const r = picture.size.width * 0.02;
+  const marks = [
+    ...pairs.map((pair) => ({...pair, name: pair.valid && pair.fits ? 'pair' : 'pair bad'})),
+    ...(suggestion?.pixel && !open ? [{number: 'next', pixel: suggestion.pixel, name: 'target'}] : []),
+    ...(open?.pixel ? [{number: 'open', pixel: open.pixel, name: 'chosen'}] : []),
+  ];
+  sync(picture.overlay, marks, ({number}) => number, () => svg('circle'),
+    (node, {pixel: [u, v], name}) => {
+      const place = {class: name, cx: u, cy: v, r: name.startsWith('pair') ? r : 2.5 * r};
+      Object.entries(place).forEach(([key, value]) => setAttribute(node, key, value));
+    });
+}

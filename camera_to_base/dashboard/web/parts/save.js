@@ -1,0 +1,71 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// Save: what changed against the loaded file, and the button that writes it.
+
+import {act} from '../base/actions.js';
+import {button, card, element, fillRow, row, setText, show, sync, table} from '../base/dom.js';
+import {attempt} from '../base/notices.js';
+import {address} from '../base/state.js';
+
+const NODES = {camera: 'camera_publisher', transform: 'robot_base_publisher', both: 'both'};
+const LONGEST_TEXT = 60;
+
+/** Make the part. */
+export function createSave(store) {
+  const path = element('input', {type: 'text', id: 'path', autocomplete: 'off', class: 'long'});
+  const write = button('Save', () => attempt(
+    () => act('/api/save', path.value ? {path: path.value} : {}), () => null), {class: 'primary'});
+  const sentence = element('p', {class: 'verdict', role: 'status'});
+  const loaded = element('p', {class: 'quiet'});
+  const calibration = element('p');
+  const warnings = element('ul', {class: 'warnings'});
+  const changes = table('Changes', ['Parameter', 'In the file', 'Now', 'Node']);
+  const none = element('p', {}, 'Nothing has changed since the file was loaded or saved.');
+  const download = element('a', {class: 'button', href: address('/api/file'), download: 'cell.yaml'},
+    'Download the file');
+  let known = null;
+  store.on('save', (state) => {
+    if (state.path !== known && document.activeElement !== path) path.value = known = state.path;
+    setText(loaded, state.from ? `Loaded from ${state.from}.` : 'No file was loaded.');
+    setText(calibration, state.calibration ?? '');
+    tell(sentence, state);
+    write.disabled = Boolean(state.needs);
+    sync(warnings, state.warnings ?? [], (text) => text, () => element('li'), setText);
+    show(none, !state.changes.length);
+    show(changes.node, state.changes.length);
+    sync(changes.body, state.changes, ({name, nodes}) => `${name} ${nodes}`, () => row(4),
+      (node, {name, old, new: now, nodes}) => fillRow(node, [
+        name, short(old) ?? 'not in the file', short(now) ?? 'left out', NODES[nodes] ?? nodes]));
+  });
+  return {node: element('div', {},
+    card('File for both nodes',
+      element('p', {class: 'lead'}, 'The file holds all parameters of both nodes. Start them with ' +
+        'it, and everything is as it is now. The old file is kept.'),
+      loaded, calibration, warnings,
+      element('p', {class: 'buttons'}, element('label', {for: 'path'}, 'File'), path, write, download),
+      sentence),
+    card('What changed', none, changes.node))};
+}
+
+function tell(sentence, {error, needs, saved}) {
+  setText(sentence, error ?? needs ?? saved?.sentence ?? '');
+  sentence.classList.toggle('bad', Boolean(error ?? needs));
+  sentence.classList.toggle('good', !error && !needs && Boolean(saved));
+}
+
+function short(text) {
+  if (text === null || text === undefined) return null;
+  return text.length > LONGEST_TEXT ? `${text.slice(0, LONGEST_TEXT)} …` : text;
+}

@@ -1,0 +1,173 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// Watch: the live picture, the objects in a list and on a map, and what was left out.
+
+import {card, element, fillRow, row, setAttribute, setText, show, svg, sync, table, button}
+  from '../base/dom.js';
+import {createMap} from '../pieces/map.js';
+import {ago, fixed, point} from '../base/numbers.js';
+import {LivePicture} from '../pieces/pictures.js';
+import {createSetup} from '../pieces/setup.js';
+
+const KINDS = {
+  annotated: ['With outlines', 'The live picture, with the outline and the number of each object.'],
+  frame: ['Camera', 'The live picture as the camera takes it.'],
+  mask: ['Mask', 'The pixels that belong to objects, in white.'],
+  background: ['Background', 'The picture of the empty surface that frames are compared with.'],
+};
+const SAME_OBJECT_CM = 3;
+const NEAR_SHARE = 0.08;
+const AGE_AFTER_S = 1;
+
+/** Make the part. */
+export function createWatch(store) {
+  const selection = new Selection();
+  const picture = new LivePicture('annotated', KINDS.annotated[1]);
+  const map = createMap((object) => selection.choose(object));
+  const list = table('Objects on the surface', [
+    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction', '± mm (95 %)'], {class: 'numbers'});
+  const empty = element('p', {class: 'quiet'}, 'No object.');
+  const figures = createFigures();
+  const leftOut = createLeftOut();
+  const setup = createSetup(store);
+
+  const draw = () => {
+    const watch = store.get('watch');
+    if (!watch) return;
+    selection.follow(watch.objects);
+    sync(list.body, watch.objects, (object) => object.number,
+      (object) => objectRow(object, () => selection.choose(selection.numbered(object.number))),
+      (node, object) => fillObject(node, object, selection.is(object)));
+    show(empty, !watch.objects.length);
+    show(list.node, watch.objects.length);
+    figures.update(watch);
+    leftOut.update(watch.left_out ?? []);
+    map.update(watch, selection);
+    ring(picture, selection.current);
+  };
+  selection.onchange = draw;
+  store.on('watch', draw);
+  picture.node.addEventListener('click', (event) => {
+    const watch = store.get('watch');
+    selection.choose(nearest(watch?.objects ?? [], picture.pixelAt(event), picture.size));
+  });
+
+  const node = element('div', {class: 'watch'}, setup.node, element('div', {class: 'columns'},
+    element('div', {},
+      card('Picture', kindChoice(picture), picture.node,
+        element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),
+        figures.node)),
+    element('div', {},
+      card('Objects', list.node, empty, leftOut.node),
+      card('Seen from above', map.node))));
+  return {node, shown: () => picture.start(), hidden: () => picture.stop()};
+}
+
+/** The object that a person has chosen; it is followed by its place, for numbers change. */
+class Selection {
+  current = null;
+  #objects = [];
+  onchange = () => {};
+
+  choose(object) {
+    this.current = object && this.is(object) ? null : object;
+    this.onchange();
+  }
+
+  is(object) {
+    return this.current?.number === object.number;
+  }
+
+  numbered(number) {
+    return this.#objects.find((object) => object.number === number) ?? null;
+  }
+
+  follow(objects) {
+    this.#objects = objects;
+    if (!this.current) return;
+    const away = (object) => Math.hypot(
+      object.camera.x - this.current.camera.x, object.camera.y - this.current.camera.y);
+    const near = objects.filter((object) => away(object) < SAME_OBJECT_CM);
+    this.current = near.sort((one, other) => away(one) - away(other))[0] ?? null;
+  }
+}
+
+function nearest(objects, pixel, size) {
+  if (!pixel) return null;
+  const away = (object) => Math.hypot(object.pixel[0] - pixel.u, object.pixel[1] - pixel.v);
+  return objects.filter((object) => object.pixel && away(object) < NEAR_SHARE * size.width)
+    .sort((one, other) => away(one) - away(other))[0] ?? null;
+}
+
+function ring(picture, object) {
+  const marks = object?.pixel ? [object.pixel] : [];
+  sync(picture.overlay, marks, () => 'ring',
+    () => svg('circle', {class: 'chosen', r: picture.size.width * 0.05}),
+    (node, [u, v]) => {
+      setAttribute(node, 'cx', u);
+      setAttribute(node, 'cy', v);
+    });
+}
+
+function kindChoice(picture) {
+  const choices = Object.entries(KINDS).map(([kind, [name, text]]) => button(name, (event) => {
+    picture.choose(kind, text);
+    for (const each of choices) each.setAttribute('aria-pressed', each === event.currentTarget);
+  }, {'aria-pressed': kind === 'annotated'}));
+  return element('div', {class: 'choices', role: 'group', 'aria-label': 'Kind of picture'},
+    ...choices);
+}
+
+function objectRow({number}, choose) {
+  const node = row(5, {class: 'pickable'});
+  node.addEventListener('click', choose);
+  node.cells[0].append(button(String(number), () => {}, {class: 'number'}));
+  return node;
+}
+
+function fillObject(node, object, isChosen) {
+  const label = node.cells[0].firstChild;
+  setAttribute(label, 'aria-pressed', isChosen);
+  setAttribute(label, 'aria-label', `Object ${object.number}: show it in the picture`);
+  const yaw = object.base?.yaw_deg ?? object.camera.yaw_deg;
+  const texts = [point(object.base), point(object.camera),
+    yaw === null || yaw === undefined ? 'none' : `${fixed(yaw, 0)}°`,
+    object.ellipse ? fixed(object.ellipse.major_mm, 1) : '–'];
+  texts.forEach((text, index) => setText(node.cells[index + 1], text));
+}
+
+function createFigures() {
+  const node = element('dl', {class: 'figures'});
+  const update = ({rate_hz: rate, age_s: age, latency_ms: latency, objects}) => {
+    const items = [['Objects', String(objects.length)], ['Rate', rate ? `${fixed(rate, 1)} Hz` : '–'],
+      ['Latency', latency ? `${fixed(latency, 0)} ms` : '–'],
+      ['Last frame', age !== null && age < AGE_AFTER_S ? 'now' : ago(age)]];
+    sync(node, items, ([name]) => name,
+      ([name]) => element('div', {}, element('dt', {}, name), element('dd')),
+      (item, [, text]) => setText(item.lastChild, text));
+  };
+  return {node, update};
+}
+
+function createLeftOut() {
+  const list = table('Left out', ['Why', 'Camera frame x, y in cm'], {class: 'grey'});
+  show(list.node, false);
+  const update = (items) => {
+    show(list.node, items.length);
+    sync(list.body, items, (item, index) => `${item.reason}${index}`, () => row(2),
+      (node, item) => fillRow(node, [item.sentence, point(item)]));
+  };
+  return {node: list.node, update};
+}

@@ -1,0 +1,126 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// A live picture: the server sends the newest one whenever the last one was shown.
+
+import {element, setAttribute, setText, show, svg} from '../base/dom.js';
+import {socket} from '../base/state.js';
+
+const LEAST_GAP_MS = 70;
+const RETRY_MS = 1500;
+const OLD_AFTER_MS = 3000;
+
+/** A picture with a layer for drawing above it, in the pixels of the camera. */
+export class LivePicture {
+  #image = element('img');
+  #waiting = element('p', {class: 'waiting'});
+  #line = null;
+  #isWanted = false;
+  #kind;
+  #sentSize = null;
+  #oldTimer = null;
+
+  /** `kind` is what the server sends; `text` says what can be seen. */
+  constructor(kind, text) {
+    this.overlay = svg('svg', {preserveAspectRatio: 'none', 'aria-hidden': 'true'});
+    this.node = element('div', {class: 'picture empty'}, this.#image, this.overlay, this.#waiting);
+    this.size = {width: 640, height: 480};
+    this.#image.onload = () => this.#onShown();
+    this.#image.onerror = () => this.#askNext();
+    this.choose(kind, text);
+    setText(this.#waiting, 'Waiting for a picture …');
+  }
+
+  /** Show another kind of picture. */
+  choose(kind, text) {
+    this.#kind = kind;
+    this.#image.alt = text;
+    if (this.#line) {
+      this.stop();
+      this.start();
+    }
+  }
+
+  /** Begin to ask for pictures. */
+  start() {
+    if (this.#isWanted) return;
+    this.#isWanted = true;
+    this.#open();
+  }
+
+  /** Ask for no more; the last picture stays. */
+  stop() {
+    this.#isWanted = false;
+    this.#line?.close();
+    this.#line = null;
+  }
+
+  /** Return the pixel of a pointer's event, or null where it is beside the picture. */
+  pixelAt(event) {
+    const box = this.#image.getBoundingClientRect();
+    const u = (event.clientX - box.left) / box.width * this.size.width - 0.5;
+    const v = (event.clientY - box.top) / box.height * this.size.height - 0.5;
+    const isInside = u >= -0.5 && v >= -0.5 && u < this.size.width && v < this.size.height;
+    return isInside ? {u, v} : null;
+  }
+
+  #open() {
+    if (!this.#isWanted) return;
+    const line = socket('/ws/picture', {kind: this.#kind});
+    this.#line = line;
+    line.binaryType = 'blob';
+    line.onopen = () => line.send('next');
+    line.onmessage = ({data}) => this.#onMessage(line, data);
+    line.onclose = () => {
+      if (this.#line !== line) return;
+      this.node.classList.add('old');
+      setTimeout(() => this.#line === line && this.#open(), RETRY_MS);
+    };
+  }
+
+  #onMessage(line, data) {
+    if (this.#line !== line) return;
+    if (typeof data === 'string') {
+      const content = JSON.parse(data);
+      if (content.width) this.#sentSize = content;
+      if (content.error) this.#say(content.error);
+      return;
+    }
+    const old = this.#image.src;
+    this.#image.src = URL.createObjectURL(data);
+    if (old) URL.revokeObjectURL(old);
+  }
+
+  #say(sentence) {
+    setText(this.#waiting, sentence);
+    this.node.classList.add('empty');
+    show(this.#waiting, true);
+  }
+
+  #onShown() {
+    this.size = this.#sentSize ?? {
+      width: this.#image.naturalWidth, height: this.#image.naturalHeight};
+    setAttribute(this.overlay, 'viewBox', `-0.5 -0.5 ${this.size.width} ${this.size.height}`);
+    this.node.classList.remove('empty', 'old');
+    show(this.#waiting, false);
+    clearTimeout(this.#oldTimer);
+    this.#oldTimer = setTimeout(() => this.node.classList.add('old'), OLD_AFTER_MS);
+    this.#askNext();
+  }
+
+  #askNext() {
+    const line = this.#line;
+    setTimeout(() => line?.readyState === WebSocket.OPEN && line.send('next'), LEAST_GAP_MS);
+  }
+}

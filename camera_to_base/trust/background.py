@@ -1,0 +1,96 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The background: takes it, keeps the one before, and knows how old it is."""
+
+import time
+from typing import NamedTuple, Optional
+
+from camera_to_base.detection import BackgroundTaker
+from camera_to_base.reason import Reason
+import numpy as np
+
+
+class Background(NamedTuple):
+    """
+    A background.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    :param taken_at: When it was taken, by time.monotonic().
+    :param witness: Another frame from then, of the same shape; None where there is none.
+    :param is_restored: Whether it is from a file.
+    """
+
+    picture: np.ndarray
+    taken_at: float
+    witness: Optional[np.ndarray] = None
+    is_restored: bool = False
+
+    @property
+    def age_s(self) -> float:
+        """Its age, in s."""
+        return time.monotonic() - self.taken_at
+
+
+class BackgroundKeeper:
+    """
+    Takes backgrounds.
+
+    :param confirm: Whether a frame counts only if the next one agrees with it.
+
+    `current` is the background in use; None while one is taken. `frame_count` is the number of
+    frames that the last one was made of.
+    """
+
+    def __init__(self, confirm: bool) -> None:
+        self._confirm = confirm
+        self.current: Optional[Background] = None
+        self.frame_count = 0
+        self._before: Optional[Background] = None
+        self._taker: Optional[BackgroundTaker] = None
+
+    @property
+    def reason(self) -> Optional[Reason]:
+        """Why there is no background; None where there is one."""
+        return None if self._taker is None else self._taker.reason
+
+    def take(self, frame_count: int) -> None:
+        """Take a background from the next frames."""
+        self._before = self.current or self._before
+        self._taker = BackgroundTaker(frame_count)
+        self.current = None
+
+    def use(self, background: Background) -> None:
+        """Use a background."""
+        self.current, self._taker = background, None
+
+    def keep_before(self) -> Optional[Background]:
+        """Stop taking a background; give the one that was used before, None where none was."""
+        if self.current is None and self._before is not None:
+            self.use(self._before)
+        return self.current
+
+    def add(self, frame: np.ndarray) -> Optional[Background]:
+        """
+        Add a frame while a background is taken.
+
+        :param frame: Shape (h, w, 3), uint8, BGR.
+        :returns: The background if it is complete now.
+        """
+        picture = self._taker.add(frame, confirm=self._confirm)
+        if picture is None:
+            return None
+        self.frame_count = self._taker.taken_count
+        self.use(Background(picture, time.monotonic(), frame if self._confirm else None))
+        return self.current

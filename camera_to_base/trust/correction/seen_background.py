@@ -1,0 +1,94 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The background as the camera sees it after a nudge."""
+
+from typing import NamedTuple, Optional, Tuple
+
+from camera_to_base.detection import Found, LeftOut
+from camera_to_base.reason import Level, Reason
+from camera_to_base.surface import PictureMap
+import cv2
+import numpy as np
+
+# An object's outline keeps this far from what the background does not show, in px.
+_MARGIN_PX = 2.0
+_OUTSIDE = Reason(
+    'outside_background', Level.WARN, 'it touches a part of the picture that the background does '
+    'not show, because the camera was nudged: move it into view, or clear the surface and call '
+    '~/capture_background', is_passing=True)
+
+
+class SeenBackground(NamedTuple):
+    """
+    A background as the camera sees it from where it stands.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    :param witness: Another frame from when the background was taken; None where there is none.
+    :param background_from_frame: Maps the frame's pixels to those of the background as it was
+        taken; None for the same.
+    """
+
+    picture: np.ndarray
+    witness: Optional[np.ndarray] = None
+    background_from_frame: Optional[PictureMap] = None
+
+    def seen_after(
+        self, frame_from_background: PictureMap, frame: np.ndarray
+    ) -> 'SeenBackground':
+        """
+        Give it as a nudged camera sees it.
+
+        What was outside of the picture is taken from a frame of the nudged camera.
+
+        :param frame: Shape (h, w, 3), uint8, BGR.
+        """
+        back = frame_from_background.inverse
+        height, width = frame.shape[:2]
+        places = back.grid((width, height))
+        known = cv2.inRange(places, (0.0, 0.0), (width - 1.0, height - 1.0))
+        maps = cv2.convertMaps(places, None, cv2.CV_16SC2)
+        picture = _moved(self.picture, maps, known, frame)
+        witness = None if self.witness is None else _moved(self.witness, maps, known, frame)
+        return SeenBackground(picture, witness, back)
+
+    def without_unknown(self, found: Found) -> Found:
+        """Leave out the objects that touch what the background does not show."""
+        if self.background_from_frame is None or not found.objects:
+            return found
+        is_outside = [self._is_outside(one.detection.outline) for one in found.objects]
+        left_out = (LeftOut(one.detection, _OUTSIDE)
+                    for one, outside in zip(found.objects, is_outside) if outside)
+        return found._replace(
+            objects=[one for one, outside in zip(found.objects, is_outside) if not outside],
+            left_out=(*found.left_out, *left_out))
+
+    def _is_outside(self, outline: np.ndarray) -> bool:
+        places = self.background_from_frame.pixels(outline.reshape(-1, 2))
+        height, width = self.picture.shape[:2]
+        with np.errstate(invalid='ignore'):
+            inside = (places >= _MARGIN_PX) & (
+                places <= np.array([width, height]) - 1 - _MARGIN_PX)
+        return not inside.all()
+
+
+def _moved(
+    picture: np.ndarray, maps: Tuple[np.ndarray, np.ndarray], known: np.ndarray,
+    frame: np.ndarray
+) -> np.ndarray:
+    moved = cv2.remap(picture, *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    # In the light of the background.
+    ours, theirs = (np.array(cv2.mean(one, known)[:3]) for one in (moved, frame))
+    gain = np.diag(ours / np.maximum(theirs, 1.0))
+    return cv2.copyTo(cv2.transform(frame, gain), cv2.bitwise_not(known), moved)

@@ -1,0 +1,158 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where the camera stands: the surface and the background that hold there."""
+
+from typing import Optional
+
+from camera_to_base.image_size import ImageSize
+from camera_to_base.reason import Reason
+from camera_to_base.surface import flat_surface, NudgedSurface, Surface
+from camera_to_base.trust.background import Background
+from camera_to_base.trust.correction.correction import corrected_surface, Correction
+from camera_to_base.trust.correction.corrector import Corrector
+from camera_to_base.trust.correction.seen_background import SeenBackground
+from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.scene import Scene
+from camera_to_base.trust.surface_in_force import SurfaceInForce
+import numpy as np
+
+
+class Standpoint:
+    """
+    Follows the camera where it is nudged: keeps the surface and the background that hold there.
+
+    :param surface: As calibrated.
+
+    `scene` is what frames are compared with, and `background_as_calibrated` is the background as
+    the camera sees it from where it was calibrated, shape (h, w, 3); both are None before the
+    first background.
+    """
+
+    def __init__(self, surface: Surface, limits: Limits) -> None:
+        self._surface, self._limits = surface, limits
+        # What the camera's pixels mean where the background was taken.
+        self._base = SurfaceInForce(surface)
+        self._background: Optional[Background] = None
+        self.background_as_calibrated: Optional[np.ndarray] = None
+        self._corrector: Optional[Corrector] = None
+        self._reason: Optional[Reason] = None
+        self.scene: Optional[Scene] = None
+
+    @property
+    def surface(self) -> SurfaceInForce:
+        """What the pixels of the last frame mean."""
+        return self._base if self.scene is None else self.scene.surface
+
+    @property
+    def correction(self) -> Optional[Correction]:
+        """How the camera was nudged since the background was taken; None for not at all."""
+        return None if self._corrector is None else self._corrector.correction
+
+    def configure(self, surface: Surface, limits: Limits) -> None:
+        """
+        Use a new calibration and new limits from the next frame on.
+
+        Another calibration ends a correction: where the camera stood for it is not known.
+        """
+        if surface != self._surface:
+            self._recalibrate(surface)
+        self._limits = limits
+        if self.scene is not None:
+            self.scene.view.configure(limits)
+        if not limits.may_correct and self.surface.frame_from_calibrated is not None:
+            self.use_surface(None)
+
+    def use_background(self, background: Background, may_correct: bool = True) -> None:
+        """
+        Use a background that the camera has taken from where it stands now.
+
+        :param may_correct: Whether its pixels are those that the surface in force maps.
+        """
+        self._base, self._background = self.surface, background
+        self._corrector = Corrector(
+            background.picture, self._base.surface) if may_correct else None
+        self._note_as_calibrated(background.picture)
+        self._begin()
+
+    def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
+        """
+        Use another surface from the next frame on: the camera stands elsewhere.
+
+        Frames are held back until there is a background of the new place, and the movement from
+        the old one is not corrected.
+
+        :param surface: None for the calibrated one.
+        """
+        self._base = SurfaceInForce(self._surface) if surface is None else surface
+        self._corrector = None
+        if self._background is not None:
+            self._begin()
+
+    def reason(self, frame: np.ndarray) -> Optional[Reason]:
+        """
+        Tell why the view of a frame cannot be believed, and correct a nudge.
+
+        :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        """
+        self._reason = self.scene.view.reason(frame)
+        if self._corrector is None or not self._limits.may_correct:
+            return self._reason
+        if self._corrector.has_changed(
+                frame, self._limits, is_held_back=self._reason is not None,
+                shift_px=self.scene.view.shift_px):
+            self._begin(frame)
+            self._reason = self.scene.view.reason(frame)
+        return self._corrector.explained(self._reason)
+
+    def _recalibrate(self, surface: Surface) -> None:
+        is_same = flat_surface(surface) is flat_surface(self._surface)
+        before, self._surface = self.surface, surface
+        moved = self._base.frame_from_calibrated
+        if before.reason is None and (is_same or self._reason is None):
+            self._base = SurfaceInForce(surface)
+        elif is_same and not before.replaces:
+            self._base = self._base._replace(surface=surface if moved is None else NudgedSurface(
+                surface, moved.inverse, self._size))
+        else:
+            self.use_surface(None)
+            return
+        if self._corrector is not None:
+            self._corrector.use_surface(self._base.surface)
+        if self.scene is not None:
+            self.scene.use_surface(self._surface_here())
+
+    def _note_as_calibrated(self, picture: np.ndarray) -> None:
+        moved, before = self._base.frame_from_calibrated, self.background_as_calibrated
+        if moved is not None:
+            fill = picture if before is None or before.shape != picture.shape else before
+            picture = SeenBackground(picture).seen_after(moved.inverse, fill).picture
+        self.background_as_calibrated = picture
+
+    def _begin(self, frame: Optional[np.ndarray] = None) -> None:
+        # The background as the camera sees it from where it stands.
+        seen = SeenBackground(self._background.picture, self._background.witness)
+        if self.correction is not None:
+            seen = seen.seen_after(self.correction.nudge.frame_from_background, frame)
+        self.scene = Scene(seen, self._surface_here(), self._limits)
+
+    @property
+    def _size(self) -> ImageSize:
+        height, width = self._background.picture.shape[:2]
+        return width, height
+
+    def _surface_here(self) -> SurfaceInForce:
+        correction = self.correction
+        return self._base if correction is None else corrected_surface(
+            correction, self._base, self._size)

@@ -1,0 +1,111 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Bad days: what a person reads on the page when something is broken, and what is lost."""
+
+import resource
+
+from dashboard_page import wait_until
+from mjpeg_server import MjpegServer
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope='module')
+def cell(start_cell):
+    return start_cell()
+
+
+@pytest.fixture
+def page(open_page, cell):
+    page = open_page(cell)
+    page.wait_for('published', '#banner')
+    return page
+
+
+def test_dead_camera_node_is_told_and_its_return(page, cell):
+    cell.kill('camera_publisher')
+    page.wait_for('camera_publisher', '#banner')
+    assert 'published' not in page.read('#banner-text')
+    cell.start('camera_publisher')
+    page.wait_for('published', '#banner')
+
+
+def test_dead_transform_node_is_told_and_its_return(page, cell):
+    cell.kill('robot_base_publisher')
+    page.wait_for('robot_base_publisher', '#banner')
+    cell.start('robot_base_publisher')
+    wait_until(lambda: 'robot_base_publisher' not in page.read('#banner'),
+               lambda: page.read('#banner'))
+
+
+def test_dead_dashboard_is_told_and_its_return(page, cell):
+    cell.kill('dashboard')
+    page.wait_for('The dashboard does not answer', '#banner')
+    page.wait_for('Not connected', 'header')
+    page.go_to('detect')
+    page.click('Take the background now')
+    page.wait_for('Nothing was changed', '#notices')
+    cell.start('dashboard')
+    page.wait_for('Connected', '#connection')
+    page.wait_for('published', '#banner')
+
+
+def test_camera_that_is_unplugged_is_told_and_its_return(start_cell, open_page):
+    def take_frame():
+        frame = np.full((480, 640, 3), 190, np.uint8)
+        frame[::40] = 170
+        return frame + np.random.default_rng().integers(0, 4, frame.shape, np.uint8)
+
+    with MjpegServer(take_frame) as camera:
+        page = open_page(start_cell('-p', f'source:={camera.url}'))
+        page.wait_for('published', '#banner')
+        camera.kill()
+        page.wait_for('camera', '#banner')
+        wait_until(lambda: 'error' in page.element('#banner').get_attribute('class'),
+                   lambda: page.read('#banner'))
+        camera.start()
+        page.wait_for('published', '#banner')
+
+
+def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
+    page.go_to('calibrate')
+    page.click('Board', '#simulated')
+    page.click('Start', '#part-calibrate')
+    page.click('Keep this placement', '#part-calibrate')
+    page.wait_for('54 corners', '#part-calibrate .placements')
+    page.driver.refresh()
+    page.wait_for('54 corners', '#part-calibrate .placements')
+    page.click('Stop, and drop the placements', '#part-calibrate')
+    page.click('Moving objects', '#simulated')
+
+
+def test_full_disk_is_told_on_save_and_the_old_file_stays(page, cell, tmp_path):
+    path = tmp_path / 'cell.yaml'
+    path.write_text('# the old one\n')
+    page.go_to('save')
+    number = cell.pid('dashboard')
+    limits = resource.prlimit(number, resource.RLIMIT_FSIZE)
+    resource.prlimit(number, resource.RLIMIT_FSIZE, (100, limits[1]))
+    try:
+        page.fill('File', str(path), end='')
+        page.click('Save', '#part-save')
+        wait_until(lambda: page.read('#part-save .verdict') or page.read('#notices'),
+                   lambda: page.read())
+        assert 'cell.yaml' in page.read('#part-save .verdict') + page.read('#notices')
+    finally:
+        resource.prlimit(number, resource.RLIMIT_FSIZE, limits)
+    assert path.read_text() == '# the old one\n'

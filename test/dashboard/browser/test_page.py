@@ -1,0 +1,163 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What can be read and done on the page of a running simulated cell."""
+
+from dashboard_page import DOWN, ENTER, RIGHT, wait_until
+import pytest
+
+pytestmark = pytest.mark.slow
+
+PARTS = ('watch', 'detect', 'calibrate', 'robot', 'health', 'save')
+
+
+@pytest.fixture(scope='module')
+def cell(start_cell):
+    return start_cell()
+
+
+@pytest.fixture
+def page(open_page, cell):
+    page = open_page(cell)
+    page.wait_for('published', '#banner')
+    return page
+
+
+def has_picture(page, selector):
+    """Tell whether a picture has come."""
+    return page.run('return document.querySelector(arguments[0]).naturalWidth', selector) > 0
+
+
+@pytest.mark.parametrize('width, scheme', [(1280, 'light'), (390, 'dark')])
+def test_no_part_has_a_serious_accessibility_problem(page, width, scheme):
+    page.resize(width, 844, scheme)
+    for part in PARTS:
+        page.go_to(part)
+        assert page.serious_problems() == [], part
+
+
+def test_no_part_is_wider_than_a_small_phone(page):
+    page.resize(360, 740)
+    for part in PARTS:
+        page.go_to(part)
+        wide = page.run('return document.documentElement.scrollWidth')
+        assert wide <= 360, part
+
+
+def test_objects_are_in_the_picture_in_the_list_and_on_the_map(page):
+    wait_until(lambda: has_picture(page, '#part-watch img'), lambda: 'no picture')
+    page.wait_for('Base frame x, y', '#part-watch')
+    wait_until(lambda: 'object 1 at' in page.element('.map').get_attribute('aria-label'),
+               lambda: page.element('.map').get_attribute('aria-label'))
+    cells = page.run("return [...document.querySelector('#part-watch tbody tr').cells]"
+                     '.map((cell) => cell.textContent)')
+    base, camera = (tuple(float(number.replace('−', '-')) for number in cell.split(', '))
+                    for cell in cells[1:3])
+    assert base == pytest.approx((camera[0] - 17.8, 24.4 - camera[1]), abs=0.011)
+
+
+def test_click_on_an_object_marks_it_in_the_picture(page):
+    def is_marked():
+        page.run("document.querySelector('#part-watch tbody button')?.click()")
+        return page.run("return Boolean(document.querySelector('#part-watch .picture .chosen'))")
+
+    assert wait_until(is_marked, lambda: 'not marked')
+
+
+def test_mask_is_beside_the_picture(page):
+    page.go_to('detect')
+    for index in (1, 2):
+        selector = f'#part-detect figure:nth-of-type({index}) img'
+        wait_until(lambda: has_picture(page, selector), lambda: f'no {selector}')
+
+
+def test_parameter_takes_effect_and_goes_back_to_its_default(page):
+    page.go_to('detect')
+    page.wait_for('detector.faintest', '#part-detect')
+    page.fill('detector.faintest', '31')
+    page.click('detector.faintest: back to the default')
+    wait_until(lambda: page.field('detector.faintest').get_attribute('value') == '13',
+               lambda: page.field('detector.faintest').get_attribute('value'))
+
+
+def test_refused_parameter_shows_why_and_the_old_value(page):
+    page.go_to('detect')
+    page.wait_for('detector.median_size', '#part-detect')
+    page.fill('detector.median_size', '4')
+    name = 'p-camera-detector-median_size'
+    page.wait_for('step', f'#{name}-error')
+    assert page.field('detector.median_size').get_attribute('value') == '5'
+    assert page.field('detector.median_size').get_attribute('aria-invalid') == 'true'
+
+
+def test_second_page_sees_what_the_first_has_changed(page, open_page, cell, browser):
+    first = browser.current_window_handle
+    browser.switch_to.new_window('tab')
+    second = browser.current_window_handle
+    try:
+        other = open_page(cell)
+        other.go_to('detect')
+        browser.switch_to.window(first)
+        page.go_to('detect')
+        page.wait_for('detector.threshold', '#part-detect')
+        page.fill('detector.threshold', '77')
+        browser.switch_to.window(second)
+        wait_until(lambda: other.field('detector.threshold').get_attribute('value') == '77',
+                   lambda: other.field('detector.threshold').get_attribute('value'))
+    finally:
+        browser.switch_to.window(second)
+        browser.close()
+        browser.switch_to.window(first)
+
+
+def test_background_is_taken_anew(page):
+    page.go_to('detect')
+    page.click('Take the background now')
+    page.wait_for('The background is new', '#notices')
+
+
+def test_tabs_follow_the_arrow_keys(page):
+    page.element('#tab-watch').send_keys(RIGHT)
+    assert page.run('return document.activeElement.id') == 'tab-detect'
+    assert page.element('#part-detect').is_displayed()
+    assert not page.element('#part-watch').is_displayed()
+
+
+def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
+    page.go_to('detect')
+    page.click('Draw an area to ignore')
+    picture = page.element('#part-detect .picture[role=application]')
+    for moves in (RIGHT * 3, DOWN * 3, RIGHT * 3):
+        picture.send_keys(moves + ENTER)
+    page.click('Finish')
+    page.wait_for('ignored area 1, 3 corners', '#part-detect')
+    page.click('Remove ignored area 1')
+    wait_until(lambda: 'ignored area 1' not in page.read('#part-detect'),
+               lambda: page.read('#part-detect'))
+
+
+def test_health_tells_of_both_nodes_in_words(page):
+    page.go_to('health')
+    page.wait_for('Objects on the surface are published', '#part-health')
+    page.wait_for('Positions are transformed', '#part-health')
+    page.wait_for('/camera_publisher', '#part-health .log')
+    assert 'Hz in the last minute' in page.read('#part-health')
+
+
+def test_picture_is_only_asked_for_where_it_is_shown(page):
+    wait_until(lambda: has_picture(page, '#part-watch img'), lambda: 'no picture')
+    page.go_to('save')
+    source = page.run("return document.querySelector('#part-watch img').src")
+    page.run('return new Promise((done) => setTimeout(done, 500))')
+    assert page.run("return document.querySelector('#part-watch img').src") == source

@@ -1,0 +1,169 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Calibrating the surface on the page: look, take, fit, accept."""
+
+import json
+
+from camera_to_base.calibration import calibrate_placements, make_placement, PrintedBoard
+from camera_to_base.errors import CameraToBaseError
+import cv2
+import numpy as np
+import pytest
+from session_cell import Cell
+
+
+@pytest.fixture
+def cell():
+    one = Cell()
+    yield one
+    one.sessions.close()
+
+
+def test_the_page_says_what_the_newest_frame_shows(cell):
+    assert not cell.sessions.wants_frames
+    cell.do('board', 'start')
+    assert cell.sessions.wants_frames
+    look = cell.show_frames(lambda state: state['look'])['look']
+    assert look['found'] and look['sentence'] == '54 of 54 corners found'
+    assert look['sharpness'] == 'sharp' and len(look['corners']) == 54
+    assert 0.2 < look['covered'] < 0.4 and look['image'] == {'width': 640, 'height': 480}
+
+
+def test_why_no_board_is_found_is_told_in_the_words_of_the_command(cell):
+    cell.do('board', 'start')
+    cell.board.lay((60, 240), 0)
+    look = cell.show_frames(lambda state: state['look'])['look']
+    assert not look['found'] and look['sentence'].startswith(
+        'the board is cut off by the left edge of the picture')
+    cell.do('board', 'start', corners=[8, 6])
+    cell.board.lay((320, 240), 0)
+    look = cell.show_frames(lambda state: state['look'] and '8 x 6' in state['look']['sentence'])
+    assert 'has 9 x 6 inner corners, not 8 x 6' in look['look']['sentence']
+
+
+def test_the_picture_shows_the_corners(cell):
+    cell.do('board', 'start')
+    cell.show_frames(lambda state: state['look'])
+    drawn = cv2.imdecode(np.frombuffer(cell.pictures[-1], np.uint8), cv2.IMREAD_COLOR)
+    u, v = map(int, cell.state('board')['look']['corners'][0])
+    around = drawn[v - 8:v + 9, u - 8:u + 9].astype(int)
+    assert (around[:, :, 1] - around[:, :, 2]).max() > 60
+
+
+def test_placements_cover_the_picture_and_the_next_one_is_suggested(cell):
+    cell.do('board', 'start')
+    state = cell.take()
+    assert state['error'] is None and state['placements'][0]['corners'] == 54
+    assert 'top left' in state['covered']['missing']
+    assert 'Lay the board elsewhere' in state['suggestion']['sentence']
+    assert 'twice' in cell.take()['error'] and len(cell.state('board')['placements']) == 1
+    cell.board.lay(*cell.board.free_place(1))
+    more = cell.take()
+    assert more['error'] is None and len(more['placements']) == 2
+    assert more['covered']['share'] > state['covered']['share']
+    assert len(cell.do('board', 'remove', number=1)['placements']) == 1
+
+
+def test_the_fit_is_that_of_the_command(cell):
+    state = cell.calibrate_board(4)
+    report = state['report']
+    assert state['step'] == 'fitted' and report['held_out_mm'] < 0.2 and report['covered'] > 0.4
+    assert report['placements'] == 4 and len(report['error_map_mm']) == 6
+    board = PrintedBoard()
+    placements = []
+    for number in range(4):
+        cell.board.lay(*cell.board.free_place(number)) if number else cell.board.lay((320, 240), 0)
+        placements.append(make_placement(board, cell.board.read(), 'one', number))
+    expected = calibrate_placements(board, placements).values
+    accepted = cell.values['camera']
+    pixels = np.array([[100, 100], [320, 240], [560, 400]])
+    from camera_to_base.settings import camera_settings
+    found = camera_settings(accepted).surface.locate(pixels)
+    wanted = camera_settings({**accepted, **expected}).surface.locate(pixels)
+    np.testing.assert_allclose(found, wanted, atol=0.02)
+    assert accepted['calibration.device'] == 'simulated'
+    assert 'homography from a chessboard' in accepted['calibration.surface']
+    assert accepted['calibration.thumbnail']
+
+
+def test_report_has_pictures_and_text(cell):
+    report = cell.calibrate_board()['report']
+    assert [cv2.imdecode(np.frombuffer(cell.sessions.report(name), np.uint8), 1).ndim
+            for name in ('fit.png', 'above.png', 'errors.png')] == [3, 3, 3]
+    assert report['pictures'][0]['url'].startswith('/api/report/fit.png')
+    assert 'error at 54 points' in cell.sessions.report('board.txt').decode()
+    with pytest.raises(CameraToBaseError, match='there is no report'):
+        cell.sessions.report('../../etc/passwd')
+
+
+def test_a_new_surface_drops_what_was_made_for_the_former_one(cell):
+    cell.calibrate_board()
+    cell.values['camera']['work_area'] = [0.0, 0.0, 10.0, 0.0, 10.0, 10.0]
+    for node in ('camera', 'transform'):
+        cell.values[node]['displacement_cm'] = [1.0, 2.0, 3.0]
+    cell.tell()
+    assert cell.state('board')['would_drop'] == ['the base frame', 'work_area']
+    accepted = cell.do('board', 'accept')['accepted']
+    assert accepted['dropped'] == ['the base frame', 'work_area']
+    assert 'No longer valid: the base frame, work_area' in accepted['sentence']
+    assert cell.values['camera']['work_area'] == []
+    assert cell.values['transform']['displacement_cm'] == [-17.8, 24.4, 0.0]
+
+
+@pytest.mark.parametrize('name, body, said', [
+    ('take', {}, 'start the search for a board first'),
+    ('fit', {}, 'take a placement of the board first'),
+    ('accept', {}, 'fit the surface first'),
+    ('remove', {'number': 1}, 'there is no placement 1'),
+    ('remove', {'number': 'x'}, "there is no placement 'x'"),
+    ('start', {'corners': [2, 6]}, 'must be 3..100, got 2'),
+    ('start', {'corners': 9}, 'corners must be two counts'),
+    ('start', {'square_mm': 'wide'}, 'square_mm must be numbers'),
+    ('start', {'paper': 'A9'}, 'paper must be one of A4')])
+def test_what_cannot_be_done_is_one_sentence_and_changes_nothing(cell, name, body, said):
+    before = cell.state('board')
+    with pytest.raises(CameraToBaseError, match=said):
+        cell.do('board', name, **body)
+    assert cell.state('board') == before
+
+
+def test_a_camera_that_gives_no_frames_ends_the_taking(cell, monkeypatch):
+    monkeypatch.setattr('camera_to_base.dashboard.sessions.board_session._LONGEST_WAIT_S', 0.05)
+    cell.do('board', 'start')
+    cell.do('board', 'take')
+    while cell.state('board')['busy']:
+        pass
+    assert 'no pictures come from the camera node' in cell.state('board')['error']
+    monkeypatch.undo()
+    assert cell.take()['error'] is None
+
+
+def test_another_board_drops_the_placements_and_the_same_one_keeps_them(cell):
+    cell.do('board', 'start')
+    cell.take()
+    assert len(cell.do('board', 'start')['placements']) == 1
+    assert cell.do('board', 'start', square_mm=30)['placements'] == []
+    assert cell.do('board', 'cancel')['step'] == 'off'
+
+
+def test_every_state_is_json(cell):
+    cell.calibrate_board()
+    for part in ('board', 'robot', 'save', 'areas', 'simulated'):
+        json.dumps(cell.state(part), allow_nan=False)
+
+
+@pytest.mark.parametrize('body', [{}, {'charuco': True}, {'paper': 'Letter'}])
+def test_the_sheet_is_a_pdf(cell, body):
+    assert cell.sessions.sheet(body).startswith(b'%PDF')

@@ -1,0 +1,133 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""What a page is told when something is wrong: nodes that are missing or die, slow pages."""
+
+import time
+
+from camera_to_base.nodes.camera_publisher import CameraPublisher
+from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
+import pytest
+from ros_helpers import assert_in_time
+
+SIMULATED = ('-p', 'source:=simulated')
+
+
+def silence_comes(ros, page, reason):
+    """Wait until the page tells that nothing is published for a reason; return the sentence."""
+    ros.spin_until(lambda: (page.parts.get('watch', {}).get('silence') or {}).get(
+        'reason') == reason)
+    return page.parts['watch']['silence']['sentence']
+
+
+def test_a_node_that_was_never_started_is_named_with_its_command(ros, dashboard):
+    page = dashboard()
+    page.look()
+    sentence = silence_comes(ros, page, 'not_running')
+    assert 'ros2 run camera_to_base camera_publisher' in sentence
+    assert page.parts['cells'] == [{'cell': '/', 'camera': None, 'transform': None}]
+    status, answer = page.post(
+        '/api/parameters?cell=/', {'node': 'camera', 'values': {'detector.threshold': 70}})
+    assert status == 409 and 'does not run' in answer['error']
+    status, answer = page.post('/api/background?cell=/', {})
+    assert status == 409 and 'does not run' in answer['error']
+
+
+@pytest.mark.flaky(reruns=2, only_rerun=['NotInTime'])
+def test_a_node_that_dies_is_told_and_one_that_comes_back_is_found(ros, start, dashboard):
+    ros.add(RobotBasePublisher)
+    page = dashboard()
+    page.look()
+    arguments = (*SIMULATED, '-p', 'detector.threshold:=70')
+    camera = start('camera_publisher', *arguments)
+    ros.spin_until(lambda: page.parts.get('watch', {}).get('objects'))
+    camera.kill()
+    # The graph tells of a node that was killed when its lease has ended, after 20 s.
+    silence_comes(ros, page, 'node_hangs')
+    assert page.parts['watch']['objects'] == []
+    start('camera_publisher', *SIMULATED)
+    ros.spin_until(lambda: page.parts['watch']['objects'] and page.parts['watch'][
+        'silence'] is None)
+    ros.spin_until(lambda: any(
+        (one['name'], one['value']) == ('detector.threshold', 95)
+        for one in page.parts['parameters']['camera']))
+
+
+def test_a_node_that_ends_is_told(ros, dashboard):
+    camera = ros.add(CameraPublisher, *SIMULATED)
+    page = dashboard()
+    page.look()
+    ros.spin_until(lambda: page.parts.get('watch', {}).get('objects')
+                   and page.parts['parameters']['camera'])
+    ros.executor.remove_node(camera)
+    camera.destroy_node()
+    assert 'has ended' in silence_comes(ros, page, 'node_ended')
+    ros.spin_until(lambda: page.parts['parameters']['camera'] == [])
+
+
+def test_a_camera_that_is_not_there_is_told_in_the_words_of_its_node(ros, dashboard):
+    ros.add(CameraPublisher, '-p', 'source:=/dev/video99')
+    page = dashboard()
+    page.look()
+    assert '/dev/video99' in silence_comes(ros, page, 'camera_waiting')
+    assert page.parts['watch']['silence']['level'] == 'error'
+
+
+def test_without_the_transform_node_camera_positions_are_shown_alone(ros, dashboard):
+    ros.add(CameraPublisher, *SIMULATED)
+    page = dashboard()
+    page.look()
+    ros.spin_until(lambda: page.parts.get('watch', {}).get('objects'))
+    assert 'robot_base_publisher' in silence_comes(ros, page, 'transform_not_running')
+    assert page.parts['watch']['objects'][0]['base'] is None
+
+
+def test_random_positions_are_shown_with_a_warning(ros, dashboard):
+    ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=0.2')
+    ros.add(RobotBasePublisher)
+    page = dashboard()
+    page.look()
+    ros.spin_until(lambda: page.parts.get('watch', {}).get('warning'))
+    assert page.parts['watch']['warning']['reason'] == 'random'
+    assert 'RANDOM' in page.parts['watch']['warning']['sentence']
+
+
+def test_a_page_that_does_not_read_gets_the_newest_picture_when_it_does(ros, dashboard):
+    ros.add(CameraPublisher, *SIMULATED)
+    page = dashboard()
+    slow = page.socket('/ws/picture?cell=/&kind=annotated')
+    page.send(slow, 'next')
+    ros.spin_for(3.0)
+    page.read(slow)
+    # The one that came while it did not ask is not sent; neither are those that waited.
+    begin = time.monotonic()
+    for _ in range(3):
+        page.send(slow, 'next')
+        assert page.read(slow)
+    assert_in_time(time.monotonic() - begin, 2.0)
+    page.send(slow, 'next')
+    page.send(slow, 'next')
+    assert page.read(slow)
+
+
+@pytest.mark.parametrize('content', [b'{', b'[]', b'"text"', b'\xff\xfe', b'{"node": "camera"}',
+                                     b'{"node": "arm", "values": {"a": 1}}',
+                                     b'{"node": "camera", "values": 3}'])
+def test_a_request_without_sense_is_refused_in_one_sentence(dashboard, content):
+    status, answer = dashboard().post('/api/parameters?cell=/', content)
+    assert status == 400 and answer['error'].startswith('expected ')
+
+
+def test_a_cell_without_a_proper_name_is_refused(dashboard):
+    status, answer = dashboard().post('/api/background?cell=../etc', {})
+    assert status == 400 and 'namespace' in answer['error']
