@@ -57,12 +57,15 @@ class Strips:
         changed: List[int] = []
         for was_changed, run in groupby(self._numbers, self._last.__contains__):
             numbers = list(run)
-            # Where all strips differed nothing is assumed: the detector asks whether all do.
-            if was_changed and len(numbers) < len(self._numbers):
+            if was_changed:
                 changed += numbers
-            elif was_changed or not self._is_calm(numbers, frame, lit, limits):
+            elif not self._is_calm(numbers, frame, lit, limits):
                 changed += [number for number in numbers
                             if not self._is_calm((number,), frame, lit, limits)]
+        if len(changed) == len(self._numbers):
+            # Nothing is assumed then: the detector asks whether all strips differ.
+            changed = [number for number in changed if number not in self._last
+                       or not self._is_calm((number,), frame, lit, limits)]
         return [self._rows(numbers) for numbers in _joined(changed)]
 
     def remember(self, parts: Iterable[Box]) -> None:

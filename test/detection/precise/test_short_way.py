@@ -104,6 +104,24 @@ def test_covered_lens_is_one_object_that_is_cut_off():
     assert found.cut_off and found.box == Box(0, 0, 320, 240)
 
 
+def scenes():
+    empty = np.full((240, 320, 3), 180, np.uint8)
+    mostly_dark = np.full((240, 320, 3), 30, np.uint8)
+    mostly_dark[:20] = 180
+    return [empty, with_disc(empty, (60, 20), 12), with_disc(empty, (150, 200)),
+            with_disc(with_disc(empty, (150, 200)), (260, 90)),
+            np.full((240, 320, 3), 30, np.uint8), mostly_dark]
+
+
+@pytest.mark.parametrize('before', range(6))
+@pytest.mark.parametrize('number', range(6))
+def test_what_is_found_does_not_depend_on_the_frame_before(before, number):
+    empty, frame = scenes()[0], scenes()[number]
+    detector = PreciseDifferenceDetector(empty)
+    detector.detect(scenes()[before])
+    assert detector.detect(frame) == PreciseDifferenceDetector(empty).detect(frame)
+
+
 def test_hand_over_half_of_the_table_leaves_the_objects_beside_it():
     frame = with_disc(table(seed=2), (260, 120))
     frame[:, :130] = 40
