@@ -39,7 +39,7 @@ import cv2
 from nudge_scenes import Camera, MM_PER_PX, random_nudge
 import numpy as np
 
-WRONG_MM, IN_TIME_S, AFTER_S = 1.0, 1.5, 2.0
+WRONG_MM, IN_TIME_S, AFTER_S = 1.0, 1.5, 1.6
 CASES = 'coin', 'hand', 'light', 'moved coin'
 SURFACES = 'wood', 'tiles', 'print', 'faint grain'
 

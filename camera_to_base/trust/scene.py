@@ -104,10 +104,10 @@ class Scene:
         if settings.method == 'precise':
             frame = self.view.moved_back(frame)
         self.shifts.add(_MOVED_BACK_PX if frame is not there else self.view.shift_px)
-        found = self._locator.find(frame)
+        found = self.background.without_unknown(self._locator.find(frame))
         if self.view.is_in_place and _leaves_out_cut_off(settings):
             found = self._arms.check(frame, found, taken_at, self.view.shift_px)
-        return self.background.without_unknown(found)
+        return found
 
 
 def _leaves_out_cut_off(settings: DetectorSettings) -> bool:

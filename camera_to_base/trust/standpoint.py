@@ -49,6 +49,7 @@ class Standpoint:
         self._corrector: Optional[Corrector] = None
         self._reason: Optional[Reason] = None
         self.scene: Optional[Scene] = None
+        self._uncorrected: Optional[Scene] = None
 
     @property
     def surface(self) -> SurfaceInForce:
@@ -71,8 +72,9 @@ class Standpoint:
         self._limits = limits
         if self.scene is not None:
             self.scene.view.configure(limits)
-        if not limits.may_correct and self.surface.frame_from_calibrated is not None:
-            self.use_surface(None)
+            self._uncorrected.view.configure(limits)
+        if not limits.may_correct:
+            self._end_correction()
 
     def use_background(self, background: Background, may_correct: bool = True) -> None:
         """
@@ -100,6 +102,11 @@ class Standpoint:
         if self._background is not None:
             self._begin()
 
+    def stand_at(self, surface: SurfaceInForce) -> None:
+        """Use another surface for the place where the background was taken, and frames are."""
+        self.use_surface(surface)
+        self.use_background(self._background)
+
     def reason(self, frame: np.ndarray) -> Optional[Reason]:
         """
         Tell why the view of a frame cannot be believed, and correct a nudge.
@@ -109,12 +116,21 @@ class Standpoint:
         self._reason = self.scene.view.reason(frame)
         if self._corrector is None or not self._limits.may_correct:
             return self._reason
+        if self._reason is not None and self._is_back(frame):
+            self._reason = None
         if self._corrector.has_changed(
                 frame, self._limits, is_held_back=self._reason is not None,
                 shift_px=self.scene.view.shift_px):
-            self._begin(frame)
+            self._correct(frame)
             self._reason = self.scene.view.reason(frame)
         return self._corrector.explained(self._reason)
+
+    def _end_correction(self) -> None:
+        # A surface by markers is measured, not corrected.
+        if self._base.replaces and self.correction is not None:
+            self.use_surface(self._base)
+        elif not self._base.replaces and self.surface.frame_from_calibrated is not None:
+            self.use_surface(None)
 
     def _recalibrate(self, surface: Surface) -> None:
         is_same = flat_surface(surface) is flat_surface(self._surface)
@@ -131,6 +147,7 @@ class Standpoint:
         if self._corrector is not None:
             self._corrector.use_surface(self._base.surface)
         if self.scene is not None:
+            self._uncorrected.use_surface(self._base)
             self.scene.use_surface(self._surface_here())
 
     def _note_as_calibrated(self, picture: np.ndarray) -> None:
@@ -140,12 +157,27 @@ class Standpoint:
             picture = SeenBackground(picture).seen_after(moved.inverse, fill).picture
         self.background_as_calibrated = picture
 
-    def _begin(self, frame: Optional[np.ndarray] = None) -> None:
-        # The background as the camera sees it from where it stands.
+    def _begin(self) -> None:
         seen = SeenBackground(self._background.picture, self._background.witness)
-        if self.correction is not None:
-            seen = seen.seen_after(self.correction.nudge.frame_from_background, frame)
+        self.scene = self._uncorrected = Scene(seen, self._base, self._limits)
+
+    def _correct(self, frame: np.ndarray) -> None:
+        # The background as the camera sees it from where it stands.
+        if self.correction is None:
+            self.scene = self._uncorrected
+            self.scene.forget_objects()
+            return
+        seen = self._uncorrected.background.seen_after(
+            self.correction.nudge.frame_from_background, frame)
         self.scene = Scene(seen, self._surface_here(), self._limits)
+
+    def _is_back(self, frame: np.ndarray) -> bool:
+        # Whether a camera that was nudged stands where it stood before.
+        if self.correction is None or self._uncorrected.view.reason(frame) is not None:
+            return False
+        self._corrector.forget()
+        self._correct(frame)
+        return True
 
     @property
     def _size(self) -> ImageSize:

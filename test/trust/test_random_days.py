@@ -28,6 +28,10 @@ FIRST_DAY = int(os.environ.get('RANDOM_DAY', '5'))
 
 # Days that went wrong once, without the events that they did not need.
 SMALL_DAYS = {
+    'camera that is put back after a corrected bump': Day(2029, (
+        Event('put', 0.5, 799117), Event('bump', 1.46, 606644), Event('take', 3.91, 155033),
+        Event('hand', 4.33, 786244), Event('light', 6.0, 667332), Event('put', 6.01, 765870),
+        Event('hand', 7.22, 910475), Event('hand', 9.97, 625919))),
     'camera that swings was not moved back under two arms': Day(24, (
         Event('hand', 10.03, 619925), Event('wobble', 10.11, 802939),
         Event('hand', 10.2, 626358))),

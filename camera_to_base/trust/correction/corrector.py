@@ -76,6 +76,11 @@ class Corrector:
         """Use another surface from the next measurement on: objects of another height."""
         self._surface = surface
 
+    def forget(self) -> None:
+        """Take the camera to stand where it stood for the background."""
+        self.correction = self._last = self.doubt = None
+        self._failures = self._drift_count = 0
+
     def explained(self, reason: Optional[Reason]) -> Optional[Reason]:
         """Add to the reason of a moved view why it is not corrected."""
         if reason is None or reason.kind != 'view_moved' or self.doubt is None:
