@@ -44,7 +44,8 @@ class PictureEdge:
                     np.concatenate([part[:, :columns], part[:, -columns:]], axis=1))
             for part in background))
         step = max(1, max(picture.shape) // _LIGHT_SAMPLES)
-        self._grid = np.s_[step // 2::step, step // 2::step]
+        self._grid = tuple(
+            slice(min(step, length) // 2, None, step) for length in picture.shape[:2])
         self._light = np.maximum(picture[self._grid], 1).astype(np.float32)
 
     def gains(self, frame: np.ndarray) -> List[float]:

@@ -77,7 +77,7 @@ class MotionFit:
         """
         u, v = (self._axes @ shifts[:, :, None])[:, :, 0].T
         sides = self._u * u[:, None] + self._v * v[:, None]
-        weights, numbers = is_seen.astype(float), np.zeros(_NUMBERS)
+        weights, numbers = is_seen.astype(float), np.full(_NUMBERS, np.inf)
         for _ in range(_ROUNDS):
             before, numbers = numbers, _solution(self.total(weights) + _PRIOR, weights @ sides)
             missed_u, missed_v = u - self._u @ numbers, v - self._v @ numbers
