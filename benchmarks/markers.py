@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 """
-How exact positions are where markers tell where the camera stands, and what looking for them costs.
+How exact positions are where markers tell where the camera stands, and what looking costs.
 
 Each case is a camera with a lens of its own. It is calibrated in one place from points that a
 board would give, learns the four markers there (40 mm, 36 x 26 cm between their middles), is moved
