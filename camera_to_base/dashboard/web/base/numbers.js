@@ -40,9 +40,9 @@ export function ago(seconds) {
   return `${Math.round(seconds / 60)} min ago`;
 }
 
-/** Begin a sentence with a capital letter. */
+/** Begin a sentence with a capital letter, unless it begins with a name such as reach_cm. */
 export function sentence(text) {
-  return text ? text.charAt(0).toUpperCase() + text.slice(1) : '';
+  return text && !/^\S*[_./~]/.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
 }
 
 /** Write a time of day. */
