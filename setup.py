@@ -31,6 +31,7 @@ setup(
         (f'share/{package_name}', ['package.xml']),
         (f'share/{package_name}/config', [*glob('config/*.yaml'), *glob('config/*.rviz')]),
         (f'share/{package_name}/config/sros2', glob('config/sros2/*.xml')),
+        (f'share/{package_name}/config/fastdds', glob('config/fastdds/*.xml')),
         (f'share/{package_name}/examples', glob('examples/*.py')),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],

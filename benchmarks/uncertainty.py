@@ -30,7 +30,8 @@ import json
 import os
 from typing import Any, Dict, List, Optional
 
-from camera_to_base.calibration import board_points, find_board
+from camera_to_base.calibration.boards.board import find_board
+from camera_to_base.calibration.boards.board_frame import board_points
 from camera_to_base.calibration.covariances import lens_of, surface_error
 from camera_to_base.calibration.fits.homography_problem import HomographyProblem
 from camera_to_base.surface import MatchedPoints

@@ -16,7 +16,6 @@
 
 import argparse
 import json
-import math
 import os
 import signal
 import socket
@@ -27,16 +26,12 @@ import time
 
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import read_node_settings
-import cv2
 from demo_bumps import Bumps
-import numpy as np
+from demo_report import PICTURE, Report
 
-PICTURE = 'demo.png'
 # What is set up on the dashboard's page is saved here.
 CELL_FILE = 'cell.yaml'
 DASHBOARD_PORT = 8080
-# A frame's true position is sent right before its position; the frame before is 100 ms older.
-LONGEST_LAG_NS = 30_000_000
 # A signal only sets this flag: an exception raised inside rclpy is not always passed on.
 told_to_end = threading.Event()
 
@@ -65,7 +60,7 @@ def main(arguments):
         others.append(start('dashboard', {
             'port': port_for_dashboard(),
             'params_file': os.path.abspath(options.params or CELL_FILE)}))
-        return listen(nodes, options)
+        return listen(nodes, options.bump)
     except BrokenPipeError:
         # The reader has closed the pipe. Further output is discarded.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -96,7 +91,6 @@ def parse(arguments):
         settings = read_node_settings(options.params)
     except CameraToBaseError as error:
         parser.error(str(error))
-    options.conversion = settings.transform.conversion
     if options.source is None:
         named = settings.camera.source
         options.source = 'simulated' if named == 'auto' or options.bump else named
@@ -120,14 +114,14 @@ def start(executable, parameters, file=None):
     return subprocess.Popen(command, start_new_session=True)
 
 
-def listen(nodes, options):
+def listen(nodes, is_bumped):
     """Print what the nodes publish until one of them ends; return its exit code."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('demo')
-    report = Report(node, options.conversion)
-    bumps = Bumps(node, report) if options.bump else None
+    report = Report(node)
+    bumps = Bumps(node, report) if is_bumped else None
     try:
         while not told_to_end.is_set() and all(process.poll() is None for process in nodes):
             rclpy.spin_once(node, timeout_sec=0.1)
@@ -149,123 +143,6 @@ def exit_code(process):
     print(f'error: {os.path.basename(process.args[0])} has died: '
           f'{signal.strsignal(-code)} (signal {-code})', file=sys.stderr)
     return 128 - code
-
-
-class Report:
-    """
-    Prints a line for each position in the base frame, with the camera position it came from.
-
-    `errors` has the time of each position and its error in mm, where the truth is known.
-    """
-
-    def __init__(self, node, conversion):
-        from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
-        from geometry_msgs.msg import PointStamped
-        from sensor_msgs.msg import Image
-        from std_msgs.msg import Float64MultiArray
-        self.errors = []
-        self._conversion = conversion
-        # Of the simulated camera's true positions, whatever the calibration is.
-        self._true_conversion = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
-        self._camera_positions = []
-        self._true_positions = []
-        self._waiting = []
-        self._last_stamp = 0
-        self._count = 0
-        self._node = node
-        self._picture_saved = False
-        self._stamps, self._newest_image = set(), None
-        for topic, callback in (('pos_in_cam_frame', self._on_camera_position),
-                                ('true_pos_in_cam_frame', self._on_true_position),
-                                ('pos_in_robot_base_frame', self._on_base_position)):
-            node.create_subscription(Float64MultiArray, topic, callback, 100)
-        self._for_picture = [
-            node.create_subscription(PointStamped, 'pos_in_cam_frame/point', self._on_point, 100),
-            node.create_subscription(Image, 'debug_image', self._on_image, 1)]
-        node.create_timer(0.05, self._print_settled)
-
-    def close(self):
-        """Print the number of positions, and the picture's path."""
-        print(f'{self._count} positions')
-        if self._picture_saved:
-            print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
-
-    def _on_camera_position(self, message, info):
-        remember(self._camera_positions, info['source_timestamp'], message.data)
-
-    def _on_true_position(self, message, info):
-        remember(self._true_positions, info['source_timestamp'], message.data)
-
-    def _on_base_position(self, message, info):
-        self._waiting.append((time.monotonic(), info['source_timestamp'], tuple(message.data)))
-
-    def _print_settled(self):
-        # Topics are not synchronised: a camera position may arrive after its base position.
-        while self._waiting and time.monotonic() - self._waiting[0][0] > 0.1:
-            received_at, stamp, position = self._waiting.pop(0)
-            self._print(received_at, stamp, *position)
-
-    def _print(self, received_at, stamp, x, y):
-        camera = self._origin(stamp, x, y)
-        if camera is None:
-            return  # sent before this subscriber was discovered
-        self._last_stamp, (camera_x, camera_y) = camera
-        self._count += 1
-        line = f'camera ({camera_x:6.2f}, {camera_y:6.2f}) cm  ->  base ({x:6.2f}, {y:6.2f}) cm'
-        truth = last_before(self._true_positions, self._last_stamp)
-        # The first true positions may be missing: an earlier frame's is no measure.
-        if truth is not None and self._last_stamp - truth[0] < LONGEST_LAG_NS:
-            true_x, true_y, _ = self._true_conversion.convert_point(*truth[1])
-            error_mm = 10 * math.dist((x, y), (true_x, true_y))
-            self.errors.append((received_at, error_mm))
-            line += f'   true ({true_x:6.2f}, {true_y:6.2f}) cm   error {error_mm:.2f} mm'
-        print(line, flush=True)
-
-    def _origin(self, stamp, x, y):
-        # A position has no stamp, and a busy machine may lose one: it belongs to the camera
-        # position that it agrees with.
-        waiting = [position for position in self._camera_positions
-                   if self._last_stamp < position[0] <= stamp]
-        return min(waiting, default=None, key=lambda position: math.dist(
-            (x, y), self._conversion.convert_point(*position[1])[:2]))
-
-    def _on_point(self, message):
-        self._stamps.add(stamp_of(message))
-        self._save_picture()
-
-    def _on_image(self, message):
-        self._newest_image = message
-        self._save_picture()
-
-    def _save_picture(self):
-        # The first one with a published object; either the image or its position arrives first.
-        image = self._newest_image
-        if self._picture_saved or image is None or stamp_of(image) not in self._stamps:
-            return
-        picture = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
-        cv2.imwrite(PICTURE, picture)
-        self._picture_saved = True
-        # The node draws as long as there is a subscriber.
-        for subscription in self._for_picture:
-            self._node.destroy_subscription(subscription)
-        print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
-
-
-def stamp_of(message):
-    """Return the capture time of a message's frame."""
-    return message.header.stamp.sec, message.header.stamp.nanosec
-
-
-def remember(positions, stamp, position):
-    """Keep the newest hundred positions with the time at which they were sent."""
-    positions.append((stamp, tuple(position)))
-    del positions[:-100]
-
-
-def last_before(positions, stamp):
-    """Return the last position that was sent before a time, or None."""
-    earlier = [position for position in positions if position[0] <= stamp]
-    return max(earlier) if earlier else None
 
 
 def remove_old_picture():

@@ -35,7 +35,7 @@ class Bumps:
         from std_srvs.srv import Trigger
         self._report, self._request = report, Trigger.Request
         self._client = node.create_client(Trigger, BUMP)
-        self._state, self._answer = None, None
+        self._state, self._state_at, self._answer = None, 0.0, None
         self._since = self._bumped_at = None
         self._count, self._is_silent = 0, False
         node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
@@ -53,7 +53,7 @@ class Bumps:
     def _on_diagnostics(self, message):
         for status in message.status:
             if status.name.endswith('camera_publisher'):
-                self._state = status.message
+                self._state, self._state_at = status.message, time.monotonic()
 
     def _on_timer(self):
         now, errors = time.monotonic(), self._report.errors
@@ -75,7 +75,8 @@ class Bumps:
 
     def _tell_silence(self, now, errors):
         last = max(self._bumped_at, errors[-1][0])
-        if not self._is_silent and now - last > SILENT_S:
+        is_told = self._state_at > self._bumped_at + 0.5
+        if not self._is_silent and is_told and now - last > SILENT_S:
             self._is_silent = True
             print(f'==> no position for {now - last:.1f} s: {self._state}', flush=True)
         elif self._is_silent and now - last < 0.5:

@@ -219,7 +219,7 @@ class Page:
 
     def field(self, label):
         """Return the input with a label."""
-        name = self.driver.find_element('xpath', f"//label[normalize-space()='{label}']")
+        name = self.driver.find_element('xpath', f'//label[normalize-space()="{label}"]')
         return self.element(f"[id='{name.get_attribute('for')}']")
 
     def serious_problems(self):

@@ -17,7 +17,7 @@ Calibration: from measured points to parameters and a report.
 
 In: pictures of a chessboard, tables of points, or pairs of points in both frames. Out: the values
 of `surface.*` or of the transform, their errors in mm, and a picture of them. Rooms within:
-`boards`, `fits`, `checks` and `touches`.
+`boards`, `markers`, `fits`, `checks` and `touches`.
 
 Callers: `commands` and `dashboard`. The nodes do not import it.
 """
@@ -25,19 +25,21 @@ Callers: `commands` and `dashboard`. The nodes do not import it.
 from camera_to_base.calibration.base_calibration import calibrate_base
 from camera_to_base.calibration.board_calibration import calibrate_placements
 from camera_to_base.calibration.boards.board_look import BoardLook, look_for
+from camera_to_base.calibration.boards.marker_sheet import marker_sheet_content
 from camera_to_base.calibration.boards.placement import (
     make_placement, Placement, refuse_unlike, renumbered, shares_of)
 from camera_to_base.calibration.boards.printed_board import PrintedBoard
 from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
 from camera_to_base.calibration.camera_info import read_camera_info
 from camera_to_base.calibration.cell_file import (
-    BASE, cell_text, grown, part_values, parts_of, parts_to_lose, SURFACE, TITLE)
+    BASE, cell_text, grown, MARKERS, part_values, parts_of, parts_to_lose, SURFACE, TITLE)
 from camera_to_base.calibration.coverage_map import (
     covered_shares, map_lines, NINTHS, uncovered)
 from camera_to_base.calibration.fits.rigid_fit import pair_figures, PairFigures
+from camera_to_base.calibration.markers.learning import learned_markers
 from camera_to_base.calibration.report_text import Report, report_lines
 from camera_to_base.calibration.result import Calibration
-from camera_to_base.calibration.status import file_status, report_of, without_base
+from camera_to_base.calibration.status import file_status, report_of, without_report
 from camera_to_base.calibration.surface_calibration import (
     add_camera_pose, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
@@ -50,11 +52,12 @@ from camera_to_base.calibration.touches.touched_place import FRAMES, measured_pl
 __all__ = [
     'add_camera_pose', 'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements',
     'calibrate_surface', 'calibrate_touches', 'Calibration', 'cell_text', 'check_surface',
-    'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin', 'look_for',
-    'make_placement', 'map_lines', 'measured_place', 'NINTHS', 'pair_figures', 'PairFigures',
+    'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin',
+    'learned_markers', 'look_for', 'make_placement', 'map_lines', 'marker_sheet_content',
+    'MARKERS', 'measured_place', 'NINTHS', 'pair_figures', 'PairFigures',
     'PAPERS', 'part_values', 'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs',
     'PrintedBoard', 'read_camera_info', 'read_pairs', 'read_points', 'read_typed_position',
     'refuse_other_size', 'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of',
     'shares_of', 'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE', 'TITLE',
-    'TouchedPair', 'uncovered', 'without_base',
+    'TouchedPair', 'uncovered', 'without_report',
 ]

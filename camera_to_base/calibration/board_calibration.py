@@ -20,6 +20,7 @@ from typing import Optional, Sequence
 from camera_to_base.calibration.boards.placement import outer_edge, Placement, shares_of
 from camera_to_base.calibration.boards.printed_board import PrintedBoard
 from camera_to_base.calibration.coverage_map import map_lines, uncovered
+from camera_to_base.calibration.markers.learning import with_markers
 from camera_to_base.calibration.result import Calibration
 from camera_to_base.calibration.surface_calibration import add_camera_pose, calibrate_surface
 from camera_to_base.surface import CameraIntrinsics
@@ -33,7 +34,7 @@ def calibrate_placements(
     """
     Fit the surface to all placements of a board, which lies on it in each.
 
-    The values hold a thumbnail of the surface, too.
+    The values hold a thumbnail of the surface, and markers that lie beside the board, too.
 
     :param placements: The first one defines the camera frame.
     :param intrinsics: The lens; it gives the camera's height. None if it is not known.
@@ -56,5 +57,6 @@ def calibrate_placements(
     report['covered_map'] = map_lines(shares_of(placements))
     report['not_covered'] = uncovered(shares_of(placements))
     thumbnail = view_thumbnail(first.image, [outer_edge(first)])
-    return replace(
-        calibration, values={'calibration.thumbnail': thumbnail, **calibration.values})
+    return with_markers(replace(
+        calibration, values={'calibration.thumbnail': thumbnail, **calibration.values}),
+        first.image)

@@ -20,7 +20,7 @@ from camera_to_base.calibration.result import Calibration
 from camera_to_base.parameters import calibration_record, parameter_text
 
 TITLE = 'Written by `calibrate` of camera_to_base.'
-SURFACE, BASE = 'the surface', 'the base frame'
+SURFACE, BASE, MARKERS = 'the surface', 'the base frame', 'the markers'
 _BASE_NAMES = ('rotation_deg', 'displacement_cm', 'base_covariance', 'calibration.base')
 _SURFACE_NAMES = ('calibration.surface', 'calibration.device', 'calibration.thumbnail')
 # Set by a user, for any surface.
@@ -49,9 +49,9 @@ class GrownFile(NamedTuple):
 
 
 def parts_of(values: Mapping[str, Any]) -> List[str]:
-    """List the parts that a file holds: SURFACE, BASE."""
+    """List the parts that a file holds: SURFACE, MARKERS, BASE."""
     held = {_part(name) for name in values}
-    return [part for part in (SURFACE, BASE) if part in held]
+    return [part for part in (SURFACE, MARKERS, BASE) if part in held]
 
 
 def parts_to_lose(values: Mapping[str, Any], part: str) -> List[str]:
@@ -64,14 +64,15 @@ def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFil
     Add a part to a file's parameters, or replace it; keep what does not depend on it.
 
     :param old: The file's parameters by full name.
-    :param new: Those of the part.
-    :param part: SURFACE or BASE.
+    :param new: Those of the part; a surface may bring its markers.
+    :param part: SURFACE, MARKERS or BASE.
     """
-    if part == BASE:
-        kept = {name: value for name, value in old.items() if _part(name) != BASE}
+    if part != SURFACE:
+        kept = {name: value for name, value in old.items() if _part(name) != part}
         return GrownFile({**kept, **new}, [])
     kept = {name: value for name, value in old.items() if _part(name) is None}
-    dropped = [BASE] if BASE in parts_of(old) else []
+    dropped = [other for other in (MARKERS, BASE)
+               if other in parts_of(old) and other not in parts_of(new)]
     # A list that is empty, or 0, depends on nothing.
     for name in (name for name in _AREAS if kept.get(name)):
         dropped.append(name)
@@ -83,8 +84,10 @@ def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFil
 
 
 def part_values(calibration: Calibration) -> Dict[str, Any]:
-    """Return the parameters that a calibration adds to a file: its values, and its record."""
+    """Return what a calibration adds to a file: its parameters, and its record, if any."""
     report = calibration.report
+    if report['model'] == 'markers':
+        return dict(calibration.values)
     record = 'calibration.base' if report['model'] == 'rigid' else 'calibration.surface'
     return {**calibration.values, record: calibration_record(report)}
 
@@ -103,5 +106,7 @@ def cell_text(values: Mapping[str, Any], *reports: Sequence[str]) -> str:
 def _part(name: str) -> Optional[str]:
     if name in _BASE_NAMES:
         return BASE
+    if name.startswith('markers.'):
+        return MARKERS
     is_surface = name.startswith('surface.') and name not in _OPTIONS
     return SURFACE if is_surface or name in _SURFACE_NAMES else None

@@ -113,6 +113,9 @@ def _equations(report: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _sheet(report: Mapping[str, Any]) -> Iterator[str]:
+    if 'marker_mm' in report:
+        yield f'four markers of {report["marker_mm"]:g} mm, 0 to 3, on {report["paper"]}'
+        return
     columns, rows = report['corners']
     yield (f'a chessboard of {columns} x {rows} inner corners, {report["square_mm"]:g} mm apart, '
            f'on {report["paper"]}')
@@ -123,6 +126,11 @@ def _status(report: Mapping[str, Any]) -> Iterator[str]:
     yield from report['holds']
     yield from (f'not in the file: {part}' for part in report['lacks'])
     yield f'next: {report["next"]}'
+
+
+def _markers(report: Mapping[str, Any]) -> Iterator[str]:
+    yield from (f'marker {number}: middle at ({x:.2f}, {y:.2f}) cm, edges of {edge_mm:.1f} mm'
+                for number, x, y, edge_mm in report['markers'])
 
 
 def _rotation(report: Mapping[str, Any]) -> Iterator[str]:
@@ -140,6 +148,7 @@ _PARTS = {
     'camera_height_cm': _camera,
     'origin_px': _axes,
     'rotation_deg': _rotation,
+    'markers': _markers,
     'paper': _sheet,
     'status_of': _status,
 }

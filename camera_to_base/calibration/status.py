@@ -25,7 +25,7 @@ from camera_to_base.parameters import age_text, calibration_summary
 from camera_to_base.surface import make_hull, make_surface, SURFACE_DEFAULTS
 
 # The first line of a report, see `report_lines`.
-_TITLE = re.compile(r'(homography|polynomial|rigid) from (.+), (\d{4}-\d\d-\d\dT\S+)')
+_TITLE = re.compile(r'(homography|polynomial|rigid|markers) from (.+), (\d{4}-\d\d-\d\dT\S+)')
 _FIGURES = 'error at '
 _WARNING = 'warning: '
 
@@ -56,25 +56,29 @@ def file_status(
     else:
         lacks.append("the camera's height, which objects that are not flat need (calibrate board "
                      'with --intrinsics)')
+    if values.get('markers.numbers'):
+        names = ', '.join(f'{number:g}' for number in values['markers.numbers'])
+        holds.append(f'markers: {names}')
     if 'displacement_cm' in values or 'rotation_deg' in values:
         holds += _base_lines(values, _newest(sections, 'rigid'), now)
         steps = steps or [f'calibrate check {path} TABLE.csv']
     else:
         lacks.append('the base frame')
-        steps.append(f'calibrate base --live {path}')
+        way = '--markers' if values.get('markers.numbers') else '--live'
+        steps.append(f'calibrate base {way} {path}')
     warnings = [line.removeprefix(_WARNING) for _, lines in sections for line in lines
                 if line.startswith(_WARNING)]
     return {'status_of': path, 'summary': calibration_summary(values, now), 'holds': holds,
             'lacks': lacks, 'next': steps[0], 'warnings': warnings}
 
 
-def without_base(comments: List[str]) -> List[str]:
-    """Leave the reports of a base frame out of a file's comments, which a new one replaces."""
-    kept, is_base = [], False
+def without_report(comments: List[str], model: str) -> List[str]:
+    """Leave the reports of a model out of a file's comments, which a new one replaces."""
+    kept, is_left_out = [], False
     for line in comments:
         title = _TITLE.fullmatch(line)
-        is_base = title[1] == 'rigid' if title else is_base and line != ''
-        if not is_base:
+        is_left_out = title[1] == model if title else is_left_out and line != ''
+        if not is_left_out:
             kept.append(line)
     return kept
 

@@ -23,11 +23,12 @@ import sys
 from typing import List, Optional
 
 from camera_to_base.calibration import (
-    calibrate_surface, check_surface, file_status, has_one_origin, read_points, refuse_other_size,
-    Report, report_lines, sheet_content, SURFACE)
+    calibrate_surface, check_surface, file_status, has_one_origin, marker_sheet_content,
+    read_points, refuse_other_size, Report, report_lines, sheet_content, SURFACE)
 from camera_to_base.commands.calibrate_base import run_base
 from camera_to_base.commands.calibrate_board import run_board
 from camera_to_base.commands.calibrate_files import check_outputs, sheet_output, write_part
+from camera_to_base.commands.calibrate_markers import run_markers
 from camera_to_base.commands.calibrate_options import parse
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import write_files
@@ -62,6 +63,11 @@ def _run_sheet(options: argparse.Namespace) -> Report:
     if ending not in ('.pdf', '.svg', '.png'):
         raise InvalidValueError(
             f"a sheet's name must end in .pdf, .svg or .png, got '{output}'")
+    if options.markers:
+        content = marker_sheet_content(options.paper, options.marker_mm, ending[1:])
+        kept = write_files({output: content}, keep_old=True)
+        return {'file': output, 'paper': options.paper, 'marker_mm': options.marker_mm,
+                'warnings': [], 'kept': kept}
     content = sheet_content(options.paper, columns, rows, options.square_mm, ending[1:],
                             with_markers=options.charuco)
     doubts = [] if options.charuco or has_one_origin(columns, rows) else [
@@ -97,8 +103,8 @@ def _run_status(options: argparse.Namespace) -> Report:
     return file_status(options.file, file.values, file.comments, datetime.now().astimezone())
 
 
-_COMMANDS = {'sheet': _run_sheet, 'board': run_board, 'points': _run_points, 'base': run_base,
-             'check': _run_check, 'status': _run_status}
+_COMMANDS = {'sheet': _run_sheet, 'board': run_board, 'markers': run_markers,
+             'points': _run_points, 'base': run_base, 'check': _run_check, 'status': _run_status}
 
 
 def _lines(report: Report) -> List[str]:

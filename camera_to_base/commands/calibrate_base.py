@@ -21,6 +21,7 @@ from camera_to_base.calibration import (
     BASE, calibrate_base, calibrate_touches, Calibration, parts_of, point_pairs, read_pairs,
     Report, SURFACE, TouchedPair)
 from camera_to_base.commands.calibrate_files import check_outputs, Outputs, write_part
+from camera_to_base.commands.calibrate_marker_base import run_marker_base
 from camera_to_base.commands.live_pairs import collect, measure_again
 from camera_to_base.commands.live_sources import open_positions, open_robot, Positions, Robot
 from camera_to_base.commands.prompts import ask, tell
@@ -33,10 +34,12 @@ def run_base(options: argparse.Namespace) -> Report:
     """Calibrate the base frame, and write the file."""
     if options.live is not None:
         return _run_live(options)
+    if options.markers is not None:
+        return run_marker_base(options)
     if options.table is None or options.output is None:
         raise InvalidValueError(
             'expected a table and a file to write, as in calibrate base PAIRS.csv --surface '
-            'cell.yaml -o cell.yaml, or --live cell.yaml without a table')
+            'cell.yaml -o cell.yaml, or --live cell.yaml or --markers cell.yaml without a table')
     outputs = check_outputs(options, BASE, options.table, may_picture=False)
     pairs = read_pairs(options.table)
     outputs = _with_surface(outputs, options.surface)

@@ -19,8 +19,8 @@ import os
 from typing import Any, Iterable, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
-    BASE, Calibration, cell_text, grown, part_values, parts_to_lose, Report, report_lines,
-    TITLE, without_base)
+    Calibration, cell_text, grown, part_values, parts_to_lose, Report, report_lines, SURFACE,
+    TITLE, without_report)
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
@@ -97,8 +97,9 @@ def write_part(
     report = calibration.report
     report['warnings'] += growth.warnings
     kept = []
-    if outputs.old is not None and part == BASE:
-        kept = without_base([line for line in outputs.old.comments if line != TITLE])
+    if outputs.old is not None and part != SURFACE:
+        kept = without_report(
+            [line for line in outputs.old.comments if line != TITLE], report['model'])
     text = cell_text(growth.values, [*report_lines(report), *comments], kept)
     contents = {outputs.file: text.encode()}
     if outputs.picture is not None:

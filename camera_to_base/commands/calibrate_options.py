@@ -21,8 +21,12 @@ from typing import Any, List, Optional, Tuple
 
 from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.calibrate_examples import DESCRIPTION, EXAMPLES
+from camera_to_base.commands.marker_options import (
+    add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
 from camera_to_base.commands.parser import CommandParser
 from camera_to_base.errors import InvalidValueError
+
+_EXAMPLES = {**EXAMPLES, 'markers': MARKERS_EXAMPLES}
 
 
 def parse(args: Optional[List[str]]) -> argparse.Namespace:
@@ -61,11 +65,14 @@ def _parser() -> argparse.ArgumentParser:
     parser = CommandParser(
         prog='calibrate', description=DESCRIPTION,
         formatter_class=argparse.RawDescriptionHelpFormatter)
-    commands = parser.add_subparsers(dest='command', required=True, parser_class=CommandParser,
-                                     metavar='sheet | board | points | base | check | status')
+    commands = parser.add_subparsers(
+        dest='command', required=True, parser_class=CommandParser,
+        metavar='sheet | board | markers | points | base | check | status')
     _add_sheet(_command(commands, 'sheet', 'a chessboard to print'))
     _add_board(_command(commands, 'board',
                         'the surface, from one picture of a chessboard that lies on it'))
+    add_markers(_command(commands, 'markers',
+                         'where markers lie on the surface, from pictures of them'))
     points = _command(commands, 'points', 'the surface, from a table of points')
     points.add_argument('table', metavar='TABLE.csv')
     points.add_argument('--model', choices=('homography', 'polynomial'), default='homography',
@@ -83,9 +90,10 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
-    does = {'sheet': 'Draws', 'check': 'Tells', 'status': 'Tells'}.get(name, 'Calibrates')
+    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells'}.get(
+        name, 'Calibrates')
     command = commands.add_parser(
-        name, help=purpose, description=f'{does} {purpose}.\n{EXAMPLES[name]}',
+        name, help=purpose, description=f'{does} {purpose}.\n{_EXAMPLES[name]}',
         formatter_class=argparse.RawDescriptionHelpFormatter)
     command.add_argument('--json', action='store_true',
                          help='print the report as one JSON object')
@@ -102,6 +110,7 @@ def _add_sheet(sheet: argparse.ArgumentParser) -> None:
                        help="a square's edge (default: %(default)g)")
     sheet.add_argument('--charuco', action='store_true',
                        help='with markers in the white squares: a part of the board is enough')
+    add_sheet_markers(sheet)
     sheet.add_argument('-o', '--output', required=True, metavar='FILE',
                        help='the file to write: .pdf, .svg or .png')
     sheet.add_argument('--force', action='store_true', help='overwrite a file')
@@ -151,9 +160,10 @@ def _add_base(base: argparse.ArgumentParser) -> None:
     base.add_argument('--places', type=int, default=5, metavar='5',
                       help='number of objects for --live (default: %(default)s)')
     base.add_argument('--camera', metavar='SOURCE', help='camera for --live, whatever runs')
-    base.add_argument('--robot-topic', metavar='TOPIC',
-                      help="take the robot's position for --live from geometry_msgs/PoseStamped, "
-                           'in m, in the base frame, instead of asking for it')
+    base.add_argument('--markers', metavar='FILE',
+                      help='instead of a table: the robot touches the middle of each marker that '
+                           'FILE knows; no object and no camera is needed')
+    add_robot_topic(base, '--live and --markers')
     base.add_argument('--namespace', metavar='NAMESPACE',
                       help='namespace of the running camera_publisher, for --live')
     base.add_argument('--surface', metavar='FILE',
@@ -164,7 +174,7 @@ def _add_base(base: argparse.ArgumentParser) -> None:
                       help="direction of the base frame's z at the table: up, away from it, or "
                       'down, as for a hanging robot (default: %(default)s)')
     base.add_argument('-o', '--output', metavar='FILE',
-                      help='the parameter file to write (with --live: that file)')
+                      help='the parameter file to write (with --live and --markers: that file)')
     base.add_argument('--force', action='store_true', help='overwrite files')
 
 

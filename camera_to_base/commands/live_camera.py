@@ -43,7 +43,8 @@ class _SeenObjects:
         self.thumbnail = ''
         self._settings = settings
         self._pipeline = CameraPipeline(
-            settings.surface, settings.detector, settings.limits, _BACKGROUND_FRAMES, kind)
+            settings.surface, settings.detector, settings.limits, _BACKGROUND_FRAMES, kind,
+            settings.markers)
 
     def suggestions(self) -> Iterator[Suggestion]:
         """Suggest places, see `Positions`."""

@@ -38,7 +38,8 @@ class SightingCounter:
 
     def __init__(self, settings: CameraSettings, kind: SourceKind = VIDEO_FILE) -> None:
         self._pipeline = CameraPipeline(
-            settings.surface, settings.detector, settings.limits, settings.background_frames, kind)
+            settings.surface, settings.detector, settings.limits, settings.background_frames, kind,
+            settings.markers)
         self._uncertainty = settings.uncertainty
         self.frames = self.with_one = self.with_more = 0
         self._counts: Counter = Counter()

@@ -167,7 +167,7 @@ class ObjectLocator:
         if areas.work is not None and not areas.work.contains(point):
             return _left_out('outside_work_area', 'it lies outside of work_area')
         if any(area.contains(point) for area in areas.ignored):
-            return _left_out('in_ignored_area', 'it lies in one of ignored_areas')
+            return _left_out('in_ignored_area', 'it lies in one of ignored_areas, or on a marker')
         area_cm2 = detection.area * abs(_determinant(cm_per_px))
         if area_cm2 < settings.min_area_cm2:
             return _left_out('too_small', f'its area of {area_cm2:.3g} cm² is less than '

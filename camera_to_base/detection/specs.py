@@ -27,6 +27,12 @@ BACKGROUND_SPECS = [
         'The background is the median of this many frames; 1 takes the first one, as the '
         'tutorial does (of a camera, the first one that the next one confirms). No more are '
         'gathered than fit into 200 MB: 32 of 1920 x 1080 px.', (1, 1000)),
+    ParameterSpec(
+        'background_retake', 'never',
+        'Whether a new background is taken when markers show that the camera stands elsewhere. '
+        'never: the node waits for ~/capture_background. auto: it is taken when all markers are '
+        'seen and nothing moves; what lies on the surface then is not found. Cameras only.',
+        choices=('never', 'auto')),
 ]
 DETECTOR_SPECS = [
     ParameterSpec('detector.method', 'precise',

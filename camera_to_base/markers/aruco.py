@@ -31,6 +31,16 @@ CELLS = 6
 # The dictionaries of 4 x 4 bits are the beginnings of the longest one: marker 3 is the same in
 # all of them.
 MARKER_COUNT = 250
+NO_ARUCO = (
+    f'OpenCV {cv2.__version__} was built without markers: install python3-opencv of Ubuntu, or '
+    'opencv-contrib-python-headless of the same version from PyPI')
+
+
+# Markers are looked for in a picture of at most this width: a marker that is 30 px wide there is
+# decoded, and a larger picture takes longer.
+_SEARCH_WIDTH = 800
+# Windows of the search's thresholds: markers on a table are larger than on a board.
+_WINDOW_LEAST, _WINDOW_LARGEST, _WINDOW_STEP = 13, 33, 20
 
 
 def find_markers(grey: np.ndarray) -> Dict[int, np.ndarray]:
@@ -43,18 +53,35 @@ def find_markers(grey: np.ndarray) -> Dict[int, np.ndarray]:
     :raises CalibrationError: If OpenCV has no module aruco.
     """
     aruco = _aruco()
-    dictionary = _dictionary(aruco)
-    if hasattr(aruco, 'ArucoDetector'):
-        parameters = aruco.DetectorParameters()
-        parameters.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
-        corners, ids, _ = aruco.ArucoDetector(dictionary, parameters).detectMarkers(grey)
-    else:
-        parameters = aruco.DetectorParameters_create()
-        parameters.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
-        corners, ids, _ = aruco.detectMarkers(grey, dictionary, parameters=parameters)
-    numbers = [] if ids is None else ids.ravel().tolist()
-    return {number: found.reshape(4, 2).astype(float)
-            for number, found in zip(numbers, corners) if numbers.count(number) == 1}
+    parameters = _parameters(aruco)
+    parameters.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
+    return _detected(aruco, grey, parameters)
+
+
+def search_markers(grey: np.ndarray) -> Dict[int, np.ndarray]:
+    """
+    Search a table for markers, in less time, with their corners to a few pixels.
+
+    :param grey: Shape (h, w), uint8.
+    :returns: As :func:`find_markers`.
+    :raises CalibrationError: If OpenCV has no module aruco.
+    """
+    aruco = _aruco()
+    parameters = _parameters(aruco)
+    parameters.adaptiveThreshWinSizeMin = _WINDOW_LEAST
+    parameters.adaptiveThreshWinSizeMax = _WINDOW_LARGEST
+    parameters.adaptiveThreshWinSizeStep = _WINDOW_STEP
+    times = -(-grey.shape[1] // _SEARCH_WIDTH)
+    small = cv2.resize(grey, (grey.shape[1] // times, grey.shape[0] // times),
+                       interpolation=cv2.INTER_AREA) if times > 1 else grey
+    scale = np.divide(grey.shape[::-1], small.shape[::-1])
+    return {number: (corners + 0.5) * scale - 0.5
+            for number, corners in _detected(aruco, small, parameters).items()}
+
+
+def has_markers() -> bool:
+    """Return whether OpenCV has the module aruco."""
+    return hasattr(cv2, 'aruco')
 
 
 def marker_cells(number: int) -> np.ndarray:
@@ -70,11 +97,24 @@ def marker_cells(number: int) -> np.ndarray:
     return draw(_dictionary(aruco), number, CELLS) < 128
 
 
+def _detected(aruco: ModuleType, grey: np.ndarray, parameters: Any) -> Dict[int, np.ndarray]:
+    if hasattr(aruco, 'ArucoDetector'):
+        corners, ids, _ = aruco.ArucoDetector(_dictionary(aruco), parameters).detectMarkers(grey)
+    else:
+        corners, ids, _ = aruco.detectMarkers(grey, _dictionary(aruco), parameters=parameters)
+    numbers = [] if ids is None else ids.ravel().tolist()
+    return {number: found.reshape(4, 2).astype(float)
+            for number, found in zip(numbers, corners) if numbers.count(number) == 1}
+
+
+def _parameters(aruco: ModuleType) -> Any:
+    make = getattr(aruco, 'DetectorParameters_create', None) or aruco.DetectorParameters
+    return make()
+
+
 def _aruco() -> ModuleType:
-    if not hasattr(cv2, 'aruco'):
-        raise CalibrationError(
-            f'OpenCV {cv2.__version__} was built without markers: install python3-opencv of '
-            'Ubuntu, or opencv-contrib-python-headless of the same version from PyPI')
+    if not has_markers():
+        raise CalibrationError(NO_ARUCO)
     return cv2.aruco
 
 

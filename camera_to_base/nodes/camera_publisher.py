@@ -65,7 +65,7 @@ class CameraPublisher(Node):
                 settings, may_be_random=not self._is_configured(node_options.get('cli_args')))
             self._pipeline = CameraPipeline(
                 settings.surface, settings.detector, settings.limits, settings.background_frames,
-                self._source.kind)
+                self._source.kind, settings.markers)
             self._positions = CameraPositions(self, self._source)
             self._debug_images = DebugImages(self)
             self._pictures = CameraPictures(self)
@@ -173,7 +173,8 @@ class CameraPublisher(Node):
 
     def _on_new_settings(self) -> None:
         settings = self._settings
-        self._pipeline.configure(settings.surface, settings.detector, settings.limits)
+        self._pipeline.configure(
+            settings.surface, settings.detector, settings.limits, settings.markers)
         self._warn_of_settings_without_effect()
         self._follow_calibration()
         self._feed.configure(settings)

@@ -22,7 +22,7 @@ from camera_to_base.parameters.spec import ParameterSpec, Values
 # Every ROS node has these; a name that ends in a dot is a group.
 ROS_NAMES = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
 # With at least this share of equal letters, a name counts as misspelt.
-_ALIKE = 0.8
+_ALIKE = 0.81
 
 
 def misspelt_name(name: str, known: Collection[str]) -> Optional[str]:

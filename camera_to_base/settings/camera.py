@@ -25,13 +25,14 @@ from camera_to_base.drawing import (
     AreaOverlay, base_label, camera_label, check_background_path, Label)
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
+from camera_to_base.markers import MarkedSurface, MARKER_SPECS
 from camera_to_base.parameters import (
     calibration_date, calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS,
     ParameterSpec, PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
 from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
 from camera_to_base.sources import kind_of, SIMULATED
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
-from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, read_thumbnail
+from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, MarkerSettings, read_thumbnail
 from camera_to_base.uncertainty import (
     position_uncertainty, PositionUncertainty, UNCERTAINTY_SPECS)
 
@@ -82,6 +83,7 @@ class CameraSettings:
     debug_label: Label
     area_overlay: AreaOverlay
     calibrated_for: CalibratedFor
+    markers: Optional[MarkerSettings]
     is_configured: bool
     is_calibrated: bool
 
@@ -135,7 +137,7 @@ _OUTPUT_SPECS = [
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
     *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *UNCERTAINTY_SPECS,
-    *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
+    *MARKER_SPECS, *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
 
 
 # Parameters that can be set without setting up a camera or a robot.
@@ -157,6 +159,9 @@ def camera_settings(values: Values) -> CameraSettings:
         raise InvalidValueError('source is empty: use auto, random, simulated, a camera or a file')
     hull, surface = make_hull(values), make_surface(values)
     areas = read_areas(values['work_area'], values['ignored_areas'])
+    marked = MarkedSurface.of(values)
+    if marked is not None:
+        areas = areas.without_markers(list(marked.corners.values()))
     return CameraSettings(
         source=values['source'],
         period=values['period'],
@@ -178,6 +183,8 @@ def camera_settings(values: Values) -> CameraSettings:
         debug_label=_debug_label(values),
         area_overlay=AreaOverlay(surface, areas),
         calibrated_for=_calibrated_for(values),
+        markers=None if marked is None else MarkerSettings(
+            marked, values['background_retake'] == 'auto', values['background_frames']),
         is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
         is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
                           for name in _other_than_default(values)))

@@ -36,7 +36,7 @@ from camera_to_base.sources.source_kind import (
     VIDEO_FILE)
 from camera_to_base.sources.source_reasons import source_reason
 from camera_to_base.sources.stamp_check import stamp_reason
-from camera_to_base.sources.still_picture import median_frame, read_picture
+from camera_to_base.sources.still_picture import median_frame, read_picture, still_frames
 from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
 
 __all__ = [
@@ -46,5 +46,5 @@ __all__ = [
     'lasting_name', 'LiveRecording', 'LOST_AFTER_S', 'median_frame', 'open_frame_source',
     'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot', 'ReaderState',
     'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason', 'SourceKind',
-    'stamp_reason', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
+    'stamp_reason', 'still_frames', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

@@ -16,7 +16,7 @@
 """One picture to calibrate with: from a file, or the median of several frames."""
 
 import os
-from typing import NamedTuple, Optional
+from typing import List, NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError, InvalidValueError
 from camera_to_base.sources.video_file import FrameSource
@@ -77,10 +77,20 @@ def median_frame(source: FrameSource) -> np.ndarray:
     :returns: Shape (h, w, 3), uint8, BGR.
     :raises FrameSourceError: If the source gives no frame.
     """
+    return np.median(still_frames(source), axis=0).astype(np.uint8)
+
+
+def still_frames(source: FrameSource) -> List[np.ndarray]:
+    """
+    Return several frames of a camera that stands still, after those in which it settles.
+
+    :returns: Each of shape (h, w, 3), uint8, BGR.
+    :raises FrameSourceError: If the source gives no frame.
+    """
     for _ in range(WARM_UP_FRAMES if source.kind.is_live else 0):
         source.read()
     frames = [source.read() for _ in range(FRAMES)]
     frames = [frame for frame in frames if frame is not None]
     if not frames:
         raise FrameSourceError('the source has ended before its first frame: name another')
-    return np.median(frames, axis=0).astype(np.uint8)
+    return frames

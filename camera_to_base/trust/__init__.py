@@ -18,7 +18,8 @@ Trust: decides whether the positions of a frame may be published.
 In: frames. Out: one sighting for each frame, with its objects, or with the reason why none of them
 may be published. There are checks for damage, a moved view, objects that reach in from the edge,
 jumps and age; the pipeline runs them in order. A nudge of the camera is corrected: `standpoint`
-keeps the surface and the background that hold where the camera stands.
+keeps the surface and the background that hold where the camera stands. Markers on the surface tell
+where a camera stands that was moved farther.
 
 Callers: `nodes` and `commands`. It imports only numpy and OpenCV.
 """
@@ -29,6 +30,7 @@ from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.limits import LIMIT_SPECS, Limits, make_limits
+from camera_to_base.trust.markers.marker_watch import MarkerSettings
 from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
@@ -39,6 +41,6 @@ from camera_to_base.trust.view.view_watch import ViewWatch
 
 __all__ = [
     'ArmCheck', 'CameraPipeline', 'Correction', 'DamageCheck', 'FrameUncertainty', 'LIMIT_SPECS',
-    'Limits', 'make_limits', 'OwnCamera', 'PositionGate', 'read_thumbnail', 'Sighting',
-    'SurfaceInForce', 'View', 'view_thumbnail', 'ViewCheck', 'ViewWatch',
+    'Limits', 'make_limits', 'MarkerSettings', 'OwnCamera', 'PositionGate', 'read_thumbnail',
+    'Sighting', 'SurfaceInForce', 'View', 'view_thumbnail', 'ViewCheck', 'ViewWatch',
 ]

@@ -30,6 +30,7 @@ from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.markers.marker_watch import MarkerSettings, MarkerView, MarkerWatch
 from camera_to_base.trust.scene import Scene
 from camera_to_base.trust.sighting import Sighting
 from camera_to_base.trust.standpoint import Standpoint
@@ -48,6 +49,7 @@ class CameraPipeline:
     :param background_frames: The first background is the median of this many frames.
     :param kind: The kind of source. Age and jumps are checked for live sources only, the view
         for all sources but recordings.
+    :param markers: The markers on the surface; None for none.
     """
 
     def __init__(
@@ -57,6 +59,7 @@ class CameraPipeline:
         limits: Limits = Limits(),
         background_frames: int = 1,
         kind: SourceKind = SIMULATED,
+        markers: Optional[MarkerSettings] = None,
     ) -> None:
         self._kind = kind
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
@@ -65,10 +68,12 @@ class CameraPipeline:
         self._detector, self._limits = detector, self._limits_here(limits)
         self._background = BackgroundKeeper(confirm=kind.is_live)
         self._standpoint = Standpoint(surface, self._limits)
+        self._markers = MarkerWatch(markers) if markers is not None else None
         self.capture_background(background_frames)
 
     def configure(
-        self, surface: Surface, detector: DetectorSettings, limits: Limits
+        self, surface: Surface, detector: DetectorSettings, limits: Limits,
+        markers: Optional[MarkerSettings] = None,
     ) -> None:
         """
         Use new settings from the next frame on, with the same background.
@@ -82,6 +87,10 @@ class CameraPipeline:
         self._limits = self._limits_here(limits)
         self._gate.configure(self._limits.max_frame_age_s, self._limits.confirm_jump_px)
         self._standpoint.configure(surface, self._limits)
+        if markers is None or self._markers is None:
+            self._markers = MarkerWatch(markers) if markers is not None else None
+        else:
+            self._markers.configure(markers)
 
     def capture_background(self, frame_count: int) -> None:
         """
@@ -160,8 +169,9 @@ class CameraPipeline:
 
     @property
     def doubt(self) -> Optional[Reason]:
-        """Why positions are located by another surface than the calibrated one, or None."""
-        return self.surface_in_force.reason
+        """Why positions are published with a warning: other surface, moved marker; or None."""
+        marker_doubt = None if self._markers is None else self._markers.doubt
+        return marker_doubt or self.surface_in_force.reason
 
     @property
     def faintness(self) -> Optional[str]:
@@ -212,7 +222,7 @@ class CameraPipeline:
         :returns: The objects, and the reason if they may not be published. A frame that cannot be
             used also gives a reason: no frame makes this method raise.
         """
-        sighting = self._see(frame, taken_at)
+        sighting = self._by_markers(frame, self._see(frame, taken_at), taken_at)
         self._count(sighting)
         self._held_back.note(sighting.warning)
         return sighting
@@ -235,6 +245,22 @@ class CameraPipeline:
             return Sighting([], self._frame_reason(error))
         seen = Sighting(found.objects, reason, found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
+
+    def _by_markers(
+        self, frame: np.ndarray, sighting: Sighting, taken_at: Optional[float]
+    ) -> Sighting:
+        background = self._background.current
+        if self._markers is None or background is None:
+            return sighting
+        now = time.monotonic() if taken_at is None else taken_at
+        step = self._markers.step(frame, sighting, MarkerView(
+            background, self.surface_in_force, self.correction is not None,
+            self._scene.view.shift_px), now)
+        if step.surface is not None:
+            self._standpoint.stand_at(step.surface)
+        if step.retakes:
+            self.capture_background(self._markers.background_frames)
+        return step.sighting
 
     def _time_of(self, taken_at: Optional[float]) -> Optional[float]:
         # Each frame of a recording stands for itself.

@@ -73,8 +73,8 @@ class Standpoint:
         if self.scene is not None:
             self.scene.view.configure(limits)
             self._uncorrected.view.configure(limits)
-        if not limits.may_correct and self.surface.frame_from_calibrated is not None:
-            self.use_surface(None)
+        if not limits.may_correct:
+            self._end_correction()
 
     def use_background(self, background: Background, may_correct: bool = True) -> None:
         """
@@ -102,6 +102,11 @@ class Standpoint:
         if self._background is not None:
             self._begin()
 
+    def stand_at(self, surface: SurfaceInForce) -> None:
+        """Use another surface for the place where the background was taken, and frames are."""
+        self.use_surface(surface)
+        self.use_background(self._background)
+
     def reason(self, frame: np.ndarray) -> Optional[Reason]:
         """
         Tell why the view of a frame cannot be believed, and correct a nudge.
@@ -119,6 +124,13 @@ class Standpoint:
             self._correct(frame)
             self._reason = self.scene.view.reason(frame)
         return self._corrector.explained(self._reason)
+
+    def _end_correction(self) -> None:
+        # A surface by markers is measured, not corrected.
+        if self._base.replaces and self.correction is not None:
+            self.use_surface(self._base)
+        elif not self._base.replaces and self.surface.frame_from_calibrated is not None:
+            self.use_surface(None)
 
     def _recalibrate(self, surface: Surface) -> None:
         is_same = flat_surface(surface) is flat_surface(self._surface)

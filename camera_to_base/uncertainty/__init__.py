@@ -31,9 +31,11 @@ from camera_to_base.uncertainty.ellipse import (
     Ellipse, ellipse_covariance, error_ellipse, radius_for)
 from camera_to_base.uncertainty.from_parameters import position_uncertainty
 from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
-from camera_to_base.uncertainty.picture_warp import Lens, plain_lens, warp_design, WARP_NUMBERS
+from camera_to_base.uncertainty.picture_warp import (
+    HOMOGRAPHY_NUMBERS, Lens, plain_lens, warp_design, WARP_NUMBERS)
 from camera_to_base.uncertainty.position import PositionUncertainty, scales_at
 from camera_to_base.uncertainty.position_covariance import FrameState, PositionCovariance
+from camera_to_base.uncertainty.scatter import pooled_variance
 from camera_to_base.uncertainty.specs import (
     CENTRE_FLOOR, checked_covariance, HEIGHT_TOLERANCE, SURFACE_COVARIANCE, surface_covariance,
     UNCERTAINTY_SPECS)
@@ -46,11 +48,11 @@ from camera_to_base.uncertainty.view import ShiftMean
 __all__ = [
     'base_covariance', 'base_error', 'BaseError', 'CameraPlace', 'centre_covariance',
     'CENTRE_FLOOR', 'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse',
-    'fit_error', 'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE', 'Lens',
-    'likely_place', 'plain_lens', 'pose_design', 'POSE_NUMBERS', 'position_uncertainty',
-    'PositionCovariance', 'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean',
-    'Spread', 'surface_covariance', 'SURFACE_COVARIANCE', 'symmetric', 'triangle_length',
-    'triangle_of', 'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform',
-    'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS',
-    'yaw_variance',
+    'fit_error', 'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE',
+    'HOMOGRAPHY_NUMBERS', 'Lens', 'likely_place', 'plain_lens', 'pooled_variance', 'pose_design',
+    'POSE_NUMBERS', 'position_uncertainty', 'PositionCovariance', 'PositionUncertainty',
+    'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread', 'surface_covariance',
+    'SURFACE_COVARIANCE', 'symmetric', 'triangle_length', 'triangle_of', 'uncertain_transform',
+    'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE',
+    'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
 ]

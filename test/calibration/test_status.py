@@ -16,7 +16,7 @@
 
 from datetime import datetime, timezone
 
-from camera_to_base.calibration.status import file_status, without_base
+from camera_to_base.calibration.status import file_status, without_report
 
 NOW = datetime(2026, 5, 17, 12, tzinfo=timezone.utc)
 SURFACE = ['Written by `calibrate` of camera_to_base.',
@@ -61,5 +61,5 @@ def test_file_that_was_written_by_hand_tells_no_figures():
 
 
 def test_older_report_of_a_base_frame_is_left_out():
-    assert without_base(['mine', *BASE, *SURFACE]) == ['mine', '', *SURFACE]
-    assert without_base(SURFACE) == SURFACE
+    assert without_report(['mine', *BASE, *SURFACE], 'rigid') == ['mine', '', *SURFACE]
+    assert without_report(SURFACE, 'rigid') == SURFACE

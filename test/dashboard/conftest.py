@@ -26,6 +26,7 @@ def dashboard(ros):
     def start(*arguments):
         node = ros.add(Dashboard, '-p', 'port:=0', *arguments)
         clients.append(DashboardClient(ros, node.address))
+        clients[-1].node = node
         return clients[-1]
 
     yield start

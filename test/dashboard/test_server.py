@@ -94,7 +94,7 @@ def test_two_pages_see_what_one_of_them_changes(ros, dashboard, cell):
     ('detector.threshold', 'much', 'cannot be'),
     ('detector.no_such_thing', 1, 'has no parameter'),
     ('surface.model', 'round', 'one of'),
-    ('surface.hull', [1, 2], 'surface.hull')])
+    ('surface.hull', [1, 2], 'at least three pixels')])
 def test_a_refused_parameter_has_its_sentence_and_changes_nothing(
         ros, dashboard, cell, name, value, part_of_sentence):
     page = dashboard()

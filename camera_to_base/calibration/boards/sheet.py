@@ -26,12 +26,12 @@ import numpy as np
 # Width and height as the sheet lies, in mm.
 PAPERS = {'A4': (297.0, 210.0), 'A3': (420.0, 297.0), 'Letter': (279.4, 215.9)}
 FORMATS = ('pdf', 'svg', 'png')
-_MM_PER_INCH = 25.4
-_PNG_DPI = 300
+MM_PER_INCH = 25.4
+PNG_DPI = 300
 # Printers leave an edge white; the texts and the ruler take the rest.
 _SIDE_MM, _TOP_MM, _BOTTOM_MM = 6.0, 12.0, 20.0
 _RULER_MM = 100
-_GREY = '0.35'
+GREY = '0.35'
 
 
 def sheet_content(
@@ -59,7 +59,7 @@ def sheet_content(
     from matplotlib.figure import Figure
 
     width, height = _size(paper, columns, rows)
-    figure = Figure((width / _MM_PER_INCH, height / _MM_PER_INCH))
+    figure = Figure((width / MM_PER_INCH, height / MM_PER_INCH))
     axes = figure.add_axes((0, 0, 1, 1))
     axes.set_axis_off()
     # In mm from the sheet's top-left corner, y downwards.
@@ -69,13 +69,13 @@ def sheet_content(
     if with_markers:
         _draw_markers(axes, (left, _TOP_MM), columns, rows, square_mm)
     _draw_axes(axes, (left, _TOP_MM), columns, rows, square_mm, with_markers)
-    _draw_ruler(axes, width, height)
+    draw_ruler(axes, width, height)
     charuco = '--charuco ' if with_markers else ''
     axes.text(width / 2, height - 4.5, f'{columns} x {rows} inner corners, {square_mm:g} mm:   '
               f'calibrate board --camera 0 --corners {columns}x{rows} --square-mm {square_mm:g} '
-              f'{charuco}-o cell.yaml', ha='center', va='center', fontsize=8, color=_GREY)
+              f'{charuco}-o cell.yaml', ha='center', va='center', fontsize=8, color=GREY)
     content = io.BytesIO()
-    figure.savefig(content, format=file_format, dpi=_PNG_DPI)
+    figure.savefig(content, format=file_format, dpi=PNG_DPI)
     return content.getvalue()
 
 
@@ -135,20 +135,21 @@ def _draw_axes(
     (left, top), length = corner, 1.5 * square_mm
     if not with_markers and not has_one_origin(columns, rows):
         axes.text(left, top - 5, 'origin: the corner that the picture shows nearest to its '
-                  'top-left pixel', fontsize=8, color=_GREY, va='center')
+                  'top-left pixel', fontsize=8, color=GREY, va='center')
         return
-    arrow = {'arrowstyle': '-|>', 'color': _GREY}
+    arrow = {'arrowstyle': '-|>', 'color': GREY}
     start = left + square_mm, top + square_mm
     axes.annotate('', (start[0] + length, top - 3), (start[0], top - 3), arrowprops=arrow)
     axes.annotate('', (left - 3, start[1] + length), (left - 3, start[1]), arrowprops=arrow)
     axes.text(start[0] + length + 2, top - 3, 'x   (the arrows start at the inner corner that is '
-              "the camera frame's origin, however the sheet lies)", fontsize=8, color=_GREY,
+              "the camera frame's origin, however the sheet lies)", fontsize=8, color=GREY,
               va='center')
-    axes.text(left - 3, start[1] + length + 3, 'y', fontsize=8, color=_GREY, ha='center')
+    axes.text(left - 3, start[1] + length + 3, 'y', fontsize=8, color=GREY, ha='center')
 
 
-def _draw_ruler(axes: Any, width: float, height: float) -> None:
-    left, line = (width - _RULER_MM) / 2 - 40, height - 10
+def draw_ruler(axes: Any, width: float, height: float) -> None:
+    """Draw a ruler at the bottom of a sheet, and what it is for; lengths in mm."""
+    left, line = (width - _RULER_MM) / 2 - 47, height - 10
     axes.plot([left, left + _RULER_MM], [line, line], color='black', linewidth=0.5)
     for mark in range(_RULER_MM + 1):
         length = 4 if mark % 10 == 0 else 2.5 if mark % 5 == 0 else 1.5

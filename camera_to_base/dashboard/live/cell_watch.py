@@ -14,19 +14,16 @@
 
 """Everything about one cell while somebody looks at it."""
 
-import time
 from typing import Any, Callable, Dict, Iterable, Optional
 
+from camera_to_base.dashboard.live.cell_status import CellStatus
 from camera_to_base.dashboard.live.cells import CAMERA, Cell, Cells, full_name, TRANSFORM
-from camera_to_base.dashboard.live.charts import Charts
 from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.health import CellHealth
 from camera_to_base.dashboard.live.log_lines import Lines, LogLines
 from camera_to_base.dashboard.live.positions import CellPositions
 from camera_to_base.dashboard.live.remote_parameters import RemoteParameters
 from camera_to_base.dashboard.live.session_feed import SessionFeed
-from camera_to_base.dashboard.live.silence import silence, SILENT_S, State, warning
-from camera_to_base.dashboard.live.watch_data import left_out_data, objects_data
 from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import TRANSFORM_SPECS, Values
@@ -63,7 +60,7 @@ class CellWatch:
         self._on_part = on_part
         self._sent: Dict[str, Any] = {}
         self._cell = Cell(namespace, None, None)
-        self._was_seen, self._beats = False, 0
+        self._beats = 0
         names = {name: full_name(namespace, name) for name in (CAMERA, TRANSFORM)}
         self.camera = RemoteParameters(
             node, names[CAMERA], CAMERA_SPECS, self._on_parameters)
@@ -76,16 +73,12 @@ class CellWatch:
         self.positions = CellPositions(node, namespace, self._feed.on_objects)
         self._health = CellHealth(node, names.values())
         self._log = LogLines(node, names.values(), lines)
-        self._charts = Charts()
+        self._status = CellStatus(
+            self.positions, self._health, names[CAMERA], names[TRANSFORM])
         self._capture = node.create_client(
             Trigger, f'{names[CAMERA]}/capture_background')
         self._timer = real_time_timer(node, _PERIOD_S, self._beat)
         self._look_at_graph()
-
-    @property
-    def cell(self) -> Cell:
-        """The cell's nodes that run."""
-        return self._cell
 
     @property
     def known_geometry(self) -> Geometry:
@@ -144,11 +137,11 @@ class CellWatch:
 
     def _beat(self) -> None:
         self._beats += 1
-        self._tell('watch', self._watch_data())
+        self._tell('watch', self._status.watch_data(self._cell, self.geometry))
         self._feed.check()
         if self._beats % _BEATS_PER_S == 0:
             self._look_at_graph()
-            self._tell('health', self._health_data())
+            self._tell('health', self._status.health_data())
         if self._beats % (_BEATS_PER_S // 2) == 0:
             self._tell('log', self._log.data)
 
@@ -156,7 +149,6 @@ class CellWatch:
         cells = self._cells.find()
         self._cell = next(
             (cell for cell in cells if cell.namespace == self._namespace), self._cell)
-        self._was_seen |= self._cell.camera is not None
         self._tell('cells', [cell.data for cell in cells])
         for name, parameters, running in (
                 ('camera', self.camera, self._cell.camera),
@@ -185,32 +177,6 @@ class CellWatch:
                 self.camera.values, self.transform.values) if self.camera.is_known else None
         except CameraToBaseError:
             self.geometry = None  # the node itself has refused them
-
-    def _state(self) -> State:
-        return State(self._cell, self._was_seen, self.positions.silent_s,
-                     self._health.report(self.camera.remote),
-                     self._health.report(self.transform.remote))
-
-    def _watch_data(self) -> Dict[str, Any]:
-        state, frame = self._state(), self.positions.newest
-        comes = frame is not None and state.silent_s <= SILENT_S
-        geometry = self.geometry
-        return {
-            'silence': silence(state), 'warning': warning(state),
-            'rate_hz': round(self.positions.rate_hz, 1),
-            'age_s': None if frame is None else round(time.time() - frame.stamp_s, 1),
-            'latency_ms': round(1e3 * frame.latency_s, 1) if comes else None,
-            'objects': objects_data(frame, geometry) if comes else [],
-            'left_out': left_out_data(frame, geometry) if comes else [],
-            'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data,
-            'truth': None}
-
-    def _health_data(self) -> Dict[str, Any]:
-        frame = self.positions.newest
-        comes = frame is not None and self.positions.silent_s <= SILENT_S
-        self._charts.add(round(self.positions.rate_hz, 1),
-                         round(1e3 * frame.latency_s, 1) if comes else None)
-        return {'nodes': self._health.data, 'charts': self._charts.data}
 
 
 def _tell_sentence(response: Trigger.Response, answer: Future) -> None:

@@ -14,8 +14,11 @@
 
 """The parameters of a running node: read, watched and set from outside."""
 
-from typing import Any, Callable, Dict, List, Mapping, Optional
+import math
+import time
+from typing import Any, Callable, Dict, List, Mapping, Optional, Set, Tuple
 
+from camera_to_base.dashboard.live.cells import full_name
 from camera_to_base.dashboard.live.parameter_data import kind_of, parameter_data, typed
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import ParameterSpec
@@ -25,6 +28,9 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.task import Future
+
+# A node that does not answer for so long is asked again.
+_LONGEST_ANSWER_S = 3.0
 
 
 class RefusedError(CameraToBaseError):
@@ -63,7 +69,11 @@ class RemoteParameters:
                 (ListParameters, 'list_parameters'), (GetParameters, 'get_parameters'),
                 (DescribeParameters, 'describe_parameters'),
                 (SetParametersAtomically, 'set_parameters_atomically'))}
-        self._is_asking = False
+        # Counts what was announced; what was read is as new as the count when it was asked for.
+        self._announced = self._asked_for = 0
+        self._read_count = -1
+        self._asked_at = -math.inf
+        self._writers: Set[Tuple[int, ...]] = set()
 
     @property
     def is_known(self) -> bool:
@@ -85,14 +95,20 @@ class RemoteParameters:
             self._on_change()
 
     def ask(self) -> None:
-        """Read the values, if they are not known and the node answers."""
-        if not self.values and not self._is_asking and all(
+        """Read the values, if they are not known, or if the node was started anew."""
+        writers = self._find_writers()
+        if writers - self._writers:
+            self._writers |= writers
+            self._announced += 1
+        is_known = self.values and self._read_count == self._announced
+        is_asked = time.monotonic() - self._asked_at < _LONGEST_ANSWER_S
+        if not (is_known or is_asked) and all(
                 client.service_is_ready() for client in self._clients.values()):
             self.read()
 
     def read(self) -> None:
         """Read the list, the descriptors and the values anew."""
-        self._is_asking = True
+        self._asked_at, self._asked_for = time.monotonic(), self._announced
         self._call(ListParameters.Request(), self._on_names)
 
     def change(self, values: Mapping[str, Any]) -> Future:
@@ -114,18 +130,25 @@ class RemoteParameters:
         """Take what a node has announced on /parameter_events."""
         if event.node != self.remote:
             return
-        if event.new_parameters or not self.values:
-            self.read()  # a node that has just started
-            return
+        if event.new_parameters:
+            # A node that starts declares its parameters one by one.
+            self._announced += 1
         changed = {parameter.name: _value(parameter.value)
                    for parameter in event.changed_parameters if parameter.name in self.values}
-        self.values.update(changed)
-        self._on_change()
+        if changed:
+            self.values.update(changed)
+            self._on_change()
 
     def close(self) -> None:
         """Give the clients back."""
         for client in self._clients.values():
             self._node.destroy_client(client)
+
+    def _find_writers(self) -> Set[Tuple[int, ...]]:
+        # A node that was killed stays in the graph for 20 s, beside the one that replaces it.
+        return {tuple(info.endpoint_gid)
+                for info in self._node.get_publishers_info_by_topic('/parameter_events')
+                if full_name(info.node_namespace, info.node_name) == self.remote}
 
     def _parameter(self, name: str, value: Any) -> Parameter:
         if name not in self._descriptors:
@@ -146,7 +169,7 @@ class RemoteParameters:
     def _on_values(
         self, described: DescribeParameters.Response, got: GetParameters.Response
     ) -> None:
-        self._is_asking = False
+        self._asked_at, self._read_count = -math.inf, self._asked_for
         self._descriptors = {
             descriptor.name: descriptor for descriptor in described.descriptors}
         self.values = dict(zip(self._descriptors, map(_value, got.values)))

@@ -24,18 +24,14 @@ from camera_to_base.dashboard.sessions.board_data import (
 from camera_to_base.dashboard.sessions.board_options import BoardOptions
 from camera_to_base.dashboard.sessions.board_watch import BoardWatch
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.picture_taker import PictureTaker
 from camera_to_base.dashboard.sessions.worker import sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
 import numpy as np
 
-# Their median is one picture, as in `sources.median_frame`; slow machines give 2 frames a second.
-_FRAMES = 5
-_LONGEST_WAIT_S = 5.0
 _GOOD_PLACEMENTS = 4
 _BUSY = 'the last step still goes on: wait for it'
-_NO_FRAMES = ('no pictures come from the camera node: is it running, and the camera plugged in? '
-              'Then take the placement again')
 
 
 class BoardSession:
@@ -56,13 +52,13 @@ class BoardSession:
         self._options = BoardOptions()
         self._watch = BoardWatch(worker, on_change, on_picture)
         self._is_on = False
-        self._taken: Optional[List[np.ndarray]] = None
-        self._attempt = 0
+        self._taker = PictureTaker(worker)
         self._busy: Optional[str] = None
         self._error: Optional[str] = None
         self._placements: List[Placement] = []
         self.calibration: Optional[Calibration] = None
         self._accepted: Optional[Dict[str, Any]] = None
+        self.accepted_calibration: Optional[Calibration] = None
 
     @property
     def wants_frames(self) -> bool:
@@ -117,10 +113,8 @@ class BoardSession:
         """
         if not self._is_on:
             return
-        if self._taken is not None:
-            self._taken.append(image)
-            if len(self._taken) == _FRAMES:
-                self._make_placement()
+        if self._taker.is_taking:
+            self._taker.see(image)
         else:
             self._watch.see(image, [one.outline for one in self._placements])
 
@@ -133,8 +127,7 @@ class BoardSession:
         _refuse_unless(self._is_on, 'start the search for a board first')
         _refuse_unless(not self._busy, _BUSY)
         self._begin('Taking the picture …')
-        self._taken = []
-        self._give_up_later()
+        self._taker.start(self._make_placement)
         self._on_change()
 
     def remove(self, body: Mapping[str, Any]) -> None:
@@ -164,7 +157,8 @@ class BoardSession:
         _refuse_unless(self._placements, 'take a placement of the board first')
         _refuse_unless(not self._busy, _BUSY)
         self._begin('Fitting …')
-        board, placements = self._options.board, list(self._placements)
+        board, name = self._options.board, f'camera {self._device() or "picture"}'
+        placements = [one._replace(name=name) for one in self._placements]
         self._worker.run(lambda: calibrate_placements(board, placements), self._take_fit)
         self._on_change()
 
@@ -181,6 +175,7 @@ class BoardSession:
 
     def set_accepted(self, changes: Changes) -> None:
         """Remember that the nodes use the fit."""
+        self.accepted_calibration = self.calibration
         sentence = ('The running camera node uses the new surface. Take the board away, and take '
                     'the background of the empty surface.')
         if changes.dropped:
@@ -190,7 +185,7 @@ class BoardSession:
         self._on_change()
 
     def _device(self) -> str:
-        source = self._values.camera.get('source', '')
+        source = (self._values.camera or {}).get('source', AUTO.form)
         return '' if kind_of(source) == AUTO else lasting_name(source)
 
     def _hint(self) -> str:
@@ -206,22 +201,20 @@ class BoardSession:
                     'without moving the camera, or fit now.')
         return 'Fit the surface.' if count else 'Take the first placement: it defines x and y.'
 
-    def _make_placement(self) -> None:
-        frames, self._taken = self._taken, None
-        number = len(self._placements)
-        before = list(self._placements)
+    def _make_placement(self, frames: Any) -> None:
+        if isinstance(frames, Exception):
+            self._take_placement(frames)
+            return
+        board, before = self._options.board, list(self._placements)
+        number = len(before)
 
         def make() -> Placement:
-            if len({frame.shape for frame in frames}) > 1:
-                raise InvalidValueError('the picture has changed its size: take it again')
-            found = self._placement(np.median(frames, axis=0).astype(np.uint8), number)
+            image = np.median(frames, axis=0).astype(np.uint8)
+            found = make_placement(
+                board, image, f'placement {number + 1}', number, says_name=number > 0)
             refuse_unlike([*before, found])
             return found
         self._worker.run(make, self._take_placement)
-
-    def _placement(self, image: np.ndarray, number: int) -> Placement:
-        return make_placement(
-            self._options.board, image, f'placement {number + 1}', number, says_name=number > 0)
 
     def _take_placement(self, found: Any) -> None:
         self._end(found)
@@ -236,24 +229,8 @@ class BoardSession:
             self.calibration, self._accepted = found, None
         self._on_change()
 
-    def _give_up_later(self) -> None:
-        attempt, count = self._attempt, len(self._taken)
-        self._worker.later(_LONGEST_WAIT_S, lambda: self._give_up(attempt, count))
-
-    def _give_up(self, attempt: int, count: int) -> None:
-        """End the taking if no frame has come since there were `count`."""
-        if self._taken is None or attempt != self._attempt:
-            return
-        if len(self._taken) > count:
-            self._give_up_later()
-            return
-        self._taken = None
-        self._end(InvalidValueError(_NO_FRAMES))
-        self._on_change()
-
     def _begin(self, sentence: str) -> None:
         self._busy, self._error = sentence, None
-        self._attempt += 1
 
     def _end(self, found: Any) -> None:
         self._busy = None
@@ -261,7 +238,8 @@ class BoardSession:
 
     def _forget(self) -> None:
         self._placements, self.calibration, self._accepted = [], None, None
-        self._taken, self._busy = None, None
+        self._busy = None
+        self._taker.cancel()
 
 
 def _refuse_unless(condition: Any, sentence: str) -> None:

@@ -59,8 +59,9 @@ class CellSessions:
             self._values, self._worker, lambda: on_change('board'), on_picture)
         self._robot = RobotSession(self._values, lambda: on_change('robot'))
         self._save = SaveSession(
-            self._values, lambda: (self._robot.calibration, self._board.calibration), params_file,
-            lambda: on_change('save'))
+            self._values, lambda: (self._robot.accepted_calibration,
+                                   self._board.accepted_calibration),
+            params_file, lambda: on_change('save'))
         self._actions = self._list_actions()
 
     @property
@@ -140,6 +141,8 @@ class CellSessions:
     def done(self, part: str, name: str, changes: Changes) -> None:
         """Take note that the nodes have what an action wanted to be set."""
         with self._lock:
+            if part == 'simulated':
+                self._robot.tool.forget()
             if name == 'accept':
                 (self._board if part == 'board' else self._robot).set_accepted(changes)
             for changed in PARTS:

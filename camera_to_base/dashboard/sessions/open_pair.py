@@ -18,6 +18,7 @@ from typing import Any, Dict, List, Optional, Sequence
 
 from camera_to_base.calibration import FRAMES, Place
 from camera_to_base.dashboard.sessions.followed_object import FollowedObject, Point
+from camera_to_base.dashboard.sessions.pair_list import MeasuredWith
 from camera_to_base.dashboard.sessions.robot_data import PixelOf, point_data
 
 
@@ -29,10 +30,11 @@ class OpenPair:
 
     :param number: The pair's.
     :param point: Where the object is looked for, in cm, in the camera frame.
+    :param measured_with: What that point depends on.
     """
 
-    def __init__(self, number: int, point: Point) -> None:
-        self.number = number
+    def __init__(self, number: int, point: Point, measured_with: MeasuredWith) -> None:
+        self.number, self.measured_with = number, measured_with
         self._object = FollowedObject(point)
         self.place: Optional[Place] = None
 
@@ -49,6 +51,10 @@ class OpenPair:
         if self._object.is_complete:
             self.place = self._object.place()
         return True
+
+    def tell_background(self, mark: Any) -> None:
+        """Say with which background it is measured, which was not known."""
+        self.measured_with = self.measured_with._replace(background=mark)
 
     def nearest(self, points: List[Point]) -> Optional[Point]:
         """Return the object among all; None if it is not there."""

@@ -59,6 +59,10 @@ class Pair(NamedTuple):
     touched: TouchedPair
     measured_with: MeasuredWith
 
+    def with_background(self, mark: Any) -> 'Pair':
+        """Return the pair as one that was measured with a background."""
+        return self._replace(measured_with=self.measured_with._replace(background=mark))
+
 
 class PairFit(NamedTuple):
     """

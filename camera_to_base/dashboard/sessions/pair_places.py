@@ -22,6 +22,8 @@ from camera_to_base.dashboard.sessions.cell_values import CellValues
 from camera_to_base.dashboard.sessions.pair_list import MeasuredWith
 from camera_to_base.dashboard.sessions.robot_data import point_data
 
+_OF_POSITIONS = ('surface.', 'object_height_cm', 'uncertainty.', 'detector.method')
+
 
 def needs(values: CellValues) -> Optional[str]:
     """Say why pairs cannot be measured; None if they can."""
@@ -30,6 +32,11 @@ def needs(values: CellValues) -> Optional[str]:
     if SURFACE not in parts_of(values.given):
         return 'There is no surface yet: calibrate it with the board first.'
     return None
+
+
+def surface_values(values: CellValues) -> Dict[str, Any]:
+    """Return the parameters that the error of a position depends on, without the base frame."""
+    return {name: value for name, value in values.given.items() if name.startswith(_OF_POSITIONS)}
 
 
 def measured_with(values: CellValues, background: Any) -> MeasuredWith:

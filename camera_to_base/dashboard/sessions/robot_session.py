@@ -20,12 +20,13 @@ from camera_to_base.calibration import (
     BASE, Calibration, part_values, read_typed_position, TouchedPair)
 from camera_to_base.checks import finite_number
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
-from camera_to_base.dashboard.sessions.followed_object import Point
+from camera_to_base.dashboard.sessions.followed_object import FollowedObject, Point
 from camera_to_base.dashboard.sessions.open_pair import OpenPair
-from camera_to_base.dashboard.sessions.pair_list import fit_pairs, Pair, PairFit
+from camera_to_base.dashboard.sessions.pair_book import PairBook
+from camera_to_base.dashboard.sessions.pair_list import MeasuredWith, Pair
 from camera_to_base.dashboard.sessions.pair_places import (
-    measured_with, needs, suggested, suggestion_data)
-from camera_to_base.dashboard.sessions.robot_data import fit_data, pair_data
+    measured_with, needs, suggested, suggestion_data, surface_values)
+from camera_to_base.dashboard.sessions.robot_data import fit_data
 from camera_to_base.dashboard.sessions.tool_place import ToolPlace
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 
@@ -46,14 +47,14 @@ class RobotSession:
         self._values, self._on_change = values, on_change
         self._is_on = False
         self._background: Any = None
-        self._pairs: List[Pair] = []
+        self._pairs = PairBook()
         self._again: Optional[int] = None
         self._open: Optional[OpenPair] = None
         self._newest: List[Point] = []
         self._error: Optional[str] = None
         self._accepted: Optional[Dict[str, Any]] = None
         self._base_z = 'up'
-        self._fit: Optional[PairFit] = None
+        self.accepted_calibration: Optional[Calibration] = None
         self.tool = ToolPlace()
 
     @property
@@ -64,20 +65,13 @@ class RobotSession:
     @property
     def state(self) -> Dict[str, Any]:
         """The state as JSON."""
-        now = measured_with(self._values, self._background)
         return {
             'step': 'measuring' if self._is_on else 'off', 'hint': self._hint(),
             'needs': needs(self._values), 'suggestion': self._suggestion_data(),
             'open': self._open and self._open.data(self._values.pixel_of),
-            'pairs': [pair_data(pair, self._fit, pair.measured_with.difference(now),
-                                self._values.pixel_of) for pair in self._pairs],
-            'fit': self._fit and fit_data(self._fit), 'base_z': self._base_z,
+            'pairs': self._pairs.data(self._now(), self._values.pixel_of),
+            'fit': self._pairs.fit and fit_data(self._pairs.fit), 'base_z': self._base_z,
             'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
-
-    @property
-    def calibration(self) -> Optional[Calibration]:
-        """The base frame's calibration; None without one."""
-        return self._fit and self._fit.calibration
 
     def start(self, body: Mapping[str, Any]) -> None:
         """
@@ -93,7 +87,8 @@ class RobotSession:
 
     def cancel(self, body: Mapping[str, Any]) -> None:
         """End, and drop the pairs."""
-        self._is_on, self._pairs, self._fit, self._accepted = False, [], None, None
+        self._is_on, self._accepted = False, None
+        self._pairs.clear()
         self._close()
         self._on_change()
 
@@ -108,7 +103,7 @@ class RobotSession:
         pixel = _point(body, 'u', 'v')
         self._close()
         point, = self._values.settings.surface.locate([pixel]).tolist()
-        self._open = OpenPair(self._number, tuple(point))
+        self._open = OpenPair(self._number, tuple(point), self._now())
         self._on_change()
 
     def see_objects(self, points: Sequence[Point]) -> None:
@@ -128,7 +123,7 @@ class RobotSession:
         :param body: {'x', 'y'} in cm, in the camera frame; the open pair's object without.
         :raises InvalidValueError: If there is none.
         """
-        followed = OpenPair(0, _point(body)) if 'x' in body else self._open
+        followed = FollowedObject(_point(body)) if 'x' in body else self._open
         nearest = followed and followed.nearest(self._newest)
         if nearest is None:
             raise InvalidValueError('click an object in the picture first')
@@ -167,7 +162,7 @@ class RobotSession:
         :param body: {'number'}.
         :raises InvalidValueError: If there is none.
         """
-        self._again = self._numbered(body).number
+        self._again = self._pairs.numbered(body.get('number')).number
         self._close()
         self._on_change()
 
@@ -178,9 +173,9 @@ class RobotSession:
         :param body: {'number'}.
         :raises InvalidValueError: If there is none.
         """
-        self._pairs.remove(self._numbered(body))
+        self._pairs.remove(self._pairs.numbered(body.get('number')))
         self._again = None
-        self._fit_again()
+        self.check_again()
 
     def set_base_z(self, body: Mapping[str, Any]) -> None:
         """
@@ -192,17 +187,24 @@ class RobotSession:
         if body.get('base_z') not in ('up', 'down'):
             raise InvalidValueError(f'base_z must be up or down, got {body.get("base_z")!r:.40}')
         self._base_z = body['base_z']
-        self._fit_again()
+        self.check_again()
 
     def see_background(self, mark: Any) -> None:
         """Take what changes with each background."""
+        if self._background is None:
+            # It is not new: it has only not been told before.
+            self._pairs.tell_background(mark)
+            if self._open is not None:
+                self._open.tell_background(mark)
         if mark != self._background:
             self._background = mark
             self.check_again()
 
     def check_again(self) -> None:
-        """Take new parameters of the nodes into account."""
-        self._fit_again()
+        """Fit again where pairs, or what makes them valid, have changed."""
+        if self._pairs.fit_again(self._now(), surface_values(self._values), self._base_z):
+            self._accepted = None
+        self._on_change()
 
     def acceptance(self) -> Changes:
         """
@@ -210,39 +212,36 @@ class RobotSession:
 
         :raises InvalidValueError: If there is none that can be used.
         """
-        if self.calibration is None:
-            raise InvalidValueError(self._fit and self._fit.error
+        calibration = self._pairs.fit and self._pairs.fit.calibration
+        if calibration is None:
+            raise InvalidValueError(self._pairs.fit and self._pairs.fit.error
                                     or 'measure three pairs or more first')
         if self._values.transform is None:
             raise InvalidValueError('robot_base_publisher does not run: start it')
-        return self._values.with_part(part_values(self.calibration), BASE)
+        return self._values.with_part(part_values(calibration), BASE)
 
     def set_accepted(self, changes: Changes) -> None:
         """Remember that the nodes use the fit."""
+        self.accepted_calibration = self._pairs.fit and self._pairs.fit.calibration
         self._accepted = {'sentence': 'The running transform node uses the new base frame. Save '
                                       'it, so that it is there after the next start.'}
         self._on_change()
 
+    def _now(self) -> MeasuredWith:
+        return measured_with(self._values, self._background)
+
     @property
     def _number(self) -> int:
-        return self._again or 1 + max((pair.number for pair in self._pairs), default=0)
-
-    def _numbered(self, body: Mapping[str, Any]) -> Pair:
-        for pair in self._pairs:
-            if pair.number == body.get('number'):
-                return pair
-        raise InvalidValueError(f'there is no pair {body.get("number")!r:.20}')
+        return self._again or self._pairs.next_number
 
     def _add(self, base_point: Point) -> None:
         number, place = self._open.number, self._open.place
         touched = TouchedPair(
             suggested(self._values, number), (place.x, place.y), base_point)
-        pair = Pair(number, touched, measured_with(self._values, self._background))
-        kept = [one for one in self._pairs if one.number != pair.number]
-        self._pairs = sorted([*kept, pair], key=lambda one: one.number)
+        self._pairs.put(Pair(number, touched, self._open.measured_with))
         self._again = None
         self._close()
-        self._fit_again()
+        self.check_again()
 
     def _close(self) -> None:
         self._open = self._error = None
@@ -251,15 +250,6 @@ class RobotSession:
         if self._open is None or self._open.place is None:
             raise InvalidValueError('click the object in the picture first, and wait until it is '
                                     'measured')
-
-    def _fit_again(self) -> None:
-        now = measured_with(self._values, self._background)
-        valid = [pair for pair in self._pairs if pair.measured_with.difference(now) is None]
-        fit = fit_pairs(valid, self._values.given, self._base_z)
-        if (fit and fit.residuals_mm) != (self._fit and self._fit.residuals_mm):
-            self._accepted = None
-        self._fit = fit
-        self._on_change()
 
     def _suggestion_data(self) -> Optional[Dict[str, Any]]:
         if not self._is_on or self._open is not None or needs(self._values):

@@ -24,7 +24,7 @@ from camera_to_base.errors import CalibrationError, InvalidValueError
 # The robot stands still while it touches; its driver publishes several poses a second.
 _POSES = 5
 _LARGEST_SPREAD_CM = 0.05
-_OLD_S = 2.0
+_OLD_S = 5.0
 _NAME = re.compile(r'/?[A-Za-z_~{][\w/{}~]*')
 
 

@@ -78,6 +78,7 @@ class PreciseDifferenceDetector:
         self._reference = Reference(self._background, faintest)
         self._ghosts: List[Ghost] = []
         self._strips = Strips(background.shape)
+        self._is_light_moving = True
 
     @staticmethod
     def check_parameters(faintest: float, min_area: float) -> None:
@@ -131,9 +132,12 @@ class PreciseDifferenceDetector:
         return self._reference.mean_noise
 
     def _changed_rows(self, frame: np.ndarray) -> List[slice]:
-        # Reading all of a frame first makes each later look at a part of it faster.
-        rows = self._strips.changed(frame, self._reference.lit, self._reference.limits)
-        if self._follow(frame):
+        # Reading all of a frame first makes each later look at a part faster; while the light
+        # changes, it would be read twice.
+        rows = None if self._is_light_moving else self._strips.changed(
+            frame, self._reference.lit, self._reference.limits)
+        self._is_light_moving = self._follow(frame)
+        if rows is None or self._is_light_moving:
             rows = self._strips.changed(frame, self._reference.lit, self._reference.limits)
         return rows
 

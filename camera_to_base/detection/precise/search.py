@@ -24,7 +24,7 @@ from typing import List, Optional, Tuple
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.foreign_light import (
     field_of_bands, find_bands, find_field, looks_like_light)
-from camera_to_base.detection.precise.limits import Range
+from camera_to_base.detection.precise.limits import Limits, Range
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
@@ -40,6 +40,8 @@ _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 _FAR, _FAINT = 0.04, 0.15
 # What is left over where light was taken out is an object where this part of it differs strongly.
 _MOSTLY = 0.4
+# A part that is larger is no speck, in px².
+_MOST_SPECK = 1200
 # Light of a field that changes an object's place, in steps of a factor, see `Limits.use_field`.
 _LEAST_LIGHT_STEPS = 4
 
@@ -57,6 +59,8 @@ def search(
     """
     plain, others = [], []
     for part in parts:
+        if _is_speck(frame, part, reference.limits, min_area):
+            continue
         one = find_plain(frame, part, reference)
         if one is None:
             others.append(part)
@@ -80,6 +84,14 @@ def search(
     return [], [region._replace(in_other_light=_has_light(field, region.box))
                 for region in regions if touches_edge(region.box, frame)
                 or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)]
+
+
+def _is_speck(frame: np.ndarray, part: Box, limits: Limits, min_area: float) -> bool:
+    # Salt makes many small parts: those that show no object are left out at once.
+    if part.width * part.height > _MOST_SPECK:
+        return False
+    place = slices(part)
+    return cv2.countNonZero(limits.strong(place).outside(frame[place])) < min_area / 2
 
 
 def _field(frame: np.ndarray, regions: List[Region], lit: np.ndarray) -> Optional[Range]:

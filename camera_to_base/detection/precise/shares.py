@@ -30,7 +30,7 @@ import cv2
 import numpy as np
 
 # Turns at most, and which part of the object may still change in the last one.
-_TURNS, _SETTLED = 3, 0.01
+_TURNS, _SETTLED = 3, 0.005
 # Ratios of light that no shade has, and of the largest to the smallest colour's.
 _LIGHT, _COLOURED = 1.2, 1.8
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and

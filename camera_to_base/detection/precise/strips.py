@@ -54,13 +54,15 @@ class Strips:
         :param limits: What is the background's own.
         :returns: From top to bottom, each of whole tiles but for the last.
         """
-        if len(self._last) == len(self._numbers):
-            # Whether a frame differs in all strips is asked later: nothing is taken for granted.
-            self._last = set()
         changed: List[int] = []
         for was_changed, run in groupby(self._numbers, self._last.__contains__):
             numbers = list(run)
-            changed += numbers if was_changed else self._different(numbers, frame, lit, limits)
+            # Where all strips differed nothing is assumed: the detector asks whether all do.
+            if was_changed and len(numbers) < len(self._numbers):
+                changed += numbers
+            elif was_changed or not self._is_calm(numbers, frame, lit, limits):
+                changed += [number for number in numbers
+                            if not self._is_calm((number,), frame, lit, limits)]
         return [self._rows(numbers) for numbers in _joined(changed)]
 
     def remember(self, parts: Iterable[Box]) -> None:
@@ -68,16 +70,11 @@ class Strips:
         self._last = {number for part in parts for number in range(
             part.y // self._step, (part.y + part.height - 1) // self._step + 1)}
 
-    def _different(
+    def _is_calm(
         self, numbers: Sequence[int], frame: np.ndarray, lit: np.ndarray, limits: Limits
-    ) -> List[int]:
+    ) -> bool:
         rows = self._rows(numbers)
-        if cv2.norm(frame[rows], lit[rows], cv2.NORM_INF) <= limits.least:
-            return []
-        if len(numbers) == 1:
-            return [*numbers]
-        return [number for number in numbers
-                if self._different((number,), frame, lit, limits)]
+        return cv2.norm(frame[rows], lit[rows], cv2.NORM_INF) <= limits.least
 
     def _rows(self, numbers: Sequence[int]) -> slice:
         return slice(numbers[0] * self._step,

@@ -52,9 +52,8 @@ class LeftBehind:
         window = np.s_[top:top + height + 2 * _RIM_PX, left:left + width + 2 * _RIM_PX]
         before = cv2.convertScaleAbs(self._edges[window], alpha=gain)
         rim = np.zeros(before.shape[:2], np.uint8)
-        cv2.drawContours(rim, [outline], -1, 1, offset=(-left, -top))
-        # OpenCV needs three times as long for a thick line.
-        rim = cv2.dilate(rim, _EDGE).view(bool)
+        cv2.drawContours(rim, [outline], -1, 1, _RIM_PX, offset=(-left, -top))
+        rim = rim.view(bool)
         before = before[rim]
         least = _LEAST_SHARE * before.size
         if np.count_nonzero(before > _LEAST_LEVELS) < least:

@@ -140,7 +140,7 @@ def test_what_cannot_be_done_is_one_sentence_and_changes_nothing(cell, name, bod
 
 
 def test_a_camera_that_gives_no_frames_ends_the_taking(cell, monkeypatch):
-    monkeypatch.setattr('camera_to_base.dashboard.sessions.board_session._LONGEST_WAIT_S', 0.05)
+    monkeypatch.setattr('camera_to_base.dashboard.sessions.picture_taker._LONGEST_WAIT_S', 0.05)
     cell.do('board', 'start')
     cell.do('board', 'take')
     while cell.state('board')['busy']:
@@ -148,6 +148,25 @@ def test_a_camera_that_gives_no_frames_ends_the_taking(cell, monkeypatch):
     assert 'no pictures come from the camera node' in cell.state('board')['error']
     monkeypatch.undo()
     assert cell.take()['error'] is None
+
+
+def test_a_camera_that_changes_its_size_ends_the_taking(cell):
+    cell.do('board', 'start')
+    cell.do('board', 'take')
+    cell.sessions.see_frame(cell.board.read())
+    cell.sessions.see_frame(cell.board.read()[:400])
+    state = cell.state('board')
+    assert not state['busy'] and 'the picture has changed its size' in state['error']
+
+
+def test_what_is_busy_does_nothing_else(cell):
+    cell.do('board', 'start')
+    cell.do('board', 'take')
+    for name, body in (('take', {}), ('fit', {}), ('remove', {'number': 1})):
+        with pytest.raises(CameraToBaseError):
+            cell.do('board', name, **body)
+    cell.do('board', 'cancel')
+    assert cell.state('board')['busy'] is None and cell.state('board')['step'] == 'off'
 
 
 def test_another_board_drops_the_placements_and_the_same_one_keeps_them(cell):

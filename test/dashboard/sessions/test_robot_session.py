@@ -234,3 +234,22 @@ def test_a_robot_without_a_topic_is_asked_for_it(calibrated):
     cell = Cell(**{**calibrated, 'source': '/dev/video0'})
     with pytest.raises(CameraToBaseError, match="name the topic of the robot's tool"):
         cell.do('robot', 'from_topic')
+
+
+def test_the_first_word_of_a_background_leaves_pairs_valid(cell):
+    cell.measure_pairs(3)
+    cell.sessions.see_background('first')
+    assert cell.state('robot')['fit']['can_accept']
+    cell.sessions.see_background('second')
+    assert cell.state('robot')['fit'] is None
+
+
+def test_an_object_that_was_seen_with_another_surface_makes_no_valid_pair(cell):
+    cell.do('robot', 'see', u=320, v=240)
+    place = cell.clicked_point()
+    for _ in range(20):
+        cell.sessions.see_objects([place])
+    cell.values['camera']['surface.camera_height_cm'] = 80.0
+    cell.tell()
+    pair, = cell.do('robot', 'touch', text='1 2')['pairs']
+    assert not pair['valid'] and 'another surface' in pair['invalid_because']

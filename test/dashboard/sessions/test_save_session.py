@@ -21,6 +21,7 @@ from camera_to_base.calibration import file_status
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import read_node_parameters, read_parameter_file
 from camera_to_base.settings import read_node_settings
+import numpy as np
 import pytest
 from session_cell import Cell
 
@@ -71,6 +72,9 @@ def test_the_file_is_that_of_the_command(tmp_path):
     cell.calibrate_board()
     cell.measure_pairs()
     cell.do('robot', 'accept')
+    # A pair that is not accepted yet does not belong to what is saved.
+    cell.measure_pair(np.array([5.0, 5.0]))
+    cell.take()
     cell.do('save', 'save')
     file = read_parameter_file(str(path))
     assert file.comments[0] == 'Written by `calibrate` of camera_to_base.'

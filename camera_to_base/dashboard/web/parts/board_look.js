@@ -15,7 +15,7 @@
 // The live look at the board: what is found, how sharp it is, and which parts are covered.
 
 import {button, card, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
-import {fixed} from '../base/numbers.js';
+import {fixed, sentence as asSentence} from '../base/numbers.js';
 import {LivePicture} from '../pieces/pictures.js';
 import {board} from '../base/sessions.js';
 
@@ -42,7 +42,8 @@ export function createBoardLook() {
   const update = (state) => {
     const {look, placements, busy, covered} = state;
     show(node, state.step !== 'off');
-    setText(verdict, look ? look.sentence : 'Waiting for the first picture …');
+    const found = look ? asSentence(look.sentence) : 'Waiting for the first picture …';
+    setText(verdict, state.accepted ? '' : found);
     verdict.classList.toggle('good', Boolean(look?.found));
     cover.update(look?.found ? look.covered : 0, ENOUGH_COVER);
     total.update(covered?.share ?? 0);

@@ -15,7 +15,7 @@
 // The report of a fitted board, and the button that puts it to use.
 
 import {button, card, element, setAttribute, setText, show, sync} from '../base/dom.js';
-import {fixed} from '../base/numbers.js';
+import {fixed, sentence as asSentence} from '../base/numbers.js';
 import {board} from '../base/sessions.js';
 
 /** Make the card. */
@@ -81,5 +81,5 @@ function fillPicture(node, {title, url}) {
   setAttribute(node.firstChild, 'href', url);
   setAttribute(node.querySelector('img'), 'src', url);
   setAttribute(node.querySelector('img'), 'alt', `${title}. The figures above say the same.`);
-  setText(node.lastChild, title);
+  setText(node.lastChild, asSentence(title));
 }

@@ -25,8 +25,10 @@ const HEADS = ['No.', 'Seen x, y in cm', 'Touched x, y in cm', 'Error in mm',
 export function createPairs() {
   const list = table('Seen by the camera and touched by the robot', HEADS, {class: 'numbers'});
   const none = element('p', {class: 'quiet'}, 'No pair yet.');
-  const node = card('Pairs', none, list.node);
-  const update = ({pairs}) => {
+  const stop = button('Stop, and drop the pairs', () => robot('cancel'));
+  const node = card('Pairs', none, list.node, stop);
+  const update = ({pairs, step}) => {
+    show(stop, step === 'measuring');
     show(none, !pairs.length);
     show(list.node, pairs.length);
     sync(list.body, pairs, ({number}) => number, ({number}) => pairRow(number), fill);

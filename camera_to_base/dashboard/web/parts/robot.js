@@ -25,8 +25,9 @@ import {createTouch} from './touch.js';
 export function createRobot(store) {
   const hint = element('p', {class: 'hint', role: 'status'});
   const start = button('Start', () => robot('start'), {class: 'primary'});
-  const cancel = button('Stop, and drop the pairs', () => robot('cancel'));
-  const way = createBaseZ();
+  const begin = element('div', {}, element('p', {class: 'lead'}, 'Put an object down, click it, ' +
+    'and touch it with the robot. Five places that are far apart tell where the camera frame ' +
+    'lies in the base frame.'), card('Start', start));
   const see = createSee(store);
   const touch = createTouch();
   const pairs = createPairs();
@@ -42,34 +43,19 @@ export function createRobot(store) {
     const isMeasuring = state.step === 'measuring';
     setText(hint, state.error ?? state.needs ?? state.hint ?? '');
     hint.classList.toggle('error', Boolean(state.error ?? state.needs));
-    show(start, !isMeasuring);
-    show(cancel, isMeasuring);
+    show(begin, !isMeasuring);
     start.disabled = Boolean(state.needs);
-    way.update(state);
     show(work, isMeasuring || state.pairs.length);
     [see, touch, pairs, fit].forEach((each) => each.update(state));
     follow();
   });
   const node = element('div', {class: 'robot'},
-    element('p', {class: 'lead'}, 'Put an object down, click it, and touch it with the robot. ' +
-      'Five places that are far apart tell where the camera frame lies in the base frame.'),
-    card('Start', way.node, element('div', {class: 'buttons'}, start, cancel)),
-    hint, work, fit.node);
+    begin, hint, work, fit.node);
   return {
     node,
     shown: () => { isShown = true; follow(); },
     hidden: () => { isShown = false; follow(); },
   };
-}
-
-function createBaseZ() {
-  const choice = element('select', {id: 'base-z'}, element('option', {value: 'up'},
-    'up (the robot stands on the table)'), element('option', {value: 'down'},
-    'down (the robot hangs above the table)'));
-  choice.addEventListener('change', () => robot('base_z', {base_z: choice.value}));
-  return {update: ({base_z: z}) => { choice.value = z; },
-    node: element('p', {}, element('label', {for: 'base-z'}, 'The z axis of the base frame points '),
-      choice)};
 }
 
 function createSee(store) {
@@ -87,7 +73,8 @@ function createSee(store) {
       if (object) robot('see', {u: object.pixel[0], v: object.pixel[1]});
     }), () => {}));
   const update = (state) => {
-    setText(suggestion, state.open ? '' : state.suggestion?.sentence ?? '');
+    const isDone = state.open || state.accepted;
+    setText(suggestion, isDone ? '' : state.suggestion?.sentence ?? '');
     drawPairs(picture, state);
   };
   return {update, start: () => picture.start(), stop: () => picture.stop(),
@@ -96,11 +83,11 @@ function createSee(store) {
       buttons)};
 }
 
-function drawPairs(picture, {pairs, suggestion, open}) {
+function drawPairs(picture, {pairs, suggestion, open, accepted}) {
   const r = picture.size.width * 0.02;
   const marks = [
     ...pairs.map((pair) => ({...pair, name: pair.valid && pair.fits ? 'pair' : 'pair bad'})),
-    ...(suggestion?.pixel && !open ? [{number: 'next', pixel: suggestion.pixel, name: 'target'}] : []),
+    ...(suggestion?.pixel && !open && !accepted ? [{number: 'next', pixel: suggestion.pixel, name: 'target'}] : []),
     ...(open?.pixel ? [{number: 'open', pixel: open.pixel, name: 'chosen'}] : []),
   ];
   sync(picture.overlay, marks, ({number}) => number, () => svg('circle'),

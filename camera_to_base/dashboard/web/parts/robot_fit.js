@@ -30,10 +30,12 @@ export function createFit() {
   const after = element('div', {class: 'accepted'}, done, element('p', {}, 'Next: ',
     element('a', {href: '#save'}, 'save the file'), ', or put an object at a new place and compare ' +
     'its position in ', element('a', {href: '#watch'}, 'Watch'), ' with the robot.'));
-  const body = element('div', {}, sentence, figures, warnings, details,
+  const way = createBaseZ();
+  const body = element('div', {}, sentence, figures, warnings, details, way.node,
     element('div', {class: 'buttons'}, accept));
   const node = card('3. Check and accept', body, after);
-  const update = ({fit, accepted}) => {
+  const update = ({fit, accepted, base_z: z}) => {
+    way.update(z);
     show(node, fit || accepted);
     show(body, fit);
     show(after, accepted);
@@ -50,6 +52,16 @@ export function createFit() {
     accept.disabled = !fit.can_accept;
   };
   return {node, update};
+}
+
+function createBaseZ() {
+  const choice = element('select', {id: 'base-z'}, element('option', {value: 'up'},
+    'up (the robot stands on the table)'), element('option', {value: 'down'},
+    'down (the robot hangs above the table)'));
+  choice.addEventListener('change', () => robot('base_z', {base_z: choice.value}));
+  return {update: (z) => { choice.value = z; },
+    node: element('p', {}, element('label', {for: 'base-z'}, 'The z axis of the base frame points '),
+      choice)};
 }
 
 function figuresOf({rms_mm: rms, left_out_rms_mm: leftOut}) {

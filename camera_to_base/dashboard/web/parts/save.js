@@ -17,6 +17,7 @@
 import {act} from '../base/actions.js';
 import {button, card, element, fillRow, row, setText, show, sync, table} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
+import {sentence as asSentence} from '../base/numbers.js';
 import {address} from '../base/state.js';
 
 const NODES = {camera: 'camera_publisher', transform: 'robot_base_publisher', both: 'both'};
@@ -31,7 +32,8 @@ export function createSave(store) {
   const loaded = element('p', {class: 'quiet'});
   const calibration = element('p');
   const warnings = element('ul', {class: 'warnings'});
-  const changes = table('Changes', ['Parameter', 'In the file', 'Now', 'Node']);
+  const changes = table('Parameters that differ from the file', ['Parameter', 'In the file', 'Now', 'Node'],
+    {class: 'wrapped'});
   const none = element('p', {}, 'Nothing has changed since the file was loaded or saved.');
   const download = element('a', {class: 'button', href: address('/api/file'), download: 'cell.yaml'},
     'Download the file');
@@ -39,7 +41,7 @@ export function createSave(store) {
   store.on('save', (state) => {
     if (state.path !== known && document.activeElement !== path) path.value = known = state.path;
     setText(loaded, state.from ? `Loaded from ${state.from}.` : 'No file was loaded.');
-    setText(calibration, state.calibration ?? '');
+    setText(calibration, asSentence(state.calibration ?? ''));
     tell(sentence, state);
     write.disabled = Boolean(state.needs);
     sync(warnings, state.warnings ?? [], (text) => text, () => element('li'), setText);
@@ -47,14 +49,14 @@ export function createSave(store) {
     show(changes.node, state.changes.length);
     sync(changes.body, state.changes, ({name, nodes}) => `${name} ${nodes}`, () => row(4),
       (node, {name, old, new: now, nodes}) => fillRow(node, [
-        name, short(old) ?? 'not in the file', short(now) ?? 'left out', NODES[nodes] ?? nodes]));
+        name, short(old) ?? '–', short(now) ?? '–', NODES[nodes] ?? nodes]));
   });
   return {node: element('div', {},
     card('File for both nodes',
       element('p', {class: 'lead'}, 'The file holds all parameters of both nodes. Start them with ' +
         'it, and everything is as it is now. The old file is kept.'),
       loaded, calibration, warnings,
-      element('p', {class: 'buttons'}, element('label', {for: 'path'}, 'File'), path, write, download),
+      element('p', {class: 'buttons save-row'}, element('label', {for: 'path'}, 'File'), path, write, download),
       sentence),
     card('What changed', none, changes.node))};
 }

@@ -37,7 +37,7 @@ export function createTouch() {
   const node = card('2. Touch it with the robot', sentence, body);
   const update = ({step, open, tool}) => {
     show(node, step === 'measuring');
-    setText(sentence, open ? asSentence(open.sentence) : 'No object is chosen yet.');
+    setText(sentence, open ? asSentence(open.sentence) : 'First choose the object that the robot will touch.');
     show(body, open);
     if (!open) return;
     const isSeen = open.frames >= open.of;

@@ -36,8 +36,8 @@ export function createWatch(store) {
   const selection = new Selection();
   const picture = new LivePicture('annotated', KINDS.annotated[1]);
   const map = createMap((object) => selection.choose(object));
-  const list = table('Objects on the surface', [
-    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction', '± mm (95 %)'], {class: 'numbers'});
+  const list = table('Largest first; ± holds 95 % of the errors', [
+    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction', '± mm'], {class: 'numbers'});
   const empty = element('p', {class: 'quiet'}, 'No object.');
   const figures = createFigures();
   const leftOut = createLeftOut();

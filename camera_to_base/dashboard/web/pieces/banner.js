@@ -24,8 +24,8 @@ const LOST_CURE = 'What you see is old. Check that the program "dashboard" runs 
 const BOARD_COVERS = 'No positions are published while the board covers the view. This is normal.';
 // Where a reason leads to, by the beginning of its name.
 const WAYS = [
+  [['view_corrected', 'not_calibrated', 'other_camera', 'frame_size'], '#calibrate', 'Calibrate'],
   [['view_', 'background_', 'taken_away', 'other_view'], '#detect', 'Take the background again'],
-  [['not_calibrated', 'other_camera', 'frame_size'], '#calibrate', 'Calibrate'],
   [['camera_', 'no_publisher', 'damaged', 'old_frames', 'topic_'], '#health', 'Look at Health'],
 ];
 
@@ -53,7 +53,9 @@ function state(store) {
   if (connection !== 'open') return {level: 'error', sentence: connection};
   if (!watch) return {level: 'warn', sentence: 'Waiting for the nodes …'};
   const problem = watch.silence ?? watch.warning;
-  if (problem?.reason?.startsWith('view_') && store.get('board')?.step === 'looking') {
+  const board = store.get('board');
+  const isCovered = board && board.step !== 'off' && !board.accepted;
+  if (isCovered && problem?.reason?.startsWith('view_')) {
     return {level: 'calm', sentence: BOARD_COVERS};
   }
   if (problem) return problemState(problem);

@@ -24,11 +24,11 @@ const BACKGROUND_REASONS = [
 export function createSetup(store) {
   const list = element('ol', {class: 'steps'});
   const node = element('section', {class: 'card setup', 'aria-labelledby': 'setup-title'},
-    element('h3', {id: 'setup-title'}, 'Set up this cell'), list,
+    element('h3', {id: 'setup-title'}, 'Set up this cell'),
     button('Hide this list', () => {
       sessionStorage.setItem(KEPT_AS, 'yes');
       update();
-    }, {class: 'quiet'}));
+    }, {class: 'quiet small'}), list);
   const update = () => {
     const steps = stepsOf(store);
     const next = steps.findIndex((step) => !step.isDone);

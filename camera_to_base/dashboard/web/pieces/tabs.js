@@ -48,6 +48,7 @@ export function createTabs(list, main, parts) {
     names.forEach((each) => mark(each, each === name));
     document.title = `${parts[name][0]} · camera_to_base`;
     current = name;
+    scrollTo(0, 0);
     parts[name][1].shown?.();
   };
   addEventListener('hashchange', choose);

@@ -1,0 +1,23 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""
+Markers of a table: their corners on a calibrated surface, or the surface from them alone.
+
+In: markers in px, as several frames show them, a calibration's parameters, and where the robot
+touched them. Out: the parameters `markers.*`, and a report.
+
+Caller: the modules of `calibration`.
+"""
+
+__all__ = []

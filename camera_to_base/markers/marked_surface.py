@@ -1,0 +1,141 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""A calibrated surface with markers on it: where a picture shows them, and the surface anew."""
+
+from dataclasses import dataclass, field
+from typing import Any, Mapping, NamedTuple, Optional
+
+from camera_to_base.markers.agreement import judge_markers, Verdict
+from camera_to_base.markers.new_surface import (
+    lens_of_values, marker_surface, new_surface_values)
+from camera_to_base.markers.seen import see_markers
+from camera_to_base.markers.specs import known_markers
+from camera_to_base.markers.surface_fit import Corners, MarkerFit
+from camera_to_base.parameters import Values
+from camera_to_base.surface import (
+    HomographySurface, make_surface, PictureMap, RadialDistortion, Surface)
+from camera_to_base.uncertainty import SURFACE_COVARIANCE, surface_covariance
+import numpy as np
+
+
+class MarkerLook(NamedTuple):
+    """
+    What a picture shows of the markers.
+
+    :param seen: By number, shape (4, 2), in px.
+    """
+
+    seen: Corners
+    verdict: Verdict
+
+
+class NewSurface(NamedTuple):
+    """
+    A surface computed anew.
+
+    :param surface: As `make_surface` gives it, for the height of the objects.
+    :param covariance: Of a warp of the picture, shape (14, 14).
+    :param frame_from_calibrated: Maps the pixels of the calibrated camera to those of this one.
+    :param values: The parameters that it differs in, by full name.
+    """
+
+    surface: Surface
+    covariance: np.ndarray
+    frame_from_calibrated: PictureMap
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class MarkedSurface:
+    """
+    A calibrated surface with markers.
+
+    :param values: The calibration's parameters, by full name.
+    :param corners: By number, shape (4, 2), in cm.
+    """
+
+    values: Values = field(repr=False)
+    corners: Corners = field(compare=False)
+
+    @classmethod
+    def of(cls, values: Values) -> Optional['MarkedSurface']:
+        """
+        Make it of its parameters; None where there are no markers.
+
+        :raises InvalidValueError: If the parameters do not belong together.
+        """
+        corners = known_markers(values)
+        own = {name: value for name, value in values.items()
+               if name.startswith(('surface.', 'markers.')) or name == 'object_height_cm'}
+        return cls(own, corners) if corners else None
+
+    def look(
+        self, image: np.ndarray, frame_from_calibrated: Optional[PictureMap] = None,
+        tolerance_px: float = 0.0,
+    ) -> MarkerLook:
+        """
+        Look for the markers, and compare them with the surface in use.
+
+        :param image: Shape (h, w, 3), uint8, BGR, of the calibration's size.
+        :param frame_from_calibrated: Where the camera stands; None for where it was calibrated.
+        :param tolerance_px: See :func:`judge_markers`.
+        :raises CalibrationError: If OpenCV has no module aruco.
+        """
+        seen = see_markers(image, self._lens).corners
+        return MarkerLook(seen, self.judge(seen, frame_from_calibrated, tolerance_px))
+
+    def judge(
+        self, seen: Corners, frame_from_calibrated: Optional[PictureMap] = None,
+        tolerance_px: float = 0.0,
+    ) -> Verdict:
+        """Compare seen markers with a surface, see :meth:`look`."""
+        flat = marker_surface(self.values)
+        shown = {number: flat.pixels(corners) for number, corners in self.corners.items()}
+        if frame_from_calibrated is not None:
+            shown = {number: frame_from_calibrated.pixels(pixels)
+                     for number, pixels in shown.items()}
+        return judge_markers(
+            self.corners, shown, seen, tuple(self.values['surface.image_size']), self._lens,
+            tolerance_px=tolerance_px)
+
+    @property
+    def surface(self) -> Surface:
+        """The surface as it is calibrated."""
+        return make_surface(self.values)
+
+    def anew(self, fit: MarkerFit) -> NewSurface:
+        """
+        Make the surface that a fit has found.
+
+        :raises CalibrationError: If objects have a height, and where the camera is now cannot be
+            computed.
+        """
+        values = new_surface_values(self.values, fit)
+        matrix = (np.linalg.inv(fit.surface.surface_from_pixel)
+                  @ _matrix(marker_surface(self.values)))
+        covariance = surface_covariance(values[SURFACE_COVARIANCE])
+        return NewSurface(make_surface({**self.values, **values}), covariance,
+                          PictureMap(matrix, self._lens), values)
+
+    @property
+    def _lens(self) -> RadialDistortion:
+        return lens_of_values(self.values)
+
+
+def _matrix(surface: Surface) -> np.ndarray:
+    """Return the map from undistorted pixels to cm, shape (3, 3)."""
+    if isinstance(surface, HomographySurface):
+        return surface.surface_from_pixel
+    scale = float(surface.locate([[1.0, 0.0]])[0, 0])
+    return np.diag([scale, scale, 1.0])
