@@ -69,6 +69,7 @@ class CameraSettings:
     period: float
     wait_for_subscribers: int
     wait_for_camera: bool
+    repeat: bool
     background_frames: int
     background_file: str
     limits: Limits
@@ -118,6 +119,10 @@ _SOURCE_SPECS = [
         'wait_for_camera', True,
         'Whether to wait for a device or a stream that is missing at the start; otherwise '
         'the node ends with an error.', fixed=True),
+    ParameterSpec(
+        'repeat', False,
+        'Whether a video file starts again when it has ended, and a picture is shown until the '
+        'node ends, as a camera would show it.', fixed=True),
 ]
 _FILE_SPECS = [
     ParameterSpec(
@@ -142,8 +147,8 @@ CAMERA_SPECS = [
 
 # Parameters that can be set without setting up a camera or a robot.
 _NOT_OF_A_SETUP = (
-    'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'background_file',
-    'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
+    'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'repeat',
+    'background_file', 'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
 _NOT_OF_A_CALIBRATION = (
     'surface.image_size', 'surface.reject_outside_hull', 'surface.covariance')
 
@@ -167,6 +172,7 @@ def camera_settings(values: Values) -> CameraSettings:
         period=values['period'],
         wait_for_subscribers=values['wait_for_subscribers'],
         wait_for_camera=values['wait_for_camera'],
+        repeat=values['repeat'],
         background_frames=values['background_frames'],
         background_file=check_background_path(values['background_file']),
         limits=make_limits(values),

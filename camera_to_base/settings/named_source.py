@@ -14,12 +14,13 @@
 
 """Opens the source that the parameter `source` names."""
 
+import os
 from typing import NamedTuple, Optional
 
 from camera_to_base.settings.camera import CameraSettings
 from camera_to_base.sources import (
     AUTO, Camera, COMPRESSED_TOPIC, DEVICE, first_camera, FirstCamera, FrameSource, kind_of,
-    open_frame_source, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC)
+    open_frame_source, open_repeated, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC)
 
 
 class NamedSource(NamedTuple):
@@ -58,6 +59,8 @@ def open_named_source(settings: CameraSettings, may_be_random: bool) -> NamedSou
         frames = settings.simulated.board(settings.image_size)
     elif kind in (DEVICE, STREAM):
         frames = Camera(name, settings.image_size, open_now=False)
+    elif settings.repeat:
+        frames = open_repeated(os.path.expanduser(name))
     else:
         frames = open_frame_source(name)
     return NamedSource(name, frames.kind, frames)

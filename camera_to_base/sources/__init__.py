@@ -36,6 +36,7 @@ from camera_to_base.sources.source_kind import (
     VIDEO_FILE)
 from camera_to_base.sources.source_reasons import source_reason
 from camera_to_base.sources.stamp_check import stamp_reason
+from camera_to_base.sources.repeated_file import open_repeated
 from camera_to_base.sources.still_picture import median_frame, read_picture, still_frames
 from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
 
@@ -44,7 +45,7 @@ __all__ = [
     'first_camera', 'FirstCamera', 'frame_from_compressed_message', 'frame_from_image_message',
     'FrameReader', 'FrameSource', 'is_other_camera', 'is_reader_hanging', 'kind_of',
     'lasting_name', 'LiveRecording', 'LOST_AFTER_S', 'median_frame', 'open_frame_source',
-    'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot', 'ReaderState',
+    'open_repeated', 'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot', 'ReaderState',
     'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason', 'SourceKind',
     'stamp_reason', 'still_frames', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
 ]

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.errors import FrameSourceError
+from camera_to_base.errors import FrameSourceError, InvalidValueError
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.settings.named_source import open_named_source
 from camera_to_base.simulation.board import SimulatedBoard
@@ -21,12 +21,14 @@ from camera_to_base.sources.source_kind import DEVICE, RANDOM, SIMULATED
 from camera_to_base.sources.video_file import VideoFile
 from captures import Device, write_levels
 import cv2
+import numpy as np
 import pytest
 
 
-def open_source(name, may_be_random=True):
+def open_source(name, may_be_random=True, **others):
     values = {spec.name: spec.default for spec in CAMERA_SPECS}
-    return open_named_source(camera_settings({**values, 'source': name}), may_be_random)
+    return open_named_source(
+        camera_settings({**values, **others, 'source': name}), may_be_random)
 
 
 @pytest.mark.parametrize('name', ['random', 'topic', 'compressed_topic'])
@@ -47,9 +49,33 @@ def test_file_is_opened_at_once(tmp_path):
     assert source.kind.frame_rate == pytest.approx(12.5)
 
 
-def test_file_that_does_not_exist_is_refused():
+def test_repeated_file_starts_again_when_it_has_ended(tmp_path):
+    path = write_levels(str(tmp_path / 'levels.avi'))
+    once, repeated = open_source(path).frames, open_source(path, repeat=True).frames
+    means = [frame.mean() for frame in iter(once.read, None)]
+    assert [repeated.read().mean() for _ in range(2 * len(means))] == 2 * means
+    assert once.read() is None
+
+
+def test_repeated_picture_is_shown_again_and_again(tmp_path):
+    picture = np.random.default_rng(3).integers(0, 256, (40, 60, 3), np.uint8)
+    for name in ('left01.png', 'left02.png'):
+        cv2.imwrite(str(tmp_path / name), picture if name == 'left01.png' else 255 - picture)
+    source = open_source(str(tmp_path / 'left01.png'), repeat=True)
+    assert source.kind.frame_rate == 10.0
+    assert all(np.array_equal(source.frames.read(), picture) for _ in range(5))
+
+
+def test_repeated_picture_that_is_none_is_refused(tmp_path):
+    (tmp_path / 'table.png').write_text('no picture')
+    with pytest.raises(InvalidValueError, match='no picture that OpenCV knows'):
+        open_source(str(tmp_path / 'table.png'), repeat=True)
+
+
+@pytest.mark.parametrize('others', [{}, {'repeat': True}])
+def test_file_that_does_not_exist_is_refused(others):
     with pytest.raises(FrameSourceError, match='no such file'):
-        open_source('/does/not/exist.avi')
+        open_source('/does/not/exist.avi', **others)
 
 
 @pytest.mark.parametrize('name', ['7', '/dev/video7'])
