@@ -13,7 +13,7 @@
 # limitations under the License.
 """The markers that a picture of the work surface shows, with exact corners."""
 
-from typing import Container, Dict, NamedTuple
+from typing import Dict, NamedTuple
 
 from camera_to_base.markers.aruco import search_markers
 from camera_to_base.markers.edges import corners_by_edges
@@ -34,11 +34,6 @@ class SeenMarkers(NamedTuple):
     """
 
     corners: Dict[int, np.ndarray]
-
-    def only(self, numbers: Container[int]) -> 'SeenMarkers':
-        """Leave out the markers of other numbers."""
-        return SeenMarkers({number: corners for number, corners in self.corners.items()
-                            if number in numbers})
 
 
 def see_markers(image: np.ndarray, lens: RadialDistortion) -> SeenMarkers:
