@@ -30,13 +30,13 @@ from camera_to_base.sources.reader import FrameReader, is_reader_hanging
 from camera_to_base.sources.reader_status import (
     LOST_AFTER_S, ReaderFacts, ReaderSnapshot, ReaderState, ReaderStatus)
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
+from camera_to_base.sources.repeated_file import open_repeated
 from camera_to_base.sources.silence_limit import SilenceLimit
 from camera_to_base.sources.source_kind import (
     AUTO, BAG, COMPRESSED_TOPIC, DEVICE, kind_of, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC,
     VIDEO_FILE)
 from camera_to_base.sources.source_reasons import source_reason
 from camera_to_base.sources.stamp_check import stamp_reason
-from camera_to_base.sources.repeated_file import open_repeated
 from camera_to_base.sources.still_picture import median_frame, read_picture, still_frames
 from camera_to_base.sources.video_file import FrameSource, open_frame_source, VideoFile
 
@@ -45,7 +45,8 @@ __all__ = [
     'first_camera', 'FirstCamera', 'frame_from_compressed_message', 'frame_from_image_message',
     'FrameReader', 'FrameSource', 'is_other_camera', 'is_reader_hanging', 'kind_of',
     'lasting_name', 'LiveRecording', 'LOST_AFTER_S', 'median_frame', 'open_frame_source',
-    'open_repeated', 'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot', 'ReaderState',
-    'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason', 'SourceKind',
-    'stamp_reason', 'still_frames', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE', 'VideoFile',
+    'open_repeated', 'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot',
+    'ReaderState', 'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason',
+    'SourceKind', 'stamp_reason', 'still_frames', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE',
+    'VideoFile',
 ]

@@ -52,9 +52,9 @@ def test_file_is_opened_at_once(tmp_path):
 def test_repeated_file_starts_again_when_it_has_ended(tmp_path):
     path = write_levels(str(tmp_path / 'levels.avi'))
     once, repeated = open_source(path).frames, open_source(path, repeat=True).frames
-    means = [frame.mean() for frame in iter(once.read, None)]
-    assert [repeated.read().mean() for _ in range(2 * len(means))] == 2 * means
+    means = [once.read().mean() for _ in range(once.frame_count)]
     assert once.read() is None
+    assert [repeated.read().mean() for _ in range(2 * len(means))] == 2 * means
 
 
 def test_repeated_picture_is_shown_again_and_again(tmp_path):
