@@ -48,18 +48,19 @@ class ReportPart(Action):
 
 
 class Sheet(Action):
-    """The board to print."""
+    """The board to print, or the markers."""
 
     async def get(self) -> None:
         """Answer with a PDF."""
         options = self._options()
         content = await self.backend.ask_sessions(self.cell, lambda one: one.sheet(options))
         self.set_header('Content-Type', 'application/pdf')
-        self.set_header('Content-Disposition', 'inline; filename="board.pdf"')
+        self.set_header('Content-Disposition', 'inline; filename="sheet.pdf"')
         self.finish(content)
 
     def _options(self) -> Dict[str, Any]:
-        wanted: Dict[str, Any] = {'charuco': self.get_query_argument('kind', 'board') == 'charuco'}
+        kind = self.get_query_argument('kind', 'board')
+        wanted: Dict[str, Any] = {'charuco': kind == 'charuco', 'markers': kind == 'markers'}
         for name in ('paper', 'square_mm'):
             if self.get_query_argument(name, None) is not None:
                 wanted[name] = self.get_query_argument(name)

@@ -17,7 +17,7 @@
 import threading
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
-from camera_to_base.calibration import report_lines
+from camera_to_base.calibration import marker_sheet_content, report_lines
 from camera_to_base.dashboard.sessions.areas import area_changes, areas_data
 from camera_to_base.dashboard.sessions.board_data import PANEL_NAMES
 from camera_to_base.dashboard.sessions.board_session import BoardSession
@@ -32,6 +32,8 @@ from camera_to_base.parameters import Values
 import cv2
 import numpy as np
 
+# The edge of a printed marker, in mm; the command `calibrate sheet --markers` has others.
+_MARKER_MM = 40.0
 PARTS = ('board', 'robot', 'save', 'areas', 'simulated')
 Action = Callable[[Mapping[str, Any]], Optional[Changes]]
 
@@ -154,13 +156,17 @@ class CellSessions:
 
     def sheet(self, body: Mapping[str, Any]) -> bytes:
         """
-        Draw the board to print.
+        Draw the board to print, or the four markers.
 
-        :param body: Options of the board; the others are as they are in its state.
+        :param body: Options of the board; the others are as they are in its state. With `markers`,
+            the markers are drawn.
         :returns: A PDF.
         :raises InvalidValueError: If it does not fit on the paper.
         """
-        return self._board.options.changed(body).sheet()
+        options = self._board.options.changed(body)
+        if body.get('markers'):
+            return marker_sheet_content(options.paper, _MARKER_MM)
+        return options.sheet()
 
     def report(self, name: str) -> bytes:
         """

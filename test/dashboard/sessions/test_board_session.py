@@ -183,6 +183,8 @@ def test_every_state_is_json(cell):
         json.dumps(cell.state(part), allow_nan=False)
 
 
-@pytest.mark.parametrize('body', [{}, {'charuco': True}, {'paper': 'Letter'}])
-def test_the_sheet_is_a_pdf(cell, body):
-    assert cell.sessions.sheet(body).startswith(b'%PDF')
+def test_each_sheet_is_a_pdf_of_its_own(cell):
+    bodies = [{}, {'charuco': True}, {'paper': 'Letter'}, {'markers': True}]
+    sheets = [cell.sessions.sheet(body) for body in bodies]
+    assert all(sheet.startswith(b'%PDF') for sheet in sheets)
+    assert len({len(sheet) for sheet in sheets}) == len(sheets)
