@@ -46,7 +46,7 @@ class Scene:
         self.background, self.surface = background, surface
         self.view = ViewWatch(background.picture, limits, background.witness)
         self.shifts = ShiftMean()
-        self._arms = ArmCheck(background.picture)
+        self._arms = ArmCheck(background.picture, background.unknown)
         self._locator: Optional[ObjectLocator] = None
         self._uncertainty: Optional[Tuple[PositionUncertainty, PositionUncertainty]] = None
 
@@ -64,6 +64,10 @@ class Scene:
         """Forget which objects are known: their positions were those of other settings."""
         self._locator = None
         self._arms.forget_objects()
+
+    def remember_arms(self, before: 'Scene') -> None:
+        """Remember where something has reached in, before the camera was nudged."""
+        self._arms.remember(before._arms)
 
     def uncertainty(self, calibrated: PositionUncertainty) -> PositionUncertainty:
         """

@@ -163,13 +163,16 @@ class Standpoint:
 
     def _correct(self, frame: np.ndarray) -> None:
         # The background as the camera sees it from where it stands.
+        before = self.scene
         if self.correction is None:
             self.scene = self._uncorrected
             self.scene.forget_objects()
+            self.scene.remember_arms(before)
             return
         seen = self._uncorrected.background.seen_after(
             self.correction.nudge.frame_from_background, frame)
         self.scene = Scene(seen, self._surface_here(), self._limits)
+        self.scene.remember_arms(before)
 
     def _is_back(self, frame: np.ndarray) -> bool:
         # Whether a camera that was nudged stands where it stood before.

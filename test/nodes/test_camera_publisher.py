@@ -364,7 +364,7 @@ def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ro
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     # Shorter than the time between two frames, so that each of them is checked.
     ros.add(CameraPublisher, '-p', 'source:=given', '-p', CALIBRATED,
-            '-p', 'view.check_period:=0.01')
+            '-p', 'view.check_period:=0.01', '-p', 'view.correct_up_to_px:=0.0')
     assert ros.spin_until(lambda: received and statuses and int(
         statuses[-1].values.get('frames', 0)) > 40)
     assert statuses[-1].level == 0

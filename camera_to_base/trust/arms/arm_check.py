@@ -29,6 +29,8 @@ import numpy as np
 # So long what appears where something reached in may still belong to it: a hand that is lifted or
 # drawn back.
 _MEMORY_S = 1.0
+# How far a nudge of the camera moves what is seen, in px.
+_NUDGED_PX = 20
 # An object is at rest, and whole, while its area and centre stay this close, as a share and in px.
 _SAME_AREA, _SAME_CENTRE_PX = 0.05, 2.0
 # So long an object is known though it is not seen: something covers it.
@@ -63,10 +65,11 @@ class ArmCheck:
     Tells free objects from what reaches in, what that touches, and what it leaves behind.
 
     :param background: Shape (h, w, 3), uint8, BGR.
+    :param unknown: Where it shows nothing, see :class:`ReachingIn`.
     """
 
-    def __init__(self, background: np.ndarray) -> None:
-        self._reaching_in = ReachingIn(background)
+    def __init__(self, background: np.ndarray, unknown: Optional[np.ndarray] = None) -> None:
+        self._reaching_in = ReachingIn(background, unknown)
         self._left_behind = LeftBehind(background)
         self._fills: Deque[Tuple[float, np.ndarray]] = deque()
         self._known: List[_Known] = []
@@ -74,6 +77,12 @@ class ArmCheck:
     def forget_objects(self) -> None:
         """Forget which objects are known: their positions were those of other settings."""
         self._known = []
+
+    def remember(self, before: 'ArmCheck') -> None:
+        """Remember where something has reached in, before the camera was nudged."""
+        reach = 2 * -(-_NUDGED_PX // self._reaching_in.scale) + 1
+        grown = np.ones((reach, reach), np.uint8)
+        self._fills = deque((at, cv2.dilate(fill, grown)) for at, fill in before._fills)
 
     def check(self, frame: np.ndarray, found: Found, taken_at: Optional[float],
               shift_px: float = 0.0) -> Found:

@@ -14,7 +14,7 @@
 
 """What reaches in from the picture's edge: a hand, a sleeve, an arm, and their shadows."""
 
-from typing import List, NamedTuple, Sequence
+from typing import List, NamedTuple, Optional, Sequence
 
 from camera_to_base.trust.arms.cells import (
     any_channel, CellBackground, Cells, Light, medians)
@@ -75,9 +75,11 @@ class ReachingIn:
     near the edge, nothing reaches in: then the rest of the picture is not looked at.
 
     :param background: Shape (h, w, 3), uint8, BGR.
+    :param unknown: Where the background shows nothing, shape (h, w), uint8, 255 there: what is
+        connected to it reaches in, too. None for nowhere.
     """
 
-    def __init__(self, background: np.ndarray) -> None:
+    def __init__(self, background: np.ndarray, unknown: Optional[np.ndarray] = None) -> None:
         height, width = background.shape[:2]
         self._cells = Cells(width, height)
         means = self._all_means(background)
@@ -92,6 +94,7 @@ class ReachingIn:
         self._noise = float(noise) / 0.6745 / self._cells.samples
         self._terms = _quadratic_terms(self._cells.columns, self._cells.rows)
         self._edge = PictureEdge(background, self._cells, self._background)
+        self._unknown = None if unknown is None else self._unknown_cells(unknown)
 
     @property
     def scale(self) -> int:
@@ -109,7 +112,7 @@ class ReachingIn:
         gains = self._edge.gains(frame)
         gain = sorted(gains)[1]
         light = self._light(gains, gain, shift_px)
-        if self._edge.differs(frame, light):
+        if self._unknown is not None or self._edge.differs(frame, light):
             return self._find_everywhere(frame, shift_px)
         nothing = np.zeros((self._cells.rows, self._cells.columns), np.uint8)
         return Changes(nothing, self._differs_at(frame, light, outlines), gain)
@@ -151,10 +154,21 @@ class ReachingIn:
         differs = any_channel(self._background.excess(means, light))
         closed = cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
         # Around it is an edge from which all that touches it is filled.
-        framed = cv2.copyMakeBorder(
-            differs | closed, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
+        connected = differs | closed
+        if self._unknown is not None:
+            connected |= self._unknown
+        framed = cv2.copyMakeBorder(connected, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
         cv2.floodFill(framed, None, (0, 0), 2, flags=8)
-        return Changes((framed[1:-1, 1:-1] == 2).astype(np.uint8), differs, gain)
+        reaching_in = (framed[1:-1, 1:-1] == 2).astype(np.uint8)
+        if self._unknown is not None:
+            reaching_in &= 1 - self._unknown
+        return Changes(reaching_in, differs, gain)
+
+    def _unknown_cells(self, unknown: np.ndarray) -> np.ndarray:
+        cells = self._cells
+        whole = unknown[:cells.rows * cells.scale, :cells.columns * cells.scale]
+        share = cv2.resize(whole, (cells.columns, cells.rows), interpolation=cv2.INTER_AREA)
+        return cv2.dilate((share > 0).view(np.uint8), np.ones((3, 3)))
 
     def _smooth_light(self, ratio: np.ndarray) -> np.ndarray:
         grid = self._terms[::_GRID_STEP, ::_GRID_STEP].reshape(-1, self._terms.shape[2])

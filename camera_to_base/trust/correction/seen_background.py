@@ -38,11 +38,13 @@ class SeenBackground(NamedTuple):
     :param witness: Another frame from when the background was taken; None where there is none.
     :param background_from_frame: Maps the frame's pixels to those of the background as it was
         taken; None for the same.
+    :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
     """
 
     picture: np.ndarray
     witness: Optional[np.ndarray] = None
     background_from_frame: Optional[PictureMap] = None
+    unknown: Optional[np.ndarray] = None
 
     def seen_after(
         self, frame_from_background: PictureMap, frame: np.ndarray
@@ -61,7 +63,7 @@ class SeenBackground(NamedTuple):
         maps = cv2.convertMaps(places, None, cv2.CV_16SC2)
         picture = _moved(self.picture, maps, known, frame)
         witness = None if self.witness is None else _moved(self.witness, maps, known, frame)
-        return SeenBackground(picture, witness, back)
+        return SeenBackground(picture, witness, back, cv2.bitwise_not(known))
 
     def without_unknown(self, found: Found) -> Found:
         """Leave out the objects that touch what the background does not show."""

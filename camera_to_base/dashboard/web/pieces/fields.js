@@ -30,8 +30,13 @@ const KEEP_OWN_MS = 700;
 export function createField(spec, id, change) {
   const error = element('p', {class: 'field-error', id: `${id}-error`, role: 'alert', hidden: true});
   const about = element('p', {class: 'quiet', id: `${id}-about`}, describe(spec));
-  const reset = button('Default', () => send(spec.default), {
-    class: 'quiet small', 'aria-label': `${spec.name}: back to the default`});
+  const reset = button('Default', () => {
+    // What was typed last, and is not sent yet, must not come after the default.
+    clearTimeout(waiting);
+    lastTouch = 0;
+    control.set(spec.default);
+    send(spec.default);
+  }, {class: 'quiet small', 'aria-label': `${spec.name}: back to the default`});
   let known = spec.value;
   let lastTouch = 0;
   let waiting = null;
