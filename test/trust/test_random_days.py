@@ -32,6 +32,9 @@ SMALL_DAYS = {
         Event('put', 0.5, 799117), Event('bump', 1.46, 606644), Event('take', 3.91, 155033),
         Event('hand', 4.33, 786244), Event('light', 6.0, 667332), Event('put', 6.01, 765870),
         Event('hand', 7.22, 910475), Event('hand', 9.97, 625919))),
+    'arm that the nudged background cuts off from the edge': Day(114, (
+        Event('move', 2.71, 715923), Event('put', 8.3, 317131), Event('hand', 8.74, 214057),
+        Event('bump', 9.45, 996621))),
     'camera that swings was not moved back under two arms': Day(24, (
         Event('hand', 10.03, 619925), Event('wobble', 10.11, 802939),
         Event('hand', 10.2, 626358))),
