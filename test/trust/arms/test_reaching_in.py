@@ -46,6 +46,17 @@ def test_finger_reaches_in_from_every_edge(size, edge):
     assert ReachingIn(background).find(frame, 0.0).any_reaching_in
 
 
+def test_what_touches_what_the_background_does_not_show_reaches_in():
+    background, frame = shoot((640, 480), 1), shoot((640, 480), 2)
+    unknown = np.zeros((480, 640), np.uint8)
+    unknown[:, :16] = 255
+    frame[200:260, 16:360], frame[300:340, 400:440] = 60, 60
+    background[:, :16] = frame[:, :16]
+    found = ReachingIn(background, unknown).find(frame, 0.0).reaching_in
+    assert found[55, 50] and not found[80, 105] and not found[:, :4].any()
+    assert not ReachingIn(background).find(frame, 0.0).any_reaching_in
+
+
 def test_what_does_not_touch_the_edge_does_not_reach_in():
     background, frame = shoot((640, 480), 1), shoot((640, 480), 2)
     frame[200:260, 300:360] = 60
