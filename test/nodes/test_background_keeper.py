@@ -74,7 +74,8 @@ def test_camera_that_was_nudged_meanwhile_publishes_nothing(ros, file):
     keep_empty_table(file, lambda table: np.roll(table, 9, axis=1))
     positions, statuses = ros.listen(CAMERA_TOPIC), ros.listen_to_diagnostics('/camera_publisher')
     with MjpegServer(scenes.still_coin(empty_s=0.0)) as camera:
-        ros.add(CameraPublisher, *arguments(camera.url, file))
+        ros.add(CameraPublisher, *arguments(camera.url, file),
+                '-p', 'view.correct_up_to_px:=0.0')
         assert ros.spin_until(lambda: statuses and 'has moved by' in statuses[-1].message, 8.0)
     assert positions == []
 
