@@ -24,8 +24,8 @@ from camera_to_base.commands.calibrate_files import check_outputs, Outputs, writ
 from camera_to_base.commands.calibrate_marker_base import run_marker_base
 from camera_to_base.commands.live_pairs import collect, measure_again
 from camera_to_base.commands.live_sources import open_positions, open_robot, Positions, Robot
-from camera_to_base.commands.prompts import ask, tell
-from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.commands.prompts import until_it_fits
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import read_parameter_file
 from camera_to_base.surface import PointPairs
 
@@ -94,14 +94,7 @@ def _agreed(
     options: argparse.Namespace,
 ) -> Calibration:
     """Fit the pairs; where they do not fit, let single ones be measured again."""
-    while True:
-        try:
-            return calibrate_touches(point_pairs(pairs), outputs.old.values, options.base_z)
-        except CalibrationError as error:
-            tell(f'The pairs do not fit: {error}')
-            answer = ask('Type the number of a pair to measure it again, or q to stop without a '
-                         'file:')
-            if answer.lower() == 'q':
-                raise
-            if answer.isdecimal() and 1 <= int(answer) <= len(pairs):
-                measure_again(pairs, int(answer) - 1, positions, robot)
+    return until_it_fits(
+        lambda: calibrate_touches(point_pairs(pairs), outputs.old.values, options.base_z),
+        'pairs', 'a pair to measure it again', range(1, len(pairs) + 1),
+        lambda number: measure_again(pairs, number - 1, positions, robot))

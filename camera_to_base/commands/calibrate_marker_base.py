@@ -20,8 +20,8 @@ from camera_to_base.calibration import (
     BASE, calibrate_base, Calibration, MARKERS, parts_of, Report)
 from camera_to_base.commands.calibrate_files import check_outputs, write_part
 from camera_to_base.commands.live_sources import open_robot, Robot
-from camera_to_base.commands.prompts import ask, tell, until_right
-from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.commands.prompts import tell, until_it_fits, until_right
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.markers import known_markers, MARKER_SPECS
 from camera_to_base.parameters import checked_values, read_parameter_file
 from camera_to_base.surface import PointPairs, SURFACE_SPECS
@@ -70,17 +70,12 @@ def _agreed(
     values: Dict[str, Any], options: argparse.Namespace,
 ) -> Calibration:
     """Fit the pairs; where they do not fit, let single markers be touched again."""
-    while True:
-        try:
-            return marker_base(middles, touched, values, options.base_z)
-        except CalibrationError as error:
-            tell(f'The touches do not fit: {error}')
-            answer = ask('Type the number of a marker to touch it again, or q to stop without a '
-                         'file:')
-            if answer.lower() == 'q':
-                raise
-            if answer.isdecimal() and int(answer) in touched:
-                touched[int(answer)] = _touched(int(answer), robot)
+    def touch_again(number: int) -> None:
+        touched[number] = _touched(number, robot)
+
+    return until_it_fits(
+        lambda: marker_base(middles, touched, values, options.base_z),
+        'touches', 'a marker to touch it again', touched, touch_again)
 
 
 def marker_base(

@@ -15,10 +15,10 @@
 """Questions to the person at the terminal."""
 
 import sys
-from typing import Callable, TypeVar
+from typing import Callable, Collection, TypeVar
 
 from camera_to_base.calibration import Suggestion
-from camera_to_base.errors import CameraToBaseError, InputEndedError
+from camera_to_base.errors import CalibrationError, CameraToBaseError, InputEndedError
 
 T = TypeVar('T')
 
@@ -60,6 +60,31 @@ def until_right(step: Callable[[], T], again: str) -> T:
             tell(f'  {error}')
             if ask(again).lower() == 'q':
                 raise
+
+
+def until_it_fits(
+    fit: Callable[[], T], touches: str, again: str, numbers: Collection[int],
+    repeat: Callable[[int], None],
+) -> T:
+    """
+    Repeat a fit until it raises no error; after each error a single touch may be repeated.
+
+    :param touches: What does not fit, in the line that tells the error.
+    :param again: How a touch is repeated, as in 'a pair to measure it again'.
+    :param numbers: The touches' numbers.
+    :param repeat: Repeats the touch of a number.
+    :raises CalibrationError: The fit's, if the answer is 'q'.
+    """
+    while True:
+        try:
+            return fit()
+        except CalibrationError as error:
+            tell(f'The {touches} do not fit: {error}')
+            answer = ask(f'Type the number of {again}, or q to stop without a file:')
+            if answer.lower() == 'q':
+                raise
+            if answer.isdecimal() and int(answer) in numbers:
+                repeat(int(answer))
 
 
 def ask_for_object(suggestion: Suggestion) -> None:
