@@ -26,6 +26,7 @@ from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
 from camera_to_base.trust.background import Background, BackgroundKeeper
 from camera_to_base.trust.correction.correction import Correction
+from camera_to_base.trust.correction.seen_background import SeenBackground
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
@@ -87,6 +88,8 @@ class CameraPipeline:
         self._limits = self._limits_here(limits)
         self._gate.configure(self._limits.max_frame_age_s, self._limits.confirm_jump_px)
         self._standpoint.configure(surface, self._limits)
+        if self._background.current is not None:
+            self._background.use(self._standpoint.background)
         if markers is None or self._markers is None:
             self._markers = MarkerWatch(markers) if markers is not None else None
         else:
@@ -110,7 +113,8 @@ class CameraPipeline:
         return self._background.keep_before() is not None
 
     def restore_background(
-        self, background: np.ndarray, age_s: float, may_correct: bool = True
+        self, background: np.ndarray, age_s: float, may_correct: bool = True,
+        unknown: Optional[np.ndarray] = None,
     ) -> None:
         """
         Use a saved background; the first frame's view is compared with it.
@@ -118,8 +122,10 @@ class CameraPipeline:
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: Its age.
         :param may_correct: Whether the camera stood for it where it was calibrated.
+        :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
         """
-        restored = Background(background, time.monotonic() - age_s, is_restored=True)
+        restored = Background(
+            background, time.monotonic() - age_s, is_restored=True, unknown=unknown)
         self._background.use(restored)
         self._use_background(restored, may_correct)
 
@@ -138,7 +144,7 @@ class CameraPipeline:
         return None if current is None else current.picture
 
     @property
-    def background_as_calibrated(self) -> Optional[np.ndarray]:
+    def background_as_calibrated(self) -> Optional[SeenBackground]:
         """The background as the camera sees it from where it was calibrated; None for none."""
         return None if self.background is None else self._standpoint.background_as_calibrated
 
