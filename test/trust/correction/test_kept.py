@@ -41,7 +41,7 @@ def offer(watched, **changed):
     values = {**VALUES, **changed}
     surface = make_surface(values)
     return {**values, **kept_values(
-        watched.pipeline.surface_in_force, surface, position_uncertainty(values, surface),
+        watched.pipeline.standpoint.surface, surface, position_uncertainty(values, surface),
         make_hull(values), SIZE)}
 
 
@@ -61,19 +61,19 @@ def test_kept_correction_goes_on_without_a_pause_and_without_a_warning(nudged):
     use(nudged, offer(nudged))
     for _ in range(3):
         assert max(point_errors_mm(nudged.see(MATRIX, [COIN]), COIN)) < 0.1
-        assert nudged.pipeline.doubt is None and nudged.pipeline.correction is None
+        assert nudged.pipeline.doubt is None and nudged.pipeline.standpoint.correction is None
 
 
 def test_next_nudge_is_measured_from_where_the_correction_was_kept(nudged):
     use(nudged, offer(nudged))
     assert max(point_errors_mm(nudged.see(None, [COIN], 4), COIN)) < 0.2
-    assert nudged.pipeline.correction.shift_px == pytest.approx(11.4, abs=0.5)
+    assert nudged.pipeline.standpoint.correction.shift_px == pytest.approx(11.4, abs=0.5)
 
 
 def test_restarted_pipeline_with_the_kept_file_and_background_is_right(nudged):
     values = offer(nudged)
     use(nudged, values)
-    kept = nudged.pipeline.background_as_calibrated
+    kept = nudged.pipeline.standpoint.background_as_calibrated
     again = Watched(nudged.table, begin=False)
     use(again, values)
     again.pipeline.restore_background(kept.picture, 5.0, unknown=kept.unknown)
@@ -96,7 +96,7 @@ def test_what_the_kept_background_does_not_show_stays_unknown():
 def test_correction_after_a_new_background_can_be_kept(nudged):
     nudged.pipeline.capture_background(1)
     nudged.see(MATRIX, count=3)
-    assert nudged.pipeline.correction is None and nudged.pipeline.doubt is not None
+    assert nudged.pipeline.standpoint.correction is None and nudged.pipeline.doubt is not None
     use(nudged, offer(nudged))
     assert max(point_errors_mm(nudged.see(MATRIX, [COIN], 2), COIN)) < 0.1
     assert nudged.pipeline.doubt is None
@@ -111,7 +111,7 @@ def test_other_surface_than_the_corrected_one_ends_the_correction(nudged):
 
 def test_area_of_the_calibration_moves_with_the_picture(nudged):
     before, after = make_hull(VALUES), make_hull(offer(nudged))
-    moved = nudged.pipeline.surface_in_force.frame_from_calibrated.pixels(before.corners)
+    moved = nudged.pipeline.standpoint.surface.frame_from_calibrated.pixels(before.corners)
     assert after.corners == pytest.approx(moved, abs=0.01)
 
 
@@ -121,7 +121,7 @@ def test_kept_surface_holds_for_raised_objects_and_for_a_parallel_camera():
               'surface.camera_height_cm': 60.0, 'object_height_cm': 3.0}
     use(watched, {**VALUES, **raised})
     watched.see(MATRIX, [COIN], 5)
-    before = watched.pipeline.surface_in_force.surface.locate([COIN])
+    before = watched.pipeline.standpoint.surface.surface.locate([COIN])
     values = offer(watched, **raised)
     assert values['surface.model'] == 'homography'
     use(watched, values)
