@@ -92,7 +92,7 @@ class MarkedSurface:
         :param tolerance_px: See :func:`judge_markers`.
         :raises CalibrationError: If OpenCV has no module aruco.
         """
-        seen = see_markers(image, self._lens).corners
+        seen = see_markers(image, self._lens, expected=self.corners).corners
         return MarkerLook(seen, self.judge(seen, frame_from_calibrated, tolerance_px))
 
     def judge(
