@@ -58,13 +58,14 @@ class BackgroundKeeper:
         if self._pipeline.background is None:
             good = 'good ' if self._is_live else ''
             return f'the first {good}one is the background'
-        return (f"the background is that of '{self._path}', taken "
-                f'{self._pipeline.background_age_s:.0f} s ago: ~/capture_background takes it anew')
+        age_s = self._pipeline.backgrounds.current.age_s
+        return (f"the background is that of '{self._path}', taken {age_s:.0f} s ago: "
+                '~/capture_background takes it anew')
 
     def keep(self) -> None:
         """Write the background to the file if it is new."""
         try:
-            self._file.keep(self._pipeline.background_as_calibrated)
+            self._file.keep(self._pipeline.standpoint.background_as_calibrated)
         except CameraToBaseError as error:
             self._logger.error(f'the background is not kept: {error}')
 

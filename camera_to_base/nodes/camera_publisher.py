@@ -128,7 +128,7 @@ class CameraPublisher(Node):
             self._pipeline.process(frame, taken_at), self._pipeline.background,
             settings.calibrated_for.is_strict)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
-        in_force = self._pipeline.surface_in_force
+        in_force = self._pipeline.standpoint.surface
         self._positions.publish_sighting(
             header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty)
         settings.area_overlay.use_surface(in_force.surface)
@@ -156,7 +156,7 @@ class CameraPublisher(Node):
         doubt = self._doubt()
         if doubt is not None:
             return doubt.sentence
-        return f'background taken {self._pipeline.background_age_s:.0f} s ago'
+        return f'background taken {self._pipeline.backgrounds.current.age_s:.0f} s ago'
 
     def _doubt(self) -> Optional[Reason]:
         return self._own_camera.reason(

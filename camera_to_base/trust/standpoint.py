@@ -26,6 +26,7 @@ from camera_to_base.trust.correction.seen_background import SeenBackground
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.scene import Scene
 from camera_to_base.trust.surface_in_force import SurfaceInForce
+from camera_to_base.trust.view.view_check import View
 import numpy as np
 
 
@@ -60,6 +61,11 @@ class Standpoint:
     def correction(self) -> Optional[Correction]:
         """How the camera was nudged since the background was taken; None for not at all."""
         return None if self._corrector is None else self._corrector.correction
+
+    @property
+    def view(self) -> Optional[View]:
+        """Result of the last comparison of a frame's view with the background; None for none."""
+        return None if self.scene is None else self.scene.view.view
 
     def configure(self, surface: Surface, limits: Limits) -> None:
         """

@@ -78,13 +78,13 @@ def test_coin_is_published_where_it_is_after_a_nudge(watched, scene):
     assert watched.see(MATRIX, [coin], **scene).reason.kind == 'view_moved'
     sighting = watched.see(MATRIX, [coin], 3, **scene)
     assert max(point_errors_mm(sighting, coin)) < 0.3
-    assert watched.pipeline.view.shift_px < 0.5
+    assert watched.pipeline.standpoint.view.shift_px < 0.5
 
 
 def test_correction_is_a_warning_with_its_size(watched):
     assert watched.pipeline.doubt is None
     watched.see(nudge(6, 8), [COIN], 3)
-    doubt, correction = watched.pipeline.doubt, watched.pipeline.correction
+    doubt, correction = watched.pipeline.doubt, watched.pipeline.standpoint.correction
     assert doubt.kind == 'view_corrected' and doubt.level is Level.WARN
     assert correction.shift_px == pytest.approx(10, abs=0.3)
     assert correction.shift_mm == pytest.approx(5, abs=0.2)
@@ -97,7 +97,7 @@ def test_camera_that_is_put_back_is_not_corrected_any_more(watched):
     assert watched.pipeline.doubt is not None
     sighting = watched.see(None, [COIN], 4)
     assert max(point_errors_mm(sighting, COIN)) < 0.3
-    assert watched.pipeline.doubt is None and watched.pipeline.correction is None
+    assert watched.pipeline.doubt is None and watched.pipeline.standpoint.correction is None
 
 
 def test_slow_drift_below_the_limit_is_corrected(watched):
@@ -106,7 +106,7 @@ def test_slow_drift_below_the_limit_is_corrected(watched):
         assert watched.sighting.reason is None or number == 0
     sighting = watched.see(nudge(2.4, 0, 1.5), [COIN], 12)
     assert max(point_errors_mm(sighting, COIN)) < 0.45  # what drifts by less than 0.8 px is left
-    assert watched.pipeline.correction.shift_px > 1.5
+    assert watched.pipeline.standpoint.correction.shift_px > 1.5
 
 
 def test_one_nudge_after_another_is_measured_from_the_background(watched):
@@ -124,7 +124,7 @@ def test_what_is_not_corrected_stays_silent_and_says_why(limits, matrix, why):
     watched = Watched(limits=limits)
     reason = watched.see(matrix, [COIN], 20).reason
     assert reason.kind == 'view_moved' and why in reason.sentence
-    assert watched.pipeline.correction is None
+    assert watched.pipeline.standpoint.correction is None
 
 
 def test_zero_px_never_corrects():
@@ -180,14 +180,14 @@ def test_new_background_keeps_the_correction(watched):
 
 
 def test_background_is_kept_as_the_calibrated_camera_sees_it(watched):
-    taken = watched.pipeline.background_as_calibrated
+    taken = watched.pipeline.standpoint.background_as_calibrated
     assert taken is watched.pipeline.background
     watched.see(MATRIX, [COIN], 3)
-    assert watched.pipeline.background_as_calibrated is taken
+    assert watched.pipeline.standpoint.background_as_calibrated is taken
     watched.pipeline.capture_background(1)
     watched.see(MATRIX, count=3)
     again = Watched(watched.table, begin=False)
-    again.pipeline.restore_background(watched.pipeline.background_as_calibrated, 5.0)
+    again.pipeline.restore_background(watched.pipeline.standpoint.background_as_calibrated, 5.0)
     assert max(point_errors_mm(again.see(MATRIX, [COIN], 6), COIN)) < 0.4
     assert again.pipeline.doubt.kind == 'view_corrected'
 
@@ -237,7 +237,7 @@ def test_another_surface_waits_for_its_background(watched):
     reason = watched.see(nudge(40, 0), count=3).reason._replace(kind='by_hand')
     surface = calibrated(**{'surface.homography.surface_from_pixel':
                             [CM_PER_PX, 0.0, -2.0, 0.0, CM_PER_PX, 0.0, 0.0, 0.0, 1.0]})
-    watched.pipeline.use_surface(SurfaceInForce(surface, reason=reason))
+    watched.pipeline.standpoint.use_surface(SurfaceInForce(surface, reason=reason))
     assert watched.see(nudge(40, 0), [COIN], 12).reason.kind in ('view_moved', 'view_unknown')
     watched.pipeline.capture_background(1)
     watched.see(nudge(40, 0), count=3)
@@ -251,7 +251,7 @@ def test_another_surface_waits_for_its_background(watched):
 def test_surface_of_one_colour_is_not_corrected():
     watched = Watched(NudgedTable(plain))
     assert watched.see(nudge(6, 2), [COIN], 12).reason is None
-    assert watched.pipeline.correction is None
+    assert watched.pipeline.standpoint.correction is None
 
 
 def test_recording_is_not_corrected():
