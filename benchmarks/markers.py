@@ -16,8 +16,8 @@ How exact positions are where markers tell where the camera stands, and what loo
 
 Each case is a camera with a lens of its own, whose axis is beside the middle of the picture. It is
 calibrated in one place from points that a board would give, learns the four markers there (40 mm,
-36 x 26 cm between their middles), is moved to another place, and computes the surface anew from one
-frame with the noise, blur, gamma and JPEG of a webcam at 720p; then without each of the markers.
+36 x 26 cm between their middles), is moved to another place, and computes the surface anew from
+one frame with the noise, blur, gamma and JPEG of a webcam at 720p; then without each marker.
 The error is that of 42 points in the area between the four.
 
     scripts/benchmark markers [--quick] [--json FILE] [--cases 60] [--seed 1]
@@ -146,7 +146,7 @@ def costs(rng, table):
         lens = lens_of_values({**SURFACE_DEFAULTS, 'surface.image_size': list(size)})
         view = ViewWatch(frames[0], Limits())
         steps = {'view check': lambda: view.reason(frames[0]),
-                 'look for markers': lambda: see_markers(frames[0], lens)}
+                 'look for markers': lambda: see_markers(frames[0], lens, range(4))}
         rows += [{'what': name, 'width': size[0], 'CPU ms': milliseconds(step)}
                  for name, step in steps.items()]
     return rows

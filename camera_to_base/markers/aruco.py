@@ -36,14 +36,14 @@ NO_ARUCO = (
     'opencv-contrib-python-headless of the same version from PyPI')
 
 
-# Markers are first looked for in a picture of at most this width: a marker that is 30 px wide there
-# is decoded, and a larger picture takes longer.
+# Markers are first looked for in a picture of at most this width: a marker that is 30 px wide
+# there is decoded, and a larger picture takes longer.
 _SEARCH_WIDTH = 800
 # Windows of the searches' thresholds, the least, the largest and the step: markers on a table are
 # larger than on a board.
 _WINDOWS, _WINDOWS_THOROUGH = (13, 33, 20), (23, 53, 30)
-# Share of a marker's outline: with the 0.125 of newer OpenCV the outline of the paper, a cell away,
-# stands for the marker, and is not decoded.
+# Share of a marker's outline: with the 0.125 of newer OpenCV the outline of the paper, a cell
+# away, stands for the marker, and is not decoded.
 _LEAST_DISTANCE_RATE = 0.05
 
 

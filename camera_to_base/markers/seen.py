@@ -49,6 +49,7 @@ def see_markers(
     """
     grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     refined = {number: corners_by_edges(grey, corners, lens)
-               for number, corners in search_markers(grey, expected).items() if number in TABLE_MARKERS}
+               for number, corners in search_markers(grey, expected).items()
+               if number in TABLE_MARKERS}
     return SeenMarkers({number: corners for number, corners in refined.items()
                         if corners is not None})
