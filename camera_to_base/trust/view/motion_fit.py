@@ -20,7 +20,7 @@ import cv2
 import numpy as np
 
 # A similarity has four numbers: shift along u and v, growth and turn. A tilt has two more: growth
-# that increases along u and along v. All but the shift are in px at half of the picture's diagonal.
+# that increases along u and along v. All are in px, but for the shift at half of the diagonal.
 SIMILARITY, TILTED = 4, 6
 # The camera is taken to stand still, to this many px, as long as nothing says otherwise.
 _PRIOR_PX = 1.0
@@ -86,7 +86,8 @@ class MotionFit:
         sides = self._u * u[:, None] + self._v * v[:, None]
         weights, numbers = is_seen.astype(float), np.full(self._count, np.inf)
         for _ in range(_ROUNDS):
-            before, numbers = numbers, _solution(self.total(weights) + self._prior, weights @ sides)
+            before, numbers = numbers, _solution(
+                self.total(weights) + self._prior, weights @ sides)
             missed_u, missed_v = u - self._u @ numbers, v - self._v @ numbers
             deviations = precision * (missed_u * missed_u + missed_v * missed_v)
             if cv2.norm(numbers, before, cv2.NORM_INF) < _SETTLED_PX:
