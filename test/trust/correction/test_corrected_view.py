@@ -180,14 +180,15 @@ def test_new_background_keeps_the_correction(watched):
 
 
 def test_background_is_kept_as_the_calibrated_camera_sees_it(watched):
-    taken = watched.pipeline.standpoint.background_as_calibrated
+    taken = watched.pipeline.standpoint.background_as_calibrated.picture
     assert taken is watched.pipeline.background
     watched.see(MATRIX, [COIN], 3)
-    assert watched.pipeline.standpoint.background_as_calibrated is taken
+    assert watched.pipeline.standpoint.background_as_calibrated.picture is taken
     watched.pipeline.capture_background(1)
     watched.see(MATRIX, count=3)
     again = Watched(watched.table, begin=False)
-    again.pipeline.restore_background(watched.pipeline.standpoint.background_as_calibrated, 5.0)
+    kept = watched.pipeline.standpoint.background_as_calibrated
+    again.pipeline.restore_background(kept.picture, 5.0)
     assert max(point_errors_mm(again.see(MATRIX, [COIN], 6), COIN)) < 0.4
     assert again.pipeline.doubt.kind == 'view_corrected'
 
