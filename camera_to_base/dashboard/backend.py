@@ -128,5 +128,5 @@ class Backend:
         except CameraToBaseError as error:
             raise Refused(409, str(error)) from error
         except asyncio.TimeoutError:
-            raise Refused(503, f'the node does not answer within {longest_s:g} s: does it still '
-                               'run? Look at its terminal') from None
+            raise Refused(503, f'the node has not answered within {longest_s:g} s: it is busy, '
+                               'and may still do it, or it hangs; look at its terminal') from None

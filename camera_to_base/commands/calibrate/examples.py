@@ -69,7 +69,7 @@ With --live it tells, too, whether the running node corrects a nudge of the came
   calibrate status --live cell.yaml""",
     'keep': """
 A nudged camera is corrected while the node runs. This command writes the corrected surface into
-the node's file, and the node uses it from then on; the file of before is kept as FILE.bak. The
+the node's file, and the node uses it from then on; the old file is kept as FILE.bak. The
 base frame, the markers and the areas stay.
 
   calibrate keep cell.yaml""",

@@ -95,7 +95,7 @@ class SaveSession:
             'path': path, 'kept': kept[0] if kept else None,
             'at': datetime.now().strftime('%H:%M:%S'),
             'sentence': f'Written to {path}' + (
-                f'; the file of before is {kept[0]}.' if kept else '.')}
+                f'; the old file is {kept[0]}.' if kept else '.')}
         self._on_change()
 
     def _checked_path(self, wanted: Any) -> str:

@@ -57,7 +57,7 @@ def file_text(
     Return the text of the file, the reports of its calibrations at its top.
 
     :param values: See :func:`values_to_save`.
-    :param old: The file of before, with reports of its own.
+    :param old: The old file, with reports of its own.
     :param calibrations: Those that were made since; the others' reports are in the file.
     """
     return cell_text(values, *(_report(part, values, old, calibrations)

@@ -14,15 +14,14 @@
 
 """The surface from a board that a person lays on the table, one placement after the other."""
 
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Any, Callable, Dict, Mapping, Optional
 
 from camera_to_base.calibration import (
-    calibrate_placements, Calibration, make_placement, part_values, Placement, refuse_unlike,
-    renumbered, SURFACE)
-from camera_to_base.dashboard.sessions.board.data import (
-    covered_data, placement_data, report_data, suggestion)
+    calibrate_placements, Calibration, part_values, Placement, SURFACE)
+from camera_to_base.dashboard.sessions.board.data import report_data
 from camera_to_base.dashboard.sessions.board.options import BoardOptions
 from camera_to_base.dashboard.sessions.board.picture_taker import PictureTaker
+from camera_to_base.dashboard.sessions.board.placement_list import PlacementList
 from camera_to_base.dashboard.sessions.board.watch import BoardWatch
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
 from camera_to_base.dashboard.sessions.worker import sentence_of, Worker
@@ -55,7 +54,7 @@ class BoardSession:
         self._taker = PictureTaker(worker)
         self._busy: Optional[str] = None
         self._error: Optional[str] = None
-        self._placements: List[Placement] = []
+        self._placements = PlacementList()
         self.calibration: Optional[Calibration] = None
         self._accepted: Optional[Dict[str, Any]] = None
         self.accepted_calibration: Optional[Calibration] = None
@@ -76,10 +75,8 @@ class BoardSession:
         return {
             'step': 'off' if not self._is_on else 'fitted' if self.calibration else 'looking',
             'hint': self._hint(), 'options': self._options.data, 'look': self._watch.data,
-            'placements': list(map(placement_data, range(1, 1 + len(self._placements)),
-                                   self._placements)),
-            'covered': covered_data(self._placements),
-            'suggestion': suggestion(self._placements) if self._is_on else None,
+            'placements': self._placements.data, 'covered': self._placements.covered,
+            'suggestion': self._placements.suggestion if self._is_on else None,
             'busy': self._busy, 'error': self._error,
             'report': self.calibration and report_data(self.calibration, len(self._placements)),
             'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted}
@@ -116,7 +113,7 @@ class BoardSession:
         if self._taker.is_taking:
             self._taker.see(image)
         else:
-            self._watch.see(image, [one.outline for one in self._placements])
+            self._watch.see(image, self._placements.outlines)
 
     def take(self) -> None:
         """
@@ -137,14 +134,8 @@ class BoardSession:
         :param body: {'number': 1 and up}.
         :raises InvalidValueError: If there is none.
         """
-        number = body.get('number')
         _refuse_unless(not self._busy, _BUSY)
-        _refuse_unless(number in range(1, 1 + len(self._placements)),
-                       f'there is no placement {number!r:.20}')
-        del self._placements[number - 1]
-        # The first one defines the camera frame.
-        self._placements = [renumbered(self._options.board, one, index)
-                            for index, one in enumerate(self._placements)]
+        self._placements.remove(self._options.board, body.get('number'))
         self.calibration = self._accepted = None
         self._on_change()
 
@@ -157,8 +148,8 @@ class BoardSession:
         _refuse_unless(self._placements, 'take a placement of the board first')
         _refuse_unless(not self._busy, _BUSY)
         self._begin('Fitting …')
-        board, name = self._options.board, f'camera {self._device() or "picture"}'
-        placements = [one._replace(name=name) for one in self._placements]
+        board = self._options.board
+        placements = self._placements.named(f'camera {self._device() or "picture"}')
         self._worker.run(lambda: calibrate_placements(board, placements), self._take_fit)
         self._on_change()
 
@@ -205,21 +196,13 @@ class BoardSession:
         if isinstance(frames, Exception):
             self._take_placement(frames)
             return
-        board, before = self._options.board, list(self._placements)
-        number = len(before)
-
-        def make() -> Placement:
-            image = np.median(frames, axis=0).astype(np.uint8)
-            found = make_placement(
-                board, image, f'placement {number + 1}', number, says_name=number > 0)
-            refuse_unlike([*before, found])
-            return found
-        self._worker.run(make, self._take_placement)
+        self._worker.run(
+            self._placements.maker(self._options.board, frames), self._take_placement)
 
     def _take_placement(self, found: Any) -> None:
         self._end(found)
         if isinstance(found, Placement) and self._is_on:
-            self._placements.append(found)
+            self._placements.add(found)
             self.calibration = self._accepted = None
         self._on_change()
 
@@ -237,8 +220,8 @@ class BoardSession:
         self._error = sentence_of(found) if isinstance(found, Exception) else None
 
     def _forget(self) -> None:
-        self._placements, self.calibration, self._accepted = [], None, None
-        self._busy = None
+        self._placements.clear()
+        self.calibration = self._accepted = self._busy = None
         self._taker.cancel()
 
 

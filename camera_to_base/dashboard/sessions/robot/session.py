@@ -22,6 +22,8 @@ from camera_to_base.checks import finite_number
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
 from camera_to_base.dashboard.sessions.robot.data import fit_data
 from camera_to_base.dashboard.sessions.robot.followed_object import FollowedObject, Point
+from camera_to_base.dashboard.sessions.robot.hints import (
+    hint_at_rest, hint_for_open, hint_for_pairs)
 from camera_to_base.dashboard.sessions.robot.open_pair import OpenPair
 from camera_to_base.dashboard.sessions.robot.pair_book import PairBook
 from camera_to_base.dashboard.sessions.robot.pair_list import MeasuredWith, Pair
@@ -30,8 +32,6 @@ from camera_to_base.dashboard.sessions.robot.pair_places import (
 from camera_to_base.dashboard.sessions.robot.tool_place import ToolPlace
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 
-# With these the base frame is determined, and a bad pair can be told.
-WANTED = 5
 _LARGEST_CM = 1e5
 
 
@@ -258,18 +258,10 @@ class RobotSession:
 
     def _hint(self) -> str:
         if not self._is_on:
-            return needs(self._values) or 'Start, and put an object down.'
-        if self._open is not None and self._open.place is not None:
-            return 'Touch its middle with the robot, and type x and y as its display shows them.'
+            return hint_at_rest(needs(self._values))
         if self._open is not None:
-            return 'The object is measured: leave it alone.'
-        if self._accepted:
-            return 'Save the calibration.'
-        count = len(self._pairs)
-        if count < WANTED:
-            return (f'{count} of {WANTED} pairs are there: put an object down for pair '
-                    f'{self._number}, and click it.')
-        return 'Accept the fit, or measure further pairs.'
+            return hint_for_open(self._open)
+        return hint_for_pairs(len(self._pairs), self._number, bool(self._accepted))
 
 
 def _point(body: Mapping[str, Any], *names: str) -> Point:

@@ -78,6 +78,6 @@ function problemState({level, sentence, reason}) {
 
 function published({objects}) {
   // No rate: a screen reader would read out each change of it.
-  if (!objects?.length) return 'The surface is empty, and this is published.';
+  if (!objects?.length) return 'The surface is empty: an empty list of objects is published.';
   return objects.length === 1 ? '1 object is published.' : `${objects.length} objects are published.`;
 }
