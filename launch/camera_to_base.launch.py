@@ -50,8 +50,8 @@ def generate_launch_description() -> LaunchDescription:
     arguments = [
         DeclareLaunchArgument(
             'params_file', default_value=DEFAULT.params_file,
-            description='Parameter file of both nodes; with dashboard:=true it is made if it '
-                        'does not exist.'),
+            description='Parameter file of both nodes. With dashboard:=true it is made if it does '
+                        'not exist.'),
         DeclareLaunchArgument(
             'source', default_value=DEFAULT.source,
             description='auto (then a source in the parameter file holds), random, simulated, a '
