@@ -24,7 +24,7 @@ from camera_to_base.uncertainty import position_uncertainty, triangle_of
 from nudged_table import CM_PER_PX, nudge, NudgedTable, plain, SIZE
 import numpy as np
 import pytest
-from test_corrected_view import COIN, LIMITS, MATRIX, point_errors_mm, Watched
+from watched_table import COIN, LIMITS, MATRIX, point_errors_mm, Watched
 
 VALUES = {
     **default_values(CAMERA_SPECS), 'surface.model': 'homography',
