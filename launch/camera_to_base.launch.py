@@ -30,8 +30,8 @@ from ament_index_python.packages import (
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
     argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
-    image_input, is_wanted, kept_background, not_installed, plays_recording, recording_failure,
-    transform_arguments)
+    image_input, is_wanted, kept_background, make_params_file, not_installed, plays_recording,
+    recording_failure, transform_arguments)
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown
@@ -50,7 +50,8 @@ def generate_launch_description() -> LaunchDescription:
     arguments = [
         DeclareLaunchArgument(
             'params_file', default_value=DEFAULT.params_file,
-            description='Parameter file of both nodes.'),
+            description='Parameter file of both nodes. With dashboard:=true it is made if it does '
+                        'not exist.'),
         DeclareLaunchArgument(
             'source', default_value=DEFAULT.source,
             description='auto (then a source in the parameter file holds), random, simulated, a '
@@ -93,6 +94,9 @@ def _warn(context, names):
 
 def _start(context):
     camera = Camera(*(_value(context, name) for name in Camera._fields))
+    has_dashboard = is_wanted('dashboard', _value(context, 'dashboard'))
+    if has_dashboard and not _value(context, 'cameras'):
+        _make_params_file(camera)
     cameras = choose_cameras(_value(context, 'cameras'), camera, DEFAULT)
     playing, folder = set(cameras), _folder_of_this_launch()
     actions = [action for number, camera in enumerate(cameras) for action in _camera_actions(
@@ -104,9 +108,15 @@ def _start(context):
     if is_wanted('rviz', _value(context, 'rviz')):
         _require('rviz2', 'rviz:=true')
         actions += [_rviz(camera) for camera in cameras]
-    if is_wanted('dashboard', _value(context, 'dashboard')):
+    if has_dashboard:
         actions.append(_dashboard(cameras))
     return actions
+
+
+def _make_params_file(camera):
+    made = make_params_file(camera)
+    if made:
+        get_logger('camera_to_base').warning(made)
 
 
 def _folder_of_this_launch():

@@ -22,7 +22,8 @@ Caller: `launch/camera_to_base.launch.py`.
 """
 
 from camera_to_base.launching.arguments import argument_warnings, is_wanted, not_installed
-from camera_to_base.launching.cameras import Camera, choose_cameras, DRIVERS
+from camera_to_base.launching.cameras import (
+    Camera, choose_cameras, DRIVERS, make_params_file)
 from camera_to_base.launching.coordinate_frames import (
     check_frames, frames, transform_arguments)
 from camera_to_base.launching.inputs import (
@@ -30,6 +31,6 @@ from camera_to_base.launching.inputs import (
 
 __all__ = [
     'argument_warnings', 'Camera', 'check_frames', 'choose_cameras', 'driver_parameters',
-    'DRIVERS', 'frames', 'image_input', 'is_wanted', 'kept_background', 'not_installed',
-    'plays_recording', 'recording_failure', 'transform_arguments',
+    'DRIVERS', 'frames', 'image_input', 'is_wanted', 'kept_background', 'make_params_file',
+    'not_installed', 'plays_recording', 'recording_failure', 'transform_arguments',
 ]

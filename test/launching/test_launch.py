@@ -23,6 +23,7 @@ import subprocess
 import sys
 
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameters import read_node_parameters
 import pytest
 
 pytest.importorskip('launch_ros', reason='ros2 launch is not installed')
@@ -167,6 +168,16 @@ def test_the_dashboard_is_started_once_and_saves_to_the_file_that_was_given(pref
 def test_the_dashboard_does_not_save_to_the_installed_file(prefix):
     command = command_of('dashboard', started(3, dashboard='true'))
     assert 'overhead_camera' not in command
+
+
+def test_with_the_dashboard_a_params_file_that_does_not_exist_is_made(prefix, tmp_path, log):
+    cell = tmp_path / 'cell.yaml'
+    assert described(dashboard='true', params_file=str(cell), source='2') == sorted(
+        [*OURS, 'dashboard'])
+    assert read_node_parameters(str(cell), '/camera_publisher') == {'source': '2'}
+    assert f"params_file '{cell}' is new: the dashboard saves the calibration to it" in log.text
+    with pytest.raises(InvalidValueError, match="there is no folder '.*nowhere'"):
+        described(dashboard='true', params_file=str(tmp_path / 'nowhere' / 'cell.yaml'))
 
 
 def test_two_cameras_have_two_nodes_and_a_transform_each(prefix):

@@ -67,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(
         dest='command', required=True, parser_class=CommandParser,
-        metavar='sheet | board | markers | points | base | check | status')
+        metavar='sheet | board | markers | points | base | check | status | keep')
     _add_sheet(_command(commands, 'sheet', 'a chessboard to print'))
     _add_board(_command(commands, 'board',
                         'the surface, from one picture of a chessboard that lies on it'))
@@ -86,11 +86,19 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument('table', metavar='TABLE.csv')
     status = _command(commands, 'status', 'what a parameter file holds, and what it lacks')
     status.add_argument('file', metavar='FILE')
+    status.add_argument('--live', action='store_true',
+                        help='tell, too, whether the running camera_publisher corrects a nudge of '
+                             'the camera, which can be kept')
+    _add_namespace(status)
+    keep = _command(commands, 'keep', 'the correction that the running camera_publisher makes')
+    keep.add_argument('file', metavar='FILE', help='the file that the node was started with')
+    _add_namespace(keep)
     return parser
 
 
 def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
-    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells'}.get(
+    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells',
+            'keep': 'Keeps'}.get(
         name, 'Calibrates')
     command = commands.add_parser(
         name, help=purpose, description=f'{does} {purpose}.\n{_EXAMPLES[name]}',
@@ -98,6 +106,11 @@ def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
     command.add_argument('--json', action='store_true',
                          help='print the report as one JSON object')
     return command
+
+
+def _add_namespace(command: argparse.ArgumentParser) -> None:
+    command.add_argument('--namespace', default='', metavar='NS',
+                         help='namespace of the running camera_publisher (default: none)')
 
 
 def _add_sheet(sheet: argparse.ArgumentParser) -> None:

@@ -61,7 +61,7 @@ def search(
     for part in parts:
         if _is_speck(frame, part, reference.limits, min_area):
             continue
-        one = find_plain(frame, part, reference)
+        one = find_plain(frame, part, reference, min_area)
         if one is None:
             others.append(part)
         else:
