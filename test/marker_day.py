@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 """
-Days with markers: drives the pipeline, without ROS, while the camera is moved, and knows the truth.
+Days with markers: drives the pipeline, without ROS, through moves of the camera; knows the truth.
 
 A day is a number. Its camera is calibrated from points that a board would give, and learns the
 markers from a picture. A point is wrong if it is more than 1 mm and 1 px from the coin. At the end

@@ -18,7 +18,7 @@ It draws its numbers from a generator of its own. `cell` is what the user starts
 new background.
 """
 
-from marker_world import between, moved_camera, Thing, WIDTH, HEIGHT
+from marker_world import between, HEIGHT, moved_camera, Thing, WIDTH
 import numpy as np
 from rendered_markers import Camera, PLACES, random_camera
 

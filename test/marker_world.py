@@ -49,8 +49,8 @@ class World:
     """
     The table, what lies on it, and the camera.
 
-    `camera` is where it stands; `coin` is a Thing or None, `covers` are others; `lamp` is a factor,
-    `glare` is None or its middle in the picture, as shares of its sides.
+    `camera` is where it stands; `coin` is a Thing or None, `covers` are others; `lamp` is a
+    factor, `glare` is None, or its place as shares of the picture's sides and its strength.
     """
 
     def __init__(self, seed):
