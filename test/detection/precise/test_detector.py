@@ -207,3 +207,21 @@ def test_plain_object_beside_a_cut_off_one_is_found_once():
     frame[:215, :6] = 60
     found = PreciseDifferenceDetector(background).detect(frame)
     assert [one.cut_off for one in found] == [True, False]
+
+
+def test_large_object_whose_shadow_reaches_the_edge_is_found_whole():
+    frame = with_ellipse(table(size=(480, 640)), (352, 375), (100, 100), level=130)
+    frame = with_ellipse(frame, (320, 350), (100, 100))
+    found = PreciseDifferenceDetector(table(size=(480, 640))).detect(frame)
+    assert [one.cut_off for one in found] == [False]
+    assert math.dist(found[0].centre, (320, 350)) < 1
+
+
+def test_parts_of_several_colours_belong_to_their_object():
+    frame = table(size=(480, 640))
+    for part, colour in ((np.s_[200:260, 250:310], (150, 60, 20)),
+                         (np.s_[200:260, 310:350], (150, 220, 235)),
+                         (np.s_[260:300, 250:350], (60, 70, 180))):
+        frame[part] = colour
+    found, = PreciseDifferenceDetector(table(size=(480, 640))).detect(frame)
+    assert found.box.width == 100 and found.box.height == 100
