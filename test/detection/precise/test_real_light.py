@@ -44,7 +44,6 @@ def errors(conditions, frames=6, seed=11):
     (Conditions(blur=2.0), 0.2), (Conditions(flicker=0.15), 0.1),
     (Conditions(colour=(0.06, 0.38, 0.75)), 0.3), (Conditions(colour=(0.34, 0.37, 0.4)), 0.5),
     (Conditions(second_colour=(0.6,)), 0.7), (Conditions(gloss=1.5), 0.2),
-    (Conditions(gloss=1.5, radius=40), 0.4),
     (Conditions(radius=5), 0.2), (Conditions(shape='bar', radius=12), 0.3),
     (Conditions(shape='ring'), 0.1), (Conditions(pattern='grain'), 0.3),
     (Conditions(thickness=12, lamp=Lamp(radius=5)), 0.7),
