@@ -20,6 +20,7 @@ object looks like the table. What surrounds a highlight belongs to the object, a
 rim cannot be told from brightness, but from how the outline runs elsewhere.
 """
 
+import math
 from typing import Optional
 
 from camera_to_base.detection.precise.piece import (
@@ -31,6 +32,9 @@ _BRIGHTER, _LARGEST_SHARE, _LEAST_AREA = 1.05, 0.35, 4
 _SATURATED = 0.95
 # How far a spot's surroundings reach, in px.
 _AROUND = disc(9)
+# How far its light is seen around it, as a part of its size, and the part of the border between an
+# object and its shade that may lie there.
+_REACH, _MOST_BORDER = 0.25, 0.5
 _OFFSETS = np.arange(0, 3.01, 0.25)
 
 
@@ -54,6 +58,20 @@ def close_around_highlights(piece: Piece) -> np.ndarray:
         return piece.mask
     light = _lighter(piece, cv2.dilate(piece.mask, disc(5)))
     return largest_part(cv2.morphologyEx(piece.mask | light, cv2.MORPH_CLOSE, _AROUND))
+
+
+def surrounds(highlight: np.ndarray, thing: np.ndarray, rest: np.ndarray) -> bool:
+    """
+    Tell whether a part that looks like an object's shade lies between its highlight and its rim.
+
+    :param highlight: See :func:`find_highlight`.
+    :param thing: The object without the part, shape (h, w), uint8, 1 inside.
+    :param rest: The part.
+    """
+    border = cv2.dilate(rest, square(5)) & thing
+    reach = 2 * int(_REACH * math.sqrt(cv2.countNonZero(highlight))) + 3
+    near = cv2.countNonZero(border & cv2.dilate(highlight, square(reach)))
+    return near > _MOST_BORDER * cv2.countNonZero(border)
 
 
 def complete_shares(shares: np.ndarray, mask: np.ndarray, highlight: np.ndarray) -> np.ndarray:

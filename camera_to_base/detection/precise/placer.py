@@ -34,6 +34,9 @@ import numpy as np
 _SURROUNDINGS = 12
 # A larger window is reduced, in px²: to tell what of it is an object, and to place the object.
 _MOST_TO_TELL, _MOST_TO_PLACE = 60_000, 80_000
+# What reaches in from the edge may be a hand, which a soft shadow must not be split off from: it
+# is looked at in full, or not at all.
+_MOST_AT_EDGE = 150_000
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -68,14 +71,16 @@ class Placer:
                 return self._placed(placed, window)
         box = grown(region.box, _SURROUNDINGS, frame)
         window = _Window(frame, reference, box, filled(region.outline, box))
-        found = (unplaced(region.outline, frame)
-                 if is_at_edge and window.mask.size > _MOST_TO_TELL else self._long_way(window))
+        if is_at_edge and window.mask.size > _MOST_AT_EDGE:
+            found = unplaced(region.outline, frame)
+        else:
+            found = self._long_way(window, is_at_edge)
         if found and found[0].cut_off:
             found += self._in_shade_of(window)
         return found
 
-    def _long_way(self, window: '_Window') -> List[Detection]:
-        coarse, scale = window.reduced(_MOST_TO_TELL)
+    def _long_way(self, window: '_Window', is_at_edge: bool) -> List[Detection]:
+        coarse, scale = window.reduced(_MOST_AT_EDGE if is_at_edge else _MOST_TO_TELL)
         thing = split_off_shade(coarse, window.outward)
         kept = coarse if thing is None else coarse._replace(mask=thing.mask)
         is_whole = thing is not None and thing.is_light

@@ -26,7 +26,7 @@ away from the picture's middle. Such a pair stays together.
 
 from typing import NamedTuple, Optional, Tuple
 
-from camera_to_base.detection.precise.highlight import find_highlight
+from camera_to_base.detection.precise.highlight import find_highlight, surrounds
 from camera_to_base.detection.precise.piece import (
     channel_extremes, in_clearest_colour, largest_part, Look, look_at, outline_of, Piece, quantile,
     square)
@@ -96,6 +96,9 @@ def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Opti
             # An object as dark as its shadow may have another colour.
             ratio = _clearest_ratio(piece, core)
             thing = _darker_thing(piece, look, ratio, core, special, outward)
+        if thing is not None and spot is not None and surrounds(
+                spot, thing.mask, _lighter_side(thing.mask, piece.mask)):
+            thing = None
     return thing
 
 

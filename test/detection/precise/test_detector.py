@@ -207,3 +207,33 @@ def test_plain_object_beside_a_cut_off_one_is_found_once():
     frame[:215, :6] = 60
     found = PreciseDifferenceDetector(background).detect(frame)
     assert [one.cut_off for one in found] == [True, False]
+
+
+def test_large_object_whose_shadow_reaches_the_edge_is_found_whole():
+    frame = with_ellipse(table(size=(480, 640)), (352, 375), (100, 100), level=130)
+    frame = with_ellipse(frame, (320, 350), (100, 100))
+    found = PreciseDifferenceDetector(table(size=(480, 640))).detect(frame)
+    assert [one.cut_off for one in found] == [False]
+    assert math.dist(found[0].centre, (320, 350)) < 1
+
+
+def test_parts_of_several_colours_belong_to_their_object():
+    frame = table(size=(480, 640))
+    for part, colour in ((np.s_[200:260, 250:310], (150, 60, 20)),
+                         (np.s_[200:260, 310:350], (165, 185, 205)),
+                         (np.s_[260:300, 250:350], (60, 70, 180))):
+        frame[part] = colour
+    found, = PreciseDifferenceDetector(table(size=(480, 640))).detect(frame)
+    assert found.box[2:] == (100, 100) and found.area == pytest.approx(10000, rel=0.12)
+
+
+def test_large_object_with_a_highlight_near_its_rim_is_placed():
+    frame = with_ellipse(table(217, (480, 640)), (320, 240), (60, 60), level=104)
+    rows, columns = np.mgrid[:480, :640]
+    spot = 1.68 * np.exp(-((rows - 219) ** 2 + (columns - 299) ** 2) / (2 * 13.2 ** 2))
+    inside = (rows - 240) ** 2 + (columns - 320) ** 2 < 60.5 ** 2
+    light = (frame / 255) ** 2.2 + (spot * inside)[..., None]
+    light = cv2.GaussianBlur(light, (0, 0), 0.9)
+    frame = np.uint8(np.clip(255 * light ** (1 / 2.2), 0, 255))
+    found, = PreciseDifferenceDetector(table(217, (480, 640))).detect(frame)
+    assert math.dist(found.centre, (320, 240)) < 0.5
