@@ -15,8 +15,9 @@
 Days with markers: drives the pipeline, without ROS, through moves of the camera; knows the truth.
 
 A day is a number. Its camera is calibrated from points that a board would give, and learns the
-markers from a picture. A point is wrong if it is more than 1 mm and 1 px from the coin. At the end
-the markers are put back and freed, the user takes a background, and the coin must be found.
+markers from a picture. A point is wrong if it is more than 2 mm from the coin, 1 mm and 1 px. At
+the end the markers are put back and freed, the camera is put where it sees them, the user takes a
+background, and the coin must be found.
 """
 
 from collections import Counter
@@ -86,7 +87,7 @@ class Cell:
         self.pipeline = CameraPipeline(
             settings.surface, settings.detector, settings.limits, 1, DEVICE, settings.markers)
         if with_file and kept is not None:
-            self.pipeline.restore_background(kept, 10.0)
+            self.pipeline.restore_background(kept.picture, 10.0, unknown=kept.unknown)
 
     def see(self, frame):
         """Give the positions, in mm, and their covariances, in mm²."""
@@ -134,6 +135,8 @@ def _ended(course, world, cell, frames):
     for _ in tidy(world, random, cell):
         course = _judged(course, world, cell, frames / FRAMES_PER_S, course.events)
         frames += 1
+    if world.free_marker_count() < 4:
+        world.camera = world.home
     cell.pipeline.capture_background(1)
     taken = frames + 8
     for number, _ in enumerate(coin(world, random, cell, at=(20.0, 15.0), frames=_END_S * 10)):

@@ -34,6 +34,7 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('attack', {'surface', 'what', 'frames', 'wrong'}),
     ('nudges', {'surface', 'case', 'wrong', 'is_corrected'}),
     ('markers', {'what'}),
+    ('marker_days', {'day', 'wrong', 'ends well'}),
     ('uncertainty', {'what', 'contained'}),
     ('nodes', {'node'}),
     ('dashboard_load', {'what', 'pages'}),
