@@ -81,10 +81,10 @@ def _rule_problem(rule: str) -> Optional[str]:
         return f"expected -r OLD_NAME:=NEW_NAME, got '-r {rule}'"
     kind = name.rpartition(':')[2]
     if kind == '__ns' and not _NAMESPACE.fullmatch(new):
-        return (f"a namespace begins with '/' and is made of letters, digits and '_', no part of "
-                f"it begins with a digit, got '{new}': write -r {name}:=/cell_1, for example")
+        return ("a namespace begins with '/' and is made of letters, digits and '_', and no part "
+                f"of it begins with a digit, got '{new}': write -r {name}:=/cell_1, for example")
     if kind in ('__node', '__name') and not _NODE_NAME.fullmatch(new):
-        return (f"a node's name is made of letters, digits and '_', and does not begin with a "
+        return ("a node's name is made of letters, digits and '_', and does not begin with a "
                 f"digit, got '{new}'")
     return None
 

@@ -26,7 +26,8 @@ from camera_to_base.calibration import (
     read_points, refuse_other_size, Report, report_lines, sheet_content, SURFACE)
 from camera_to_base.commands.calibrate.base import run_base
 from camera_to_base.commands.calibrate.board import run_board
-from camera_to_base.commands.calibrate.files import check_outputs, sheet_output, write_part
+from camera_to_base.commands.calibrate.files import (
+    check_outputs, read_cell_file, sheet_output, write_part)
 from camera_to_base.commands.calibrate.keep import run_keep, run_status
 from camera_to_base.commands.calibrate.markers import run_markers
 from camera_to_base.commands.calibrate.options import parse
@@ -34,7 +35,6 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import write_files
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.interrupt import serve_signals
-from camera_to_base.parameters import read_parameter_file
 
 
 def main(args: Optional[List[str]] = None) -> int:
@@ -94,7 +94,7 @@ def _run_points(options: argparse.Namespace) -> Report:
 
 
 def _run_check(options: argparse.Namespace) -> Report:
-    values = read_parameter_file(options.file).values
+    values = read_cell_file(options.file).values
     return {'checked': options.file, **check_surface(values, *read_points(options.table))}
 
 

@@ -20,6 +20,7 @@ from typing import Any
 
 from camera_to_base.calibration import (
     corrected_file_text, file_status, OfferedCorrection, Report)
+from camera_to_base.commands.calibrate.files import read_cell_file
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import regular_target, write_files
 from camera_to_base.parameters import read_parameter_file, read_sections
@@ -49,7 +50,7 @@ def run_keep(options: argparse.Namespace) -> Report:
 
 def run_status(options: argparse.Namespace) -> Report:
     """Tell what a file holds, and what the running node offers to keep."""
-    file = read_parameter_file(options.file)
+    file = read_cell_file(options.file)
     report = file_status(options.file, file.values, file.comments, datetime.now().astimezone())
     if not options.live:
         return report

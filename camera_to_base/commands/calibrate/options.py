@@ -23,7 +23,7 @@ from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.calibrate.examples import DESCRIPTION, EXAMPLES
 from camera_to_base.commands.calibrate.marker_options import (
     add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
-from camera_to_base.commands.parser import CommandParser
+from camera_to_base.commands.parser import CommandParser, decimal
 from camera_to_base.errors import InvalidValueError
 
 _EXAMPLES = {**EXAMPLES, 'markers': MARKERS_EXAMPLES}
@@ -119,7 +119,7 @@ def _add_sheet(sheet: argparse.ArgumentParser) -> None:
     sheet.add_argument('--corners', default='9x6', metavar='9x6',
                        help='inner corners along a row and along a column; one even and one odd '
                             'give the board one origin (default: %(default)s)')
-    sheet.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+    sheet.add_argument('--square-mm', type=decimal, default=25.0, metavar='25',
                        help="a square's edge (default: %(default)g)")
     sheet.add_argument('--charuco', action='store_true',
                        help='with markers in the white squares: a part of the board is enough')
@@ -142,7 +142,7 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--corners', default='9x6', metavar='9x6',
                        help='number of inner corners, where four squares meet, along a row and '
                             'along a column: one less than the squares (default: %(default)s)')
-    board.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+    board.add_argument('--square-mm', type=decimal, default=25.0, metavar='25',
                        help="a square's edge as printed: measure it (default: %(default)g, as "
                             'calibrate sheet prints it)')
     board.add_argument('--charuco', action='store_true',
@@ -151,15 +151,16 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--origin-corner', type=int, default=0, metavar='0..3',
                        help='which of the four outermost corners is the origin, clockwise from '
                             'the first (default: %(default)s)')
-    board.add_argument('--origin-mm', type=float, nargs=2, default=(0.0, 0.0), metavar=('X', 'Y'),
+    board.add_argument('--origin-mm', type=decimal, nargs=2, default=(0.0, 0.0),
+                       metavar=('X', 'Y'),
                        help='move the origin along the board from that corner')
-    board.add_argument('--yaw-deg', type=float, default=0.0, metavar='DEG',
+    board.add_argument('--yaw-deg', type=decimal, default=0.0, metavar='DEG',
                        help="turn the camera frame from the board's x towards its y")
     board.add_argument('--intrinsics', metavar='CAMERA_INFO.yaml',
                        help="the lens as ROS's camera_calibration writes it: gives the camera's "
                        'height and foot point, which object_height_cm needs')
     _add_image_size(board, 'requested from --camera')
-    board.add_argument('--simulated-tilt-deg', type=float, default=0.0, metavar='DEG',
+    board.add_argument('--simulated-tilt-deg', type=decimal, default=0.0, metavar='DEG',
                        help='tilt of --camera simulated (default: %(default)s)')
     _add_output(board)
 
