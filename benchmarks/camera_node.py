@@ -27,7 +27,6 @@ names the goals that a row does not meet; it takes two minutes, on a machine wit
 import argparse
 from array import array
 import itertools
-import json
 import os
 import subprocess
 import sys
@@ -41,6 +40,7 @@ from nodes import cpu_seconds, executable, resident_megabytes
 import numpy as np
 import rclpy
 from rclpy.signals import SignalHandlerOptions
+from rows import print_rows
 from sensor_msgs.msg import CompressedImage, Image
 from whole_way import make_frames, table
 
@@ -200,15 +200,9 @@ def main() -> None:
     os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    rows = []
-    for size in SIZES[:1] if arguments.quick else SIZES:
-        for is_compressed in (False, True):
-            rows.append(measure(size, is_compressed, 3.0 if arguments.quick else _SECONDS,
-                                arguments.profile))
-            print('  '.join(f'{name} {value}' for name, value in rows[-1].items()), flush=True)
-    if arguments.json:
-        with open(arguments.json, 'w', encoding='utf-8') as file:
-            json.dump(rows, file, indent=1)
+    sizes, seconds = (SIZES[:1], 3.0) if arguments.quick else (SIZES, _SECONDS)
+    print_rows((measure(size, is_compressed, seconds, arguments.profile) for size in sizes
+                for is_compressed in (False, True)), arguments.json)
     rclpy.shutdown()
 
 

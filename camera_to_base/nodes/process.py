@@ -144,7 +144,9 @@ def _sentence(error: Exception, args: Optional[List[str]]) -> str:
     # rcl says where its parser stopped, but not what to write.
     known = None if is_ours else argument_problem(sys.argv if args is None else args)
     # Cut off the locations in rcl's source code that follow the text.
-    return known or str(error).split(', at /')[0]
+    text = str(error).split(', at /')[0]
+    cure = '; set ROS_LOG_DIR to a folder that can be written' if 'log directory' in text else ''
+    return known or text + cure
 
 
 def _refuse(name: str, sentence: str) -> int:

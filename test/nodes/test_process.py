@@ -79,3 +79,11 @@ def test_argument_that_ros_refuses_is_explained(start, arguments, sentence):
     node = start('robot_base_publisher', *arguments)
     assert node.wait() == 1
     assert f'cannot start: {sentence}' in node.output
+
+
+def test_log_that_cannot_be_written_is_told_with_the_cure(start, monkeypatch, tmp_path):
+    (tmp_path / 'file').touch()
+    monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path / 'file' / 'log'))
+    node = start('robot_base_publisher')
+    assert node.wait() == 1
+    assert 'set ROS_LOG_DIR to a folder that can be written' in node.output

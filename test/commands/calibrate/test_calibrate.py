@@ -393,7 +393,7 @@ BAD_INPUTS = {
     'no column of pairs': (lambda: ('base', table()), 'no column x_cam_cm'),
     'surface that is no file': (
         lambda: ('base', written('a.csv', PAIRS), '--surface', 'none.yaml'),
-        "cannot read the parameter file 'none.yaml'"),
+        "there is no file 'none.yaml'"),
     'no such folder': (lambda: ('points', table(), '-o', 'none/surface.yaml'),
                        "cannot write picture 'none/surface_report.png': there is no folder"),
     'output over the input': (lambda: ('points', table(), '-o', 'points.csv', '--force'),
