@@ -97,7 +97,8 @@ def _raw_messages(frames: List[np.ndarray]) -> Iterator:
 
 def _with_other_end(frame: np.ndarray, turn: int) -> np.ndarray:
     frame = frame.copy()
-    frame[-_END_ROWS:] = np.roll(frame[-_END_ROWS:], 8 * turn, axis=1)
+    end = frame[-_END_ROWS:]
+    end += np.random.default_rng(turn).integers(0, 2, end.shape, dtype=np.uint8)
     return frame
 
 
