@@ -54,14 +54,22 @@ def main(args: Optional[List[str]] = None) -> int:
         print(f'locate: {error}', file=sys.stderr)
         return 1
     except BrokenPipeError:
-        # The reader has closed the pipe. Without dup2, Python prints an error when it flushes.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()  # the reader has closed the pipe
         return 0
     except OSError as error:
-        print(f'locate: cannot write any further: {error}', file=sys.stderr)
+        print(f'locate: cannot write any further: {error.strerror or error}', file=sys.stderr)
+        _drop_output()
         return 1
     except KeyboardInterrupt:
         return 130
+
+
+def _drop_output() -> None:
+    """Drop what cannot be printed; otherwise Python prints an error when it flushes at its end."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(options: argparse.Namespace, interrupt: Interrupt) -> int:
@@ -99,8 +107,9 @@ def _frames(recording: Recording, every: int, interrupt: Interrupt) -> Iterator[
     from tqdm import tqdm
 
     count = recording.frame_count
-    frames = itertools.takewhile(
-        lambda _: not interrupt.came, itertools.islice(recording.frames(), 0, None, every))
+    # A Ctrl-C between two used frames counts at once, not at the next one that is used.
+    frames = itertools.islice(
+        itertools.takewhile(lambda _: not interrupt.came, recording.frames()), 0, None, every)
     return iter(tqdm(frames, total=count and -(-count // every), unit='frame', leave=False,
                      disable=None))
 
