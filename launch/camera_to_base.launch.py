@@ -29,9 +29,9 @@ from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
-    argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
-    image_input, is_wanted, kept_background, make_params_file, not_installed, plays_recording,
-    recording_failure, transform_arguments)
+    argument_warnings, Camera, check_frames, choose_cameras, driver_environment, driver_parameters,
+    DRIVERS, frames, image_input, is_wanted, kept_background, make_params_file, not_installed,
+    plays_recording, recording_failure, transform_arguments)
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown
@@ -42,6 +42,7 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 CONFIG = os.path.join(get_package_share_directory('camera_to_base'), 'config')
+LARGE_PICTURES = os.path.join(CONFIG, 'fastdds', 'large_pictures.xml')
 DEFAULT = Camera(os.path.join(CONFIG, 'overhead_camera.yaml'))
 
 
@@ -143,7 +144,8 @@ def _camera_actions(camera, playing, background_file):
         _require(camera.camera_driver, f'camera_driver:={camera.camera_driver}')
         actions.append(_node(
             camera, camera.camera_driver, DRIVERS[camera.camera_driver], camera.camera_driver,
-            parameters=[driver_parameters(camera)]))
+            parameters=[driver_parameters(camera)],
+            additional_env=driver_environment(LARGE_PICTURES, os.environ)))
     return actions
 
 

@@ -265,6 +265,23 @@ def test_driver_is_started_where_its_topic_is_listened_to(prefix):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize('chosen', [None, '/etc/own_profiles.xml'])
+def test_driver_has_shared_memory_for_raw_pictures(chosen, prefix, monkeypatch, tmp_path):
+    variable, seen = 'FASTRTPS_DEFAULT_PROFILES_FILE', tmp_path / 'seen'
+    monkeypatch.delenv(variable, raising=False)
+    if chosen:
+        monkeypatch.setenv(variable, chosen)
+    # The node starts once more when the driver has written what it sees, and that ends the launch.
+    prefix.add('usb_cam', 'usb_cam_node_exe', script=f'echo "${variable}" > {seen}; exec sleep 60')
+    prefix.add('camera_to_base', 'camera_publisher',
+               script=f'while [ ! -s {seen} ]; do sleep 0.1; done; exit 70')
+    started(4, camera_driver='usb_cam')
+    profiles = str(prefix.path / 'share/camera_to_base/config/fastdds/large_pictures.xml')
+    assert seen.read_text().strip() == (chosen or profiles)
+    assert Path(profiles).is_file()
+
+
+@pytest.mark.slow
 def test_transform_is_that_of_the_parameter_file(prefix):
     prefix.add('tf2_ros', 'static_transform_publisher')
     command = command_of('static_transform_publisher', started(3, publish_tf='true'))
