@@ -18,7 +18,6 @@ import argparse
 from contextlib import ExitStack
 import csv
 import itertools
-import os
 import sys
 from typing import Any, Iterator, List, Optional
 
@@ -28,6 +27,7 @@ from camera_to_base.commands.locate.position_table import (
 from camera_to_base.commands.locate.sighting_counter import SightingCounter
 from camera_to_base.commands.locate.sweep import sweep, sweep_lines
 from camera_to_base.commands.locate.sweep_picture import sweep_picture
+from camera_to_base.commands.output import drop_output
 from camera_to_base.drawing import (
     AnnotatedVideo, draw_ellipses, draw_note, draw_objects, write_picture)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
@@ -54,22 +54,14 @@ def main(args: Optional[List[str]] = None) -> int:
         print(f'locate: {error}', file=sys.stderr)
         return 1
     except BrokenPipeError:
-        _drop_output()  # the reader has closed the pipe
+        drop_output()  # the reader has closed the pipe
         return 0
     except OSError as error:
         print(f'locate: cannot write any further: {error.strerror or error}', file=sys.stderr)
-        _drop_output()
+        drop_output()
         return 1
     except KeyboardInterrupt:
         return 130
-
-
-def _drop_output() -> None:
-    """Drop what cannot be printed; otherwise Python prints an error when it flushes at its end."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(options: argparse.Namespace, interrupt: Interrupt) -> int:
