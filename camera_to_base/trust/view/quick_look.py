@@ -34,8 +34,9 @@ _LEAST_AT_REST = 0.5
 # The surface's are told from noise by this: half of the patches tell a shift to 1.4 px or better,
 # in 1/px², along both axes together.
 _TELLING = 1.0
-# A tilt counts where it moves a corner by this many px, and by so many of its deviations.
-_LEAST_TILT_PX, _TILT_DEVIATIONS = 0.8, 5.0
+# A tilt counts where it moves a corner by this many px and by so many of its deviations, and where
+# so many patches agree on it.
+_LEAST_TILT_PX, _TILT_DEVIATIONS, _TILT_PATCHES = 0.8, 5.0, 12
 # In a darker frame the same noise is more of a shift.
 _DARKEST_GAIN = 0.1
 
@@ -121,7 +122,7 @@ class QuickLook:
             return None
         motion = self._tilt_fit.solve(seen.shifts, seen.is_seen, precision)
         tilt = motion.numbers[SIMILARITY:]
-        if np.hypot(*tilt) < _LEAST_TILT_PX:
+        if np.hypot(*tilt) < _LEAST_TILT_PX or motion.agrees.sum() < _TILT_PATCHES:
             return None
         covariance = self._tilt_fit.covariance(motion.agrees, precision)[SIMILARITY:, SIMILARITY:]
         is_certain = tilt @ np.linalg.solve(covariance, tilt) > _TILT_DEVIATIONS ** 2
