@@ -31,6 +31,7 @@ from camera_to_base.commands.calibrate.files import (
 from camera_to_base.commands.calibrate.keep import run_keep, run_status
 from camera_to_base.commands.calibrate.markers import run_markers
 from camera_to_base.commands.calibrate.options import parse
+from camera_to_base.commands.output import drop_output
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import write_files
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
@@ -51,8 +52,11 @@ def main(args: Optional[List[str]] = None) -> int:
     try:
         print(json.dumps(report) if options.json else '\n'.join(_lines(report)), flush=True)
     except BrokenPipeError:
-        # The reader has closed the pipe. Without dup2, Python prints an error when it flushes.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_output()  # the reader has closed the pipe
+    except OSError as error:
+        print(f'calibrate: cannot print the report: {error.strerror or error}', file=sys.stderr)
+        drop_output()
+        return 1
     return 0
 
 

@@ -18,7 +18,6 @@ import argparse
 from contextlib import ExitStack
 import csv
 import itertools
-import os
 import sys
 from typing import Any, Iterator, List, Optional
 
@@ -28,6 +27,7 @@ from camera_to_base.commands.locate.position_table import (
 from camera_to_base.commands.locate.sighting_counter import SightingCounter
 from camera_to_base.commands.locate.sweep import sweep, sweep_lines
 from camera_to_base.commands.locate.sweep_picture import sweep_picture
+from camera_to_base.commands.output import drop_output
 from camera_to_base.drawing import (
     AnnotatedVideo, draw_ellipses, draw_note, draw_objects, write_picture)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
@@ -54,11 +54,11 @@ def main(args: Optional[List[str]] = None) -> int:
         print(f'locate: {error}', file=sys.stderr)
         return 1
     except BrokenPipeError:
-        # The reader has closed the pipe. Without dup2, Python prints an error when it flushes.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_output()  # the reader has closed the pipe
         return 0
     except OSError as error:
-        print(f'locate: cannot write any further: {error}', file=sys.stderr)
+        print(f'locate: cannot write any further: {error.strerror or error}', file=sys.stderr)
+        drop_output()
         return 1
     except KeyboardInterrupt:
         return 130
@@ -99,8 +99,9 @@ def _frames(recording: Recording, every: int, interrupt: Interrupt) -> Iterator[
     from tqdm import tqdm
 
     count = recording.frame_count
-    frames = itertools.takewhile(
-        lambda _: not interrupt.came, itertools.islice(recording.frames(), 0, None, every))
+    # A Ctrl-C between two used frames counts at once, not at the next one that is used.
+    frames = itertools.islice(
+        itertools.takewhile(lambda _: not interrupt.came, recording.frames()), 0, None, every)
     return iter(tqdm(frames, total=count and -(-count // every), unit='frame', leave=False,
                      disable=None))
 

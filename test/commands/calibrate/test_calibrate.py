@@ -19,6 +19,8 @@ from functools import partial
 import json
 from pathlib import Path
 import re
+import subprocess
+import sys
 import zlib
 
 from camera_to_base.commands.calibrate.command import main
@@ -669,3 +671,13 @@ def test_intrinsics_of_another_lens_are_a_warning(report):
     found = report('board', board_picture(), *BOARD, '-o', 'surface.yaml', '--intrinsics',
                    camera_info(focal=400.0))
     assert 'are they those of this camera' in found['warnings'][-1]
+
+
+def test_full_disk_for_the_report_is_one_sentence():
+    with open('/dev/full', 'w') as full:
+        child = subprocess.run(
+            [sys.executable, '-m', 'camera_to_base.commands.calibrate.command', 'status',
+             str(Path(__file__).parents[3] / 'config' / 'simulated_tilted_camera.yaml')],
+            stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert child.returncode == 1
+    assert child.stderr == 'calibrate: cannot print the report: No space left on device\n'

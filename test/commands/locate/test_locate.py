@@ -219,6 +219,14 @@ def test_full_disk_is_one_sentence(run):
     assert code == 1 and re.fullmatch(r'locate: cannot write any further: .*No space.*\n', error)
 
 
+def test_full_disk_for_the_output_is_one_sentence(run):
+    with open('/dev/full', 'w') as full:
+        child = subprocess.run([*COMMAND, 'disc.avi'], stdout=full, stderr=subprocess.PIPE,
+                               text=True, timeout=60)
+    assert child.returncode == 1
+    assert child.stderr == 'locate: cannot write any further: No space left on device\n'
+
+
 def test_files_are_overwritten_only_if_asked_for(run):
     Path('out.csv').write_text('precious')
     code, _, error = run('disc.avi', '--csv', 'out.csv')
@@ -254,6 +262,12 @@ def test_ctrl_c_ends_a_camera_with_0_and_all_that_was_found(run, monkeypatch):
     assert cv2.VideoCapture('seen.mp4').get(cv2.CAP_PROP_FRAME_COUNT) >= 20
     assert 'with an object' in error
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_ctrl_c_between_two_used_frames_counts_at_once(run, monkeypatch):
+    # The camera sends a Ctrl-C with each further frame, and a second one would end it with 130.
+    monkeypatch.setattr(locate, 'open_frame_source', lambda *_: FakeCamera())
+    assert run('0', '--every', '1000')[0] == 0
 
 
 def test_camera_that_is_unplugged_ends_it_with_1_and_all_that_was_found(run, monkeypatch):
