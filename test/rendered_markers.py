@@ -27,8 +27,8 @@ MARKER_CM = 4.0
 PLACES = {0: (2.0, 2.0, 0.05), 1: (38.0, 2.0, 1.4), 2: (38.0, 28.0, -0.1), 3: (2.0, 28.0, 3.0)}
 _PX_PER_CM = 40
 _LEFT, _TOP, _RIGHT, _BOTTOM = -15, -15, 60, 50
-_WHITE, _BLACK, _GAMMA = 0.75, 0.04, 2.2
-_SAMPLES = 2
+_WHITE, _BLACK, _FLOOR, _GAMMA = 0.75, 0.04, 0.15, 2.2
+_SAMPLES, _NODES = 2, 24
 
 
 def marker_corners(places=PLACES):
@@ -79,10 +79,12 @@ class Camera:
     A camera above the table.
 
     :param lens: Two radial coefficients, in units of the focal length.
+    :param centre_off: By how much its axis is beside the middle of the picture, in px.
     """
 
     def __init__(self, tilt_deg=20.0, azimuth_deg=70.0, away_cm=55.0, looks_at=(20.0, 15.0),
-                 roll_deg=0.0, size=(1280, 720), lens=(-0.1, 0.03), focal_px=None):
+                 roll_deg=0.0, size=(1280, 720), lens=(-0.1, 0.03), focal_px=None,
+                 centre_off=(0.0, 0.0)):
         tilt, azimuth, roll = np.radians([tilt_deg, azimuth_deg, roll_deg])
         # z of the camera frame points into the table.
         self.place = np.array([looks_at[0] + away_cm * np.sin(tilt) * np.cos(azimuth),
@@ -96,7 +98,7 @@ class Camera:
         self.rotation = np.array([right, np.cross(forward, right), forward])
         self.size, self.lens = size, lens
         self.focal_px = focal_px or 1000.0 * size[0] / 1280
-        self.centre = np.subtract(size, 1) / 2
+        self.centre = np.subtract(size, 1) / 2 + centre_off
 
     def project(self, points):
         """Return the pixels (n, 2) that show points (n, 2), in cm."""
@@ -111,24 +113,33 @@ class Camera:
         pixels = self.project(np.concatenate(list(marker_corners(places).values())))
         return bool((pixels > margin).all() and (pixels < np.array(self.size) - 1 - margin).all())
 
-    def frame(self, table, rng, blur=0.8, noise=2.0, jpeg=85):
+    def frame(self, table, rng, blur=0.8, noise=2.0, jpeg=85, gamma=_GAMMA):
         """Return a picture of the table, shape (h, w, 3), uint8, BGR."""
         width, height = self.size
-        columns, rows = ((np.arange(length * _SAMPLES) + 0.5) / _SAMPLES - 0.5
-                         for length in self.size)
-        places = self._points(np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2))
-        places = ((places - (_LEFT, _TOP)) * _PX_PER_CM - 0.5).astype(np.float32)
-        places = places.reshape(height * _SAMPLES, width * _SAMPLES, 2)
+        places = (self._seen_places() - (_LEFT, _TOP)) * _PX_PER_CM - 0.5
+        places = places.astype(np.float32)
         light = cv2.remap(table.picture.astype(np.float32), places[..., 0], places[..., 1],
-                          cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+                          cv2.INTER_LINEAR, borderValue=_FLOOR)
         light = cv2.resize(light, self.size, interpolation=cv2.INTER_AREA)
         light = cv2.GaussianBlur(light, (0, 0), blur)
         down, along = np.mgrid[:height, :width] / width
         light *= 1 + 0.2 * (along - 0.5) + 0.15 * down
-        grey = 255 * np.clip(light, 0, 1) ** (1 / _GAMMA) + rng.normal(0, noise, light.shape)
+        grey = 255 * np.clip(light, 0, 1) ** (1 / gamma) + rng.normal(0, noise, light.shape)
         picture = cv2.cvtColor(grey.clip(0, 255).round().astype(np.uint8), cv2.COLOR_GRAY2BGR)
         _, coded = cv2.imencode('.jpg', picture, [cv2.IMWRITE_JPEG_QUALITY, jpeg])
         return cv2.imdecode(coded, cv2.IMREAD_COLOR)
+
+    def _seen_places(self):
+        # Of each sample of the picture, in cm, shape (rows, columns, 2): the map is smooth.
+        nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+        grid = [(nodes + 1) / 2 * length - 0.5 for length in self.size]
+        places = self._points(np.stack(np.meshgrid(*grid), axis=-1).reshape(-1, 2))
+        inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(nodes, _NODES - 1))
+        across, down = (np.polynomial.chebyshev.chebvander(
+            (np.arange(length * _SAMPLES) + 0.5) / (length * _SAMPLES) * 2 - 1, _NODES - 1
+        ) @ inverse for length in self.size)
+        return np.stack([down @ one.reshape(_NODES, _NODES) @ across.T
+                         for one in places.T], axis=-1)
 
     def _points(self, pixels):
         shown = (pixels - self.centre) / self.focal_px

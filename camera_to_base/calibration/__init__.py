@@ -36,6 +36,7 @@ from camera_to_base.calibration.cell_file import (
 from camera_to_base.calibration.coverage_map import (
     covered_shares, map_lines, NINTHS, uncovered)
 from camera_to_base.calibration.fits.rigid_fit import pair_figures, PairFigures
+from camera_to_base.calibration.kept_correction import corrected_file_text, OfferedCorrection
 from camera_to_base.calibration.markers.learning import learned_markers
 from camera_to_base.calibration.report_text import Report, report_lines
 from camera_to_base.calibration.result import Calibration
@@ -52,9 +53,9 @@ from camera_to_base.calibration.touches.touched_place import FRAMES, measured_pl
 __all__ = [
     'add_camera_pose', 'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements',
     'calibrate_surface', 'calibrate_touches', 'Calibration', 'cell_text', 'check_surface',
-    'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin',
+    'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin',
     'learned_markers', 'look_for', 'make_placement', 'map_lines', 'marker_sheet_content',
-    'MARKERS', 'measured_place', 'NINTHS', 'pair_figures', 'PairFigures',
+    'MARKERS', 'measured_place', 'NINTHS', 'OfferedCorrection', 'pair_figures', 'PairFigures',
     'PAPERS', 'part_values', 'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs',
     'PrintedBoard', 'read_camera_info', 'read_pairs', 'read_points', 'read_typed_position',
     'refuse_other_size', 'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of',

@@ -65,7 +65,9 @@ class BackgroundKeeper:
     def keep(self) -> None:
         """Write the background to the file if it is new."""
         try:
-            self._file.keep(self._pipeline.standpoint.background_as_calibrated)
+            seen = self._pipeline.standpoint.background_as_calibrated
+            if seen is not None:
+                self._file.keep(seen.picture, seen.unknown)
         except CameraToBaseError as error:
             self._logger.error(f'the background is not kept: {error}')
 
@@ -77,7 +79,8 @@ class BackgroundKeeper:
             return
         if kept is not None:
             self._pipeline.restore_background(
-                kept.picture, kept.age_s, may_correct=self._is_newer_than_calibration(kept.age_s))
+                kept.picture, kept.age_s,
+                may_correct=self._is_newer_than_calibration(kept.age_s), unknown=kept.unknown)
 
     def _is_newer_than_calibration(self, age_s: float) -> bool:
         # A camera that was moved and then calibrated must not be corrected by that movement.

@@ -84,6 +84,8 @@ class CameraPipeline:
         self._limits = self._limits_here(limits)
         self._gate.configure(self._limits.max_frame_age_s, self._limits.confirm_jump_px)
         self.standpoint.configure(surface, self._limits)
+        if self.backgrounds.current is not None:
+            self.backgrounds.use(self.standpoint.background)
         if markers is None or self._markers is None:
             self._markers = MarkerWatch(markers) if markers is not None else None
         else:
@@ -99,7 +101,8 @@ class CameraPipeline:
         self.backgrounds.take(frame_count)
 
     def restore_background(
-        self, background: np.ndarray, age_s: float, may_correct: bool = True
+        self, background: np.ndarray, age_s: float, may_correct: bool = True,
+        unknown: Optional[np.ndarray] = None,
     ) -> None:
         """
         Use a saved background; the first frame's view is compared with it.
@@ -107,8 +110,10 @@ class CameraPipeline:
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: Its age.
         :param may_correct: Whether the camera stood for it where it was calibrated.
+        :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
         """
-        restored = Background(background, time.monotonic() - age_s, is_restored=True)
+        restored = Background(
+            background, time.monotonic() - age_s, is_restored=True, unknown=unknown)
         self.backgrounds.use(restored)
         self._use_background(restored, may_correct)
 

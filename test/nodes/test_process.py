@@ -69,3 +69,13 @@ def test_signal_in_the_first_third_of_a_second_ends_with_0(start, executable, nu
         time.sleep(delay)
         assert node.end(number) == 0, delay
         assert 'Traceback' not in node.output
+
+
+@pytest.mark.parametrize('arguments, sentence', [
+    (['--params-file', 'nothing.yaml'], "cannot read the parameter file 'nothing.yaml': No such "),
+    (['-p', 'displacement_cm:=[1, 2.0, 3]'],
+     'all numbers of the list displacement_cm must be of one kind')])
+def test_argument_that_ros_refuses_is_explained(start, arguments, sentence):
+    node = start('robot_base_publisher', *arguments)
+    assert node.wait() == 1
+    assert f'cannot start: {sentence}' in node.output

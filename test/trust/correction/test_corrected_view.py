@@ -14,57 +14,17 @@
 
 """What the pipeline publishes after its camera was nudged."""
 
-import time
-
 from camera_to_base.detection import DetectorSettings
 from camera_to_base.parameters import default_values
 from camera_to_base.reason import Level
 from camera_to_base.settings import CAMERA_SPECS
-from camera_to_base.sources import DEVICE, VIDEO_FILE
-from camera_to_base.surface import make_surface, SURFACE_DEFAULTS
-from camera_to_base.trust import CameraPipeline, Limits, SurfaceInForce
+from camera_to_base.sources import VIDEO_FILE
+from camera_to_base.trust import SurfaceInForce
 from camera_to_base.uncertainty import position_uncertainty, triangle_of
-from nudged_table import CM_PER_PX, nudge, NudgedTable, plain, SIZE
+from nudged_table import CM_PER_PX, nudge, NudgedTable, plain
 import numpy as np
 import pytest
-
-COIN = 300, 200
-MATRIX = nudge(7, -5, 3, 3, (4, -3))
-LIMITS = Limits(max_frame_age_s=60.0)
-
-
-def calibrated(**changed):
-    """Give the surface of a camera whose lens is that of the table."""
-    return make_surface({
-        **SURFACE_DEFAULTS, 'surface.model': 'homography', 'surface.image_size': list(SIZE),
-        'surface.homography.surface_from_pixel':
-            [CM_PER_PX, 0.0, 0.0, 0.0, CM_PER_PX, 0.0, 0.0, 0.0, 1.0],
-        'surface.homography.distortion_centre': [(side - 1) / 2 for side in SIZE], **changed})
-
-
-class Watched:
-    """A pipeline that sees a table; times are in the future, so that no frame is too old."""
-
-    def __init__(self, table=None, limits=LIMITS, kind=DEVICE, begin=True):
-        self.table = table or NudgedTable()
-        self.pipeline = CameraPipeline(calibrated(), limits=limits, kind=kind)
-        self._now = time.monotonic() + 3600
-        if begin:
-            self.see(count=3)
-
-    def see(self, matrix=None, coins=(), count=1, **scene):
-        """Let it see some frames; give what the last one shows."""
-        for _ in range(count):
-            self._now += 0.1
-            self.sighting = self.pipeline.process(
-                self.table.shoot(matrix, coins, **scene), self._now)
-        return self.sighting
-
-
-def point_errors_mm(sighting, *coins):
-    assert sighting.reason is None and len(sighting.objects) == len(coins)
-    return [10 * min(np.hypot(*(np.array(one.point) - np.array(coin) * CM_PER_PX))
-                     for coin in coins) for one in sighting.objects]
+from watched_table import calibrated, COIN, LIMITS, MATRIX, point_errors_mm, Watched
 
 
 @pytest.fixture
@@ -180,14 +140,15 @@ def test_new_background_keeps_the_correction(watched):
 
 
 def test_background_is_kept_as_the_calibrated_camera_sees_it(watched):
-    taken = watched.pipeline.standpoint.background_as_calibrated
+    taken = watched.pipeline.standpoint.background_as_calibrated.picture
     assert taken is watched.pipeline.background
     watched.see(MATRIX, [COIN], 3)
-    assert watched.pipeline.standpoint.background_as_calibrated is taken
+    assert watched.pipeline.standpoint.background_as_calibrated.picture is taken
     watched.pipeline.capture_background(1)
     watched.see(MATRIX, count=3)
     again = Watched(watched.table, begin=False)
-    again.pipeline.restore_background(watched.pipeline.standpoint.background_as_calibrated, 5.0)
+    kept = watched.pipeline.standpoint.background_as_calibrated
+    again.pipeline.restore_background(kept.picture, 5.0)
     assert max(point_errors_mm(again.see(MATRIX, [COIN], 6), COIN)) < 0.4
     assert again.pipeline.doubt.kind == 'view_corrected'
 
