@@ -207,3 +207,12 @@ def test_plain_object_beside_a_cut_off_one_is_found_once():
     frame[:215, :6] = 60
     found = PreciseDifferenceDetector(background).detect(frame)
     assert [one.cut_off for one in found] == [True, False]
+
+
+def test_object_that_appears_beside_one_that_rests_is_found_at_once():
+    detector, one = PreciseDifferenceDetector(table()), with_ellipse(table(), (60, 120), (20, 20))
+    for _ in range(3):
+        assert len(detector.detect(one)) == 1
+    for centre in (160, 120), (300, 125):
+        assert len(detector.detect(with_ellipse(one, centre, (15, 15)))) == 2
+        assert len(detector.detect(one)) == 1
