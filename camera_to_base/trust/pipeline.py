@@ -139,15 +139,10 @@ class CameraPipeline:
     def frame_uncertainty(
         self, frame: np.ndarray, uncertainty: PositionUncertainty
     ) -> FrameUncertainty:
-        """
-        Return the uncertainty of the positions on the last frame.
-
-        :param uncertainty: That of the calibration.
-        """
+        """Return that of the positions on the last frame; `uncertainty` is the calibration's."""
         if self.standpoint.scene is not None:
             return self.standpoint.scene.frame_uncertainty(frame, uncertainty)
-        return FrameUncertainty(
-            uncertainty, frame, None, FrameState((frame.shape[1], frame.shape[0])))
+        return FrameUncertainty(uncertainty, frame, None, FrameState(frame.shape[1::-1]))
 
     @property
     def reason(self) -> Optional[Reason]:

@@ -258,3 +258,20 @@ def test_pixel_above_the_horizon_is_refused():
 def test_pixel_that_is_not_finite_is_refused():
     with pytest.raises(InvalidValueError):
         locate_pixel(ParallelSurface(), Pixel(float('nan'), 100))
+
+
+def test_object_beyond_the_horizon_does_not_hide_the_others():
+    settings = DetectorSettings(method='precise')
+    found = locator(ROAD, settings).find(
+        frame_with((300, 20, 40, 40), (300, 300, 60, 60), (100, 400, 30, 30)))
+    assert [one.detection.box[:2] for one in found.objects] == [(300, 300), (100, 400)]
+    alone = locator(ROAD, settings).find(frame_with((300, 300, 60, 60)))
+    assert found.objects[0] == alone.objects[0]
+    assert [one.reason.kind for one in found.left_out] == ['beyond_horizon']
+
+
+def test_several_objects_are_located_as_each_alone():
+    settings, boxes = DetectorSettings(method='precise'), ((300, 300, 60, 60), (100, 400, 30, 50))
+    both = locator(ROAD, settings).locate(frame_with(*boxes))
+    assert both == [one for box in boxes
+                    for one in locator(ROAD, settings).locate(frame_with(box))]

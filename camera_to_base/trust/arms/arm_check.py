@@ -20,8 +20,9 @@ from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
 from camera_to_base.reason import Level, Reason
+from camera_to_base.trust.arms.cells import covered_share
 from camera_to_base.trust.arms.left_behind import LeftBehind
-from camera_to_base.trust.arms.reaching_in import Changes, covered_share, ReachingIn
+from camera_to_base.trust.arms.reaching_in import Changes, ReachingIn
 from camera_to_base.trust.arms.remains import Remains
 from camera_to_base.trust.arms.rim import Rim, rim_of
 import cv2
@@ -37,6 +38,9 @@ _SAME_AREA, _SAME_CENTRE_PX = 0.05, 2.0
 # So long an object is known though it is not seen: something covers it.
 _KNOWN_S = 10.0
 _MOST_KNOWN = 100
+# What looks the same differs by no more than noise does: in levels, and in its deviations, which
+# are told from whole levels.
+_LEAST_NOISE, _NOISE_DEVIATIONS = 4.0, 8.0
 # Of an object at least this share differs from the background.
 _LEAST_CHANGED = 0.3
 
@@ -49,7 +53,6 @@ _WAS_TOUCHED = Reason(
 _LEFT = Reason(
     'taken_away', Level.WARN, 'it cannot be told from the place that an object of the background '
     'has left: clear the surface, and call ~/capture_background', is_passing=True)
-
 _WAS_LEFT = Reason(
     'taken_away', Level.WARN, 'it appeared where an object of the background has left less than a '
     'second ago', is_passing=True)
@@ -78,6 +81,7 @@ class ArmCheck:
         self._left_behind, self._remains = LeftBehind(background), Remains()
         self._fills: Deque[Tuple[float, np.ndarray]] = deque()
         self._known: List[_Known] = []
+        self._most_noise = max(_LEAST_NOISE, _NOISE_DEVIATIONS * self._reaching_in.noise)
 
     def forget_objects(self) -> None:
         """Forget which objects are known: their positions were those of other settings."""
@@ -101,9 +105,10 @@ class ArmCheck:
         if not found.objects and not found.left_out and not self._fills:
             self._known = []
             return found
+        doubtful = [one for one in found.objects if not self._is_unchanged(one, frame)]
         changes = self._reaching_in.find(
-            frame, shift_px, [one.detection.outline for one in found.objects])
-        found = self._without_left(frame, found, changes)
+            frame, shift_px, [one.detection.outline for one in doubtful])
+        found = self._without_left(frame, found, doubtful, changes)
         fill = changes.reaching_in if changes.any_reaching_in else None
         if taken_at is None:
             return _divided(found, [_TOUCHED if self._is_covered(one, fill) else None
@@ -114,12 +119,20 @@ class ArmCheck:
                                  for one in found.objects])
         return _with(found, self._shaded(frame, recent, taken_at))
 
-    def _without_left(self, frame: np.ndarray, found: Found, changes: Changes) -> Found:
-        outlines = [one.detection.outline for one in found.objects]
+    def _is_unchanged(self, one: LocatedObject, frame: np.ndarray) -> bool:
+        # Whether it rests, and all around it looks as when it was found to be free.
+        known = self._known_as(one)
+        return known is not None and known.rim.is_unchanged(frame, self._most_noise)
+
+    def _without_left(self, frame: np.ndarray, found: Found, doubtful: Sequence[LocatedObject],
+                      changes: Changes) -> Found:
+        left = [one for one in doubtful if self._is_left(one.detection.outline, frame, changes)]
         return _divided(found, [
-            _LEFT if self._share(outline, changes.differs) < _LEAST_CHANGED
-            or self._left_behind.is_part_of(frame, outline, changes.gain) else None
-            for outline in outlines])
+            _LEFT if any(one is other for other in left) else None for one in found.objects])
+
+    def _is_left(self, outline: np.ndarray, frame: np.ndarray, changes: Changes) -> bool:
+        return (self._share(outline, changes.differs) < _LEAST_CHANGED
+                or self._left_behind.is_part_of(frame, outline, changes.gain))
 
     def _without_remains(self, found: Found, taken_at: float) -> Found:
         self._remains.note(
@@ -141,10 +154,13 @@ class ArmCheck:
 
     def _reason(self, one: LocatedObject, frame: np.ndarray, fill: _Mask,
                 recent: _Mask, taken_at: float) -> Optional[Reason]:
-        known = next((known for known in self._known if _is_same(
-            known.found.detection, one.detection)), None)
+        known = self._known_as(one)
         if not self._is_covered(one, recent):
-            self._know(known, _Known(one, rim_of(frame, one.detection.outline), taken_at))
+            # An unchanged rim is kept, so that slow changes add up.
+            rim = (known.rim if known is not None
+                   and known.rim.is_unchanged(frame, self._most_noise)
+                   else rim_of(frame, one.detection.outline))
+            self._know(known, _Known(one, rim, taken_at))
             return None
         if known is not None:
             # What it looked like when it was free stays the measure.
@@ -163,6 +179,10 @@ class ArmCheck:
         self._known = [known for known in self._known if known.seen_at == taken_at
                        or self._is_covered(known.found, recent)]
         return [known.found for known in shaded]
+
+    def _known_as(self, one: LocatedObject) -> Optional[_Known]:
+        return next((known for known in self._known if _is_same(
+            known.found.detection, one.detection)), None)
 
     def _know(self, before: Optional[_Known], now: _Known) -> None:
         others = [other for other in self._known if other is not before]

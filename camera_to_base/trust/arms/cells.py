@@ -125,17 +125,9 @@ class CellBackground(NamedTuple):
         :param means: Shape (h, w, 3), uint8.
         :returns: Of the same shape, uint8, 0 where they do not.
         """
-        difference = cv2.absdiff(means, self._lit(light))
+        lit = cv2.multiply(self.levels, light.factors, dtype=cv2.CV_8U)
         most = cv2.convertScaleAbs(self.spread, alpha=light.slack, beta=light.least)
-        return cv2.subtract(difference, most)
-
-    def differs(self, means: np.ndarray, light: Light) -> bool:
-        """Tell whether there is any excess, which takes less time where there is none."""
-        return (cv2.norm(means, self._lit(light), cv2.NORM_INF) > light.least
-                and cv2.norm(self.excess(means, light), cv2.NORM_INF) > 0)
-
-    def _lit(self, light: Light) -> np.ndarray:
-        return cv2.multiply(self.levels, light.factors, dtype=cv2.CV_8U)
+        return cv2.subtract(cv2.absdiff(means, lit), most)
 
 
 def any_channel(excess: np.ndarray) -> np.ndarray:
@@ -148,3 +140,20 @@ def medians(ratios: np.ndarray) -> List[float]:
     """Return the median of each column of an array of shape (n, 3), the upper one of two."""
     half = len(ratios) // 2
     return np.partition(ratios, half, axis=0)[half].tolist()
+
+
+def covered_share(mask: np.ndarray, outline: np.ndarray, scale: int) -> float:
+    """
+    Tell how much of an object overlaps a mask, 0..1.
+
+    :param mask: Shape (h / scale, w / scale), uint8.
+    :param outline: Shape (n, 2), int32, columns u and v in px.
+    """
+    cells = outline // scale
+    left, top, width, height = cv2.boundingRect(cells)
+    piece = mask[top:top + height, left:left + width]
+    if not piece.size or not cv2.countNonZero(piece):
+        return 0.0
+    inside = np.zeros(piece.shape, np.uint8)
+    cv2.fillPoly(inside, [cells], 1, offset=(-left, -top))
+    return cv2.countNonZero(inside & piece) / max(cv2.countNonZero(inside), 1)

@@ -77,6 +77,8 @@ class ReachingIn:
     :param background: Shape (h, w, 3), uint8, BGR.
     :param unknown: Where the background shows nothing, shape (h, w), uint8, 255 there: what is
         connected to it reaches in, too. None for nowhere.
+
+    `noise` is that of a pixel of a frame and of the background together, in levels.
     """
 
     def __init__(self, background: np.ndarray, unknown: Optional[np.ndarray] = None) -> None:
@@ -90,8 +92,9 @@ class ReachingIn:
         self._is_textured = cv2.dilate(
             (self._background.spread.max(axis=2) > 2 * _TEXTURE_LEVELS).astype(np.uint8),
             np.ones((3, 3)))
-        # Of the mean of a cell; that of a frame and the background's together.
-        self._noise = float(noise) / 0.6745 / self._cells.samples
+        self.noise = float(noise) / 0.6745
+        # Of the mean of a cell.
+        self._cell_noise = self.noise / self._cells.samples
         self._terms = _quadratic_terms(self._cells.columns, self._cells.rows)
         self._edge = PictureEdge(background, self._cells, self._background)
         self._unknown = None if unknown is None else self._unknown_cells(unknown)
@@ -146,7 +149,7 @@ class ReachingIn:
     def _light(self, gains: List[float], gain: float, shift_px: float) -> Light:
         # Half a level less, as both pictures are rounded.
         least = max(_FAINTEST * min(gain, 1.0), _FAINTEST_IN_THE_DARK,
-                    _NOISE_DEVIATIONS * self._noise)
+                    _NOISE_DEVIATIONS * self._cell_noise)
         slack = (shift_px + _SHIFT_ERROR_PX) / self.scale / 2
         return Light((*gains, 0.0), least - 0.5, slack)
 
@@ -188,20 +191,3 @@ class ReachingIn:
 def _quadratic_terms(width: int, height: int) -> np.ndarray:
     y, x = np.meshgrid(np.linspace(-1, 1, height), np.linspace(-1, 1, width), indexing='ij')
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
-
-
-def covered_share(mask: np.ndarray, outline: np.ndarray, scale: int) -> float:
-    """
-    Tell how much of an object overlaps a mask, 0..1.
-
-    :param mask: Shape (h / scale, w / scale), uint8.
-    :param outline: Shape (n, 2), int32, columns u and v in px.
-    """
-    cells = outline // scale
-    left, top, width, height = cv2.boundingRect(cells)
-    piece = mask[top:top + height, left:left + width]
-    if not piece.size or not cv2.countNonZero(piece):
-        return 0.0
-    inside = np.zeros(piece.shape, np.uint8)
-    cv2.fillPoly(inside, [cells], 1, offset=(-left, -top))
-    return cv2.countNonZero(inside & piece) / max(cv2.countNonZero(inside), 1)

@@ -43,20 +43,32 @@ class Rim(NamedTuple):
     picture: np.ndarray
     outline: np.ndarray
 
+    def is_unchanged(self, frame: np.ndarray, levels: float) -> bool:
+        """
+        Tell whether a frame shows the same in all of the window.
+
+        :param frame: Shape (h, w, 3), uint8, BGR, of the same size and view.
+        :param levels: By how much the noise makes two frames differ, at most.
+        """
+        return cv2.norm(self.picture, self._window(frame), cv2.NORM_INF) <= levels
+
     def is_in(self, frame: np.ndarray) -> bool:
         """
         Tell whether all of the rim is on a frame, at the same place, at any light.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the same size and view.
         """
-        left, top = self.corner
-        height, width = self.picture.shape[:2]
         band = self._band()
-        before, now = (picture[band].astype(np.float32) for picture in (
-            self.picture, frame[top:top + height, left:left + width]))
+        before, now = (picture[band].astype(np.float32)
+                       for picture in (self.picture, self._window(frame)))
         # An object may have the surface's grey, but not its colour.
         channel = int(np.argmax(before.var(axis=0)))
         return _all_agree(before[:, channel], now[:, channel], self._sectors(band))
+
+    def _window(self, frame: np.ndarray) -> np.ndarray:
+        left, top = self.corner
+        height, width = self.picture.shape[:2]
+        return frame[top:top + height, left:left + width]
 
     def _band(self) -> np.ndarray:
         left, top = self.corner

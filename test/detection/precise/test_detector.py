@@ -237,3 +237,12 @@ def test_large_object_with_a_highlight_near_its_rim_is_placed():
     frame = np.uint8(np.clip(255 * light ** (1 / 2.2), 0, 255))
     found, = PreciseDifferenceDetector(table(217, (480, 640))).detect(frame)
     assert math.dist(found.centre, (320, 240)) < 0.5
+
+
+def test_object_that_appears_beside_one_that_rests_is_found_at_once():
+    detector, one = PreciseDifferenceDetector(table()), with_ellipse(table(), (60, 120), (20, 20))
+    for _ in range(3):
+        assert len(detector.detect(one)) == 1
+    for centre in (160, 120), (300, 125):
+        assert len(detector.detect(with_ellipse(one, centre, (15, 15)))) == 2
+        assert len(detector.detect(one)) == 1

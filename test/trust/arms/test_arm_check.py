@@ -17,10 +17,13 @@ from pathlib import Path
 import sys
 import time
 
-from camera_to_base.detection import DetectorSettings
+from camera_to_base.detection import Detection, DetectorSettings, Found, LocatedObject, Pixel
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.locator import Point
 from camera_to_base.sources import DEVICE, VIDEO_FILE
 from camera_to_base.surface.models import ParallelSurface
-from camera_to_base.trust import CameraPipeline, Limits
+from camera_to_base.trust import ArmCheck, CameraPipeline, Limits
+import cv2
 import numpy as np
 import pytest
 
@@ -196,3 +199,20 @@ def test_frame_of_a_recording_is_judged_by_itself():
     camera = Camera(kind=VIDEO_FILE)
     assert camera.see(camera.arm(9), island(camera)) == []
     assert is_coin(camera.see(island(camera)), (400, 300))
+
+
+def test_known_object_is_asked_anew_when_its_place_looks_different():
+    # A disc of the background, then a lighter one on it, then both are gone.
+    table = np.random.default_rng(1).normal(150, 1.5, (240, 320, 3)).astype(np.uint8)
+    dark, light = (cv2.circle(table.copy(), (160, 120), 20, (level,) * 3, -1)
+                   for level in (60, 230))
+    inside = cv2.circle(np.zeros(table.shape[:2], np.uint8), (160, 120), 20, 1, -1)
+    outline = cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
+    detection = Detection(Box(*cv2.boundingRect(outline)), Pixel(160, 120),
+                          cv2.contourArea(outline), outline[:, 0], False)
+    found = Found([LocatedObject(detection, Point(9.0, 6.75))], ())
+    arms = ArmCheck(dark)
+    for now in 0.0, 0.1, 0.2:
+        assert arms.check(light, found, now) == found
+    gone = arms.check(table, found, 0.3)
+    assert not gone.objects and [one.reason.kind for one in gone.left_out] == ['taken_away']
