@@ -22,7 +22,7 @@ from typing import Any, List, Optional, Tuple
 from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.calibrate_examples import DESCRIPTION, EXAMPLES
 from camera_to_base.commands.marker_options import (
-    add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
+    add_base_z, add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
 from camera_to_base.commands.parser import CommandParser
 from camera_to_base.errors import InvalidValueError
 
