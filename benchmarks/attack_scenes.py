@@ -152,9 +152,7 @@ class Table:
         falloff = random.uniform(0, 0.25)
         radius = np.hypot(u - WIDTH / 2, v - HEIGHT / 2)[..., None]
         self._lens = 1 - falloff * (radius / 400) ** 2
-        # A few noises, each shifted anew: noise is most of the cost.
-        self._noises = [random.standard_normal((HEIGHT + 16, WIDTH + 16, 3)).astype(np.float32)
-                        * np.float32(random.uniform(1, 2.5)) for _ in range(3)]
+        self._noise_levels = np.float32(random.uniform(1, 2.5))
         self._random = random
 
     def unlike(self, random):
@@ -180,8 +178,9 @@ class Table:
     def exposed(self, picture, light=1.0):
         """Give what reaches the lens as a picture, with vignetting and noise."""
         picture = picture * self._lens * light
-        v, u = self._random.integers(0, 16, 2)
-        picture += self._noises[self._random.integers(3)][v:v + HEIGHT, u:u + WIDTH]
+        # New noise for each picture: noise that is seen again looks like a camera that has moved.
+        picture += self._noise_levels * self._random.standard_normal(
+            picture.shape, dtype=np.float32)
         return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
 

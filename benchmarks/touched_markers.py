@@ -14,11 +14,11 @@
 """
 How exact a calibration from four touched markers is, and whether its uncertainty is honest.
 
-Each case is a camera with a lens of its own, of another model than ours, and with a principal point
-of its own. It looks at four markers (40 mm, 36 x 26 cm between their middles) whose print is off by
-0.3 %, with the noise, blur and JPEG of a webcam at 720p. The robot touches their middles with an
-error of 0.5 to 1.4 mm. The error is that of positions in the base frame: of 42 points in the area
-between the markers, and of 54 points over the whole picture.
+Each case is a camera with a lens of its own, of another model than ours, and with a principal
+point of its own. It looks at four markers (40 mm, 36 x 26 cm between their middles) whose print
+is off by 0.3 %, with the noise, blur and JPEG of a webcam at 720p. The robot touches their
+middles with an error of 0.5 to 1.4 mm. The error is that of positions in the base frame: of 42
+points in the area between the markers, and of 54 points over the whole picture.
 
     scripts/benchmark touched_markers [--quick] [--json FILE] [--cases 100] [--seed 1]
 """

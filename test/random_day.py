@@ -85,7 +85,7 @@ class Watch:
     @property
     def correction(self):
         """How the camera was nudged since the background was taken; None for not at all."""
-        return self._pipeline.correction
+        return self._pipeline.standpoint.correction
 
     def see(self, frame, at):
         """Give the points that are published of a frame, shape (n, 2), in mm."""

@@ -15,7 +15,7 @@
 from pathlib import Path
 
 from camera_to_base.parameters.transform import transform_settings, TRANSFORM_SPECS
-from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
+from camera_to_base.settings import camera_settings, CAMERA_SPECS
 from camera_to_base.simulation.board import SimulatedBoard
 import pytest
 import yaml

@@ -68,8 +68,9 @@ def figure_fields(figures: ErrorFigures, points_are: str) -> Report:
     """Return a report's fields of the errors."""
     return {**asdict(figures), 'points_are': points_are}
 
+
 def axis_fields(surface: Surface, matched: MatchedPoints) -> Report:
-    """Return a report's fields of the camera frame: where the picture shows its axes, if it does."""
+    """Return a report's fields that say where the picture shows the camera frame, if it does."""
     length = float(np.ptp(matched.points, axis=0).max())
     pixels = surface.pixels([[0, 0], [length, 0], [0, length]])
     if not np.isfinite(pixels).all():

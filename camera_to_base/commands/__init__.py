@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The commands `calibrate` and `locate`.
+The commands `calibrate` and `locate`, a folder each.
 
 In: a command line. Out: files, tables, an exit code, and one sentence per error.
 

@@ -38,6 +38,11 @@ class Box(NamedTuple):
     width: int
     height: int
 
+    def is_inside(self, other: 'Box') -> bool:
+        """Tell whether all of it lies in another."""
+        return (other.x <= self.x and self.x + self.width <= other.x + other.width
+                and other.y <= self.y and self.y + self.height <= other.y + other.height)
+
 
 @dataclass(frozen=True)
 class Detection:

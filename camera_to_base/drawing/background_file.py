@@ -18,23 +18,32 @@ import os
 import time
 from typing import NamedTuple, Optional
 
-from camera_to_base.drawing.overlay import write_picture
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.files import check_folder
+from camera_to_base.files import check_folder, write_files
 from camera_to_base.sources import decode_compressed
+import cv2
 import numpy as np
 
 
 class KeptBackground(NamedTuple):
-    """A background, shape (h, w, 3), uint8, BGR, and its age in s."""
+    """
+    A background.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    :param age_s: Its age.
+    :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
+    """
 
     picture: np.ndarray
     age_s: float
+    unknown: Optional[np.ndarray] = None
 
 
 class BackgroundFile:
     """
     Writes each new background, and reads the last one.
+
+    What a background does not show is transparent in the file.
 
     :param path: The file, .png; '' for none.
     """
@@ -55,23 +64,27 @@ class BackgroundFile:
         _refuse_no_file(self._path)
         try:
             with open(self._path, 'rb') as file:
-                self._kept = decode_compressed(file.read())
+                content = file.read()
+            self._kept = decode_compressed(content)
             age_s = time.time() - os.path.getmtime(self._path)
         except OSError as error:
             raise InvalidValueError(self._unusable(error.strerror)) from error
         except InvalidValueError as error:
             raise InvalidValueError(self._unusable('it holds no whole picture')) from error
-        return KeptBackground(self._kept, max(0.0, age_s))
+        return KeptBackground(self._kept, max(0.0, age_s), _transparent(content))
 
-    def keep(self, background: Optional[np.ndarray]) -> None:
+    def keep(
+        self, background: Optional[np.ndarray], unknown: Optional[np.ndarray] = None
+    ) -> None:
         """
         Write a background if it is new; None if there is none yet.
 
+        :param unknown: See :class:`KeptBackground`.
         :raises InvalidValueError: If the file cannot be written.
         """
         if self._path and background is not None and background is not self._kept:
             self._kept = background
-            write_picture(self._path, background)
+            write_files({self._path: _content(background, unknown)})
 
     def _unusable(self, reason: str) -> str:
         return f"cannot read background_file '{self._path}': {reason}"
@@ -91,6 +104,18 @@ def check_background_path(path: str) -> str:
         check_folder(path, 'background_file')
         _refuse_no_file(path)
     return path
+
+
+def _content(picture: np.ndarray, unknown: Optional[np.ndarray]) -> bytes:
+    if unknown is not None:
+        picture = np.dstack([picture, cv2.bitwise_not(unknown)])
+    return cv2.imencode('.png', picture)[1].tobytes()
+
+
+def _transparent(content: bytes) -> Optional[np.ndarray]:
+    picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    has_alpha = picture.ndim == 3 and picture.shape[2] == 4
+    return cv2.bitwise_not(picture[:, :, 3]) if has_alpha else None
 
 
 def _refuse_no_file(path: str) -> None:

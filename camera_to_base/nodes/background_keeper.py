@@ -58,13 +58,16 @@ class BackgroundKeeper:
         if self._pipeline.background is None:
             good = 'good ' if self._is_live else ''
             return f'the first {good}one is the background'
-        return (f"the background is that of '{self._path}', taken "
-                f'{self._pipeline.background_age_s:.0f} s ago: ~/capture_background takes it anew')
+        age_s = self._pipeline.backgrounds.current.age_s
+        return (f"the background is that of '{self._path}', taken {age_s:.0f} s ago: "
+                '~/capture_background takes it anew')
 
     def keep(self) -> None:
         """Write the background to the file if it is new."""
         try:
-            self._file.keep(self._pipeline.background_as_calibrated)
+            seen = self._pipeline.standpoint.background_as_calibrated
+            if seen is not None:
+                self._file.keep(seen.picture, seen.unknown)
         except CameraToBaseError as error:
             self._logger.error(f'the background is not kept: {error}')
 
@@ -76,7 +79,8 @@ class BackgroundKeeper:
             return
         if kept is not None:
             self._pipeline.restore_background(
-                kept.picture, kept.age_s, may_correct=self._is_newer_than_calibration(kept.age_s))
+                kept.picture, kept.age_s,
+                may_correct=self._is_newer_than_calibration(kept.age_s), unknown=kept.unknown)
 
     def _is_newer_than_calibration(self, age_s: float) -> bool:
         # A camera that was moved and then calibrated must not be corrected by that movement.

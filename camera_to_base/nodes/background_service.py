@@ -72,10 +72,11 @@ class BackgroundService:
         if response.success:
             height, width = self._pipeline.background.shape[:2]
             response.message = (f'took {width} x {height} px, the median of '
-                                f'{self._pipeline.background_frame_count} frame(s)')
+                                f'{self._pipeline.backgrounds.frame_count} frame(s)')
         else:
-            after = ('the background before is used' if self._pipeline.keep_background()
-                     else 'the next ones become the background')
+            before = self._pipeline.backgrounds.keep_before()
+            after = ('the next ones become the background' if before is None
+                     else 'the background before is used')
             response.message = f'not {wanted_count} good frame(s) in {_TIMEOUT_S:g} s; {after}'
         return response
 

@@ -62,8 +62,8 @@ def _correction_text(correction: Optional[Correction]) -> str:
 def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:
     """Return all numbers about a camera, as text for the diagnostics."""
     values = {'background': _background_text(pipeline),
-              'view shift (px)': _shift_text(pipeline.view),
-              'view corrected by': _correction_text(pipeline.correction)}
+              'view shift (px)': _shift_text(pipeline.standpoint.view),
+              'view corrected by': _correction_text(pipeline.standpoint.correction)}
     values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))
     if reader is not None:
         status = reader.snapshot()
@@ -83,6 +83,6 @@ def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> D
 def _background_text(pipeline: CameraPipeline) -> str:
     if pipeline.background is None:
         return 'none'
-    origin = 'from the file, ' if pipeline.background_is_restored else ''
+    origin = 'from the file, ' if pipeline.backgrounds.current.is_restored else ''
     return '{1} x {0} px, '.format(*pipeline.background.shape) + (
-        f'{origin}taken {pipeline.background_age_s:.0f} s ago')
+        f'{origin}taken {pipeline.backgrounds.current.age_s:.0f} s ago')

@@ -25,11 +25,10 @@ from camera_to_base.detection import locate_pixel, Pixel
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.nodes.background_keeper import BackgroundKeeper
 from camera_to_base.nodes.background_service import BackgroundService
-from camera_to_base.nodes.camera_pictures import CameraPictures
 from camera_to_base.nodes.camera_watch import CameraWatch
-from camera_to_base.nodes.debug_images import DebugImages
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
 from camera_to_base.nodes.freed_memory import keep_freed_memory
+from camera_to_base.nodes.pictures import CameraPictures, DebugImages
 from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.parameters import (
@@ -128,7 +127,7 @@ class CameraPublisher(Node):
             self._pipeline.process(frame, taken_at), self._pipeline.background,
             settings.calibrated_for.is_strict)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
-        in_force = self._pipeline.surface_in_force
+        in_force = self._pipeline.standpoint.surface
         self._positions.publish_sighting(
             header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty)
         settings.area_overlay.use_surface(in_force.surface)
@@ -156,7 +155,7 @@ class CameraPublisher(Node):
         doubt = self._doubt()
         if doubt is not None:
             return doubt.sentence
-        return f'background taken {self._pipeline.background_age_s:.0f} s ago'
+        return f'background taken {self._pipeline.backgrounds.current.age_s:.0f} s ago'
 
     def _doubt(self) -> Optional[Reason]:
         return self._own_camera.reason(

@@ -77,7 +77,7 @@ class CameraWatch:
             self._told_faintness = True
             self._logger.info(faintness)
         knew, self._has_no_structure = (
-            self._has_no_structure, has_no_structure(self._pipeline.view))
+            self._has_no_structure, has_no_structure(self._pipeline.standpoint.view))
         if self._has_no_structure and not knew:
             self._logger.info('the view cannot be checked: the surface has no structure, so that '
                               'nobody would notice a nudge; put marks into its corners')

@@ -21,8 +21,8 @@ nodes, and the source that a name stands for. The parameters of each part are in
 Callers: `nodes`, `commands`, `launching` and the tools that write documentation.
 """
 
-from camera_to_base.settings.camera import (
-    CalibratedFor, camera_settings, CAMERA_SPECS, CameraSettings)
+from camera_to_base.settings.camera import CalibratedFor, camera_settings, CameraSettings
+from camera_to_base.settings.camera_specs import CAMERA_SPECS
 from camera_to_base.settings.named_source import NamedSource, open_named_source
 from camera_to_base.settings.node_settings import NodeSettings, read_node_settings
 

@@ -12,29 +12,34 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The parameters of `camera_publisher`, and the settings made from them."""
+"""The settings of `camera_publisher`, made from its parameters."""
 
 from dataclasses import dataclass
 from datetime import datetime
 from typing import List, NamedTuple, Optional
 
 from camera_to_base.checks import frame_id
-from camera_to_base.detection import (
-    AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, read_areas)
+from camera_to_base.detection import DetectorSettings, read_areas
 from camera_to_base.drawing import (
     AreaOverlay, base_label, camera_label, check_background_path, Label)
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import ImageSize
-from camera_to_base.markers import MarkedSurface, MARKER_SPECS
+from camera_to_base.markers import MarkedSurface
 from camera_to_base.parameters import (
-    calibration_date, calibration_summary, CAMERA_FRAME_SPEC, grouped, OWN_CAMERA_SPECS,
-    ParameterSpec, PLACEMENT_SPECS, RECORD_SPECS, transform_settings, Values)
-from camera_to_base.simulation import simulation_settings, SIMULATION_SPECS, SimulationSettings
+    calibration_date, calibration_summary, grouped, transform_settings, Values)
+from camera_to_base.settings.camera_specs import CAMERA_SPECS
+from camera_to_base.simulation import simulation_settings, SimulationSettings
 from camera_to_base.sources import kind_of, SIMULATED
-from camera_to_base.surface import Hull, make_hull, make_surface, Surface, SURFACE_SPECS
-from camera_to_base.trust import LIMIT_SPECS, Limits, make_limits, MarkerSettings, read_thumbnail
-from camera_to_base.uncertainty import (
-    position_uncertainty, PositionUncertainty, UNCERTAINTY_SPECS)
+from camera_to_base.surface import Hull, make_hull, make_surface, Surface
+from camera_to_base.trust import Limits, make_limits, MarkerSettings, read_thumbnail
+from camera_to_base.uncertainty import position_uncertainty, PositionUncertainty
+
+# Parameters that can be set without setting up a camera or a robot.
+_NOT_OF_A_SETUP = (
+    'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'repeat',
+    'background_file', 'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
+_NOT_OF_A_CALIBRATION = (
+    'surface.image_size', 'surface.reject_outside_hull', 'surface.covariance')
 
 
 class CalibratedFor(NamedTuple):
@@ -99,58 +104,6 @@ class CameraSettings:
             warnings.append('annotated_picture has no effect any more, and will be removed: look '
                             'at the topic debug_image, or save it')
         return warnings
-
-
-# The node's own parameters; those of the parts are in their rooms.
-_SOURCE_SPECS = [
-    ParameterSpec(
-        'source', 'auto',
-        'Source of the frames: auto (the first attached camera; if none is attached, random '
-        'pixels with the default parameters, and waiting for a camera with others), random, '
-        "a device index or path, a video file, a stream's URL, topic (a "
-        "camera driver's image), compressed_topic (its image/compressed), or simulated.",
-        fixed=True),
-    ParameterSpec('period', 3.0, 'Time between two random pixels.', (0.001, 3600), unit='s'),
-    ParameterSpec(
-        'wait_for_subscribers', 1,
-        'A video file starts when pos_in_cam_frame, its point, or objects_in_cam_frame has this '
-        'many subscribers, or after 10 s.', (0, 100), fixed=True),
-    ParameterSpec(
-        'wait_for_camera', True,
-        'Whether to wait for a device or a stream that is missing at the start; otherwise '
-        'the node ends with an error.', fixed=True),
-    ParameterSpec(
-        'repeat', False,
-        'Whether a video file starts again when it has ended, and a picture is shown until the '
-        'node ends, as a camera would show it.', fixed=True),
-]
-_FILE_SPECS = [
-    ParameterSpec(
-        'background_file', '',
-        'A file (.png) that keeps the background: it is written whenever one is taken, and read '
-        'at the start if it exists. Cameras and topics only; empty for none.', fixed=True),
-    ParameterSpec(
-        'annotated_picture', '',
-        'Deprecated, without effect: look at the topic debug_image.', fixed=True),
-]
-_OUTPUT_SPECS = [
-    CAMERA_FRAME_SPEC,
-    ParameterSpec('debug_image.coordinates', 'camera',
-                  'Coordinate frame of the positions on the debug image: camera, or base, by '
-                  'rotation_deg and displacement_cm.', choices=('camera', 'base')),
-]
-CAMERA_SPECS = [
-    *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
-    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *UNCERTAINTY_SPECS,
-    *MARKER_SPECS, *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
-
-
-# Parameters that can be set without setting up a camera or a robot.
-_NOT_OF_A_SETUP = (
-    'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'repeat',
-    'background_file', 'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
-_NOT_OF_A_CALIBRATION = (
-    'surface.image_size', 'surface.reject_outside_hull', 'surface.covariance')
 
 
 def camera_settings(values: Values) -> CameraSettings:

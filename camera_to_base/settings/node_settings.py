@@ -20,7 +20,8 @@ from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import (
     all_names, checked_values, file_warnings, name_warnings, node_namespaces, read_node_parameters,
     read_sections, transform_node_settings, TRANSFORM_SPECS, TransformSettings, with_new_names)
-from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS, CameraSettings
+from camera_to_base.settings.camera import camera_settings, CameraSettings
+from camera_to_base.settings.camera_specs import CAMERA_SPECS
 
 _CAMERA_NODE, _TRANSFORM_NODE = 'camera_publisher', 'robot_base_publisher'
 _SPECS = {_CAMERA_NODE: CAMERA_SPECS, _TRANSFORM_NODE: TRANSFORM_SPECS}

@@ -26,11 +26,11 @@ from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.camera_move import CameraMove, move_parameters
 from camera_to_base.simulation.chessboard import SimulatedChessboard
 from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.objects import TrueObject
 from camera_to_base.simulation.parameters import simulation_settings, SimulationSettings
 from camera_to_base.simulation.robot import SimulatedRobot
 from camera_to_base.simulation.scene import Scene, Touch
 from camera_to_base.simulation.specs import SIMULATION_SPECS
+from camera_to_base.simulation.table import TrueObject
 from camera_to_base.simulation.touch_table import SimulatedTouchTable
 
 __all__ = [

@@ -22,14 +22,11 @@ from camera_to_base.simulation.bump import largest_shift_px, random_bump
 from camera_to_base.simulation.camera_move import CameraMove
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.disturbances import BoardDisturbances
-from camera_to_base.simulation.drawing import draw_oval
-from camera_to_base.simulation.objects import BoardObjects, true_object, TrueObject
-from camera_to_base.simulation.printed_board import placed_board
-from camera_to_base.simulation.printed_markers import PrintedMarkers
 from camera_to_base.simulation.scene import Scene, Touch
 from camera_to_base.simulation.specs import (
     BOARD, OBJECTS, SIMULATION_DEFAULTS as _DEFAULTS, STILL_OBJECTS)
-from camera_to_base.simulation.table import Table
+from camera_to_base.simulation.table import (
+    BoardObjects, draw_oval, placed_board, PrintedMarkers, Table, true_object, TrueObject)
 from camera_to_base.simulation.view import BoardView, Oval
 from camera_to_base.sources import SIMULATED
 import numpy as np

@@ -20,7 +20,7 @@ from typing import Tuple
 from camera_to_base.checks import finite_number, whole_number
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
-from camera_to_base.simulation.printed_board import PrintedBoard
+from camera_to_base.simulation.table import PrintedBoard
 from camera_to_base.simulation.view import BoardView
 from camera_to_base.sources import SIMULATED
 import numpy as np

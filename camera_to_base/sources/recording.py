@@ -20,8 +20,8 @@ import itertools
 import time
 from typing import Callable, Iterator, Optional, Protocol
 
+from camera_to_base.sources.frame_source import FrameSource
 from camera_to_base.sources.source_kind import SourceKind
-from camera_to_base.sources.video_file import FrameSource
 import numpy as np
 
 # The rate of nearly all cameras; few of them report it.

@@ -19,7 +19,7 @@ import os
 from typing import List, NamedTuple, Optional
 
 from camera_to_base.errors import FrameSourceError, InvalidValueError
-from camera_to_base.sources.video_file import FrameSource
+from camera_to_base.sources.frame_source import FrameSource
 import cv2
 import numpy as np
 

@@ -21,6 +21,7 @@ from camera_to_base.errors import FrameSizeError, HorizonError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.models import homogeneous, Surface
+from camera_to_base.surface.raised import flat_surface
 import cv2
 import numpy as np
 
@@ -109,6 +110,11 @@ class NudgedSurface:
     def height_share(self) -> float:
         """The height of the objects as a share of the camera's."""
         return self._surface.height_share
+
+    @property
+    def flat(self) -> 'NudgedSurface':
+        """The work surface itself."""
+        return NudgedSurface(flat_surface(self._surface), self._map, self._image_size)
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""

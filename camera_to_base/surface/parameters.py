@@ -109,15 +109,15 @@ def _made_hull(numbers: Tuple[float, ...]) -> Optional[Hull]:
 
 
 def surface_values(
-    surface: Union[HomographySurface, PolynomialSurface], hull: Hull
+    surface: Union[HomographySurface, PolynomialSurface], hull: Optional[Hull]
 ) -> Dict[str, Any]:
     """
     Give the parameters that :func:`make_surface` and :func:`make_hull` make the same of.
 
     The hull is rounded to hundredths of a px, the rest is exact.
     """
-    values = {'surface.image_size': list(surface.image_size),
-              'surface.hull': np.round(hull.corners, 2).ravel().tolist()}
+    corners = [] if hull is None else np.round(hull.corners, 2).ravel().tolist()
+    values = {'surface.image_size': list(surface.image_size), 'surface.hull': corners}
     if isinstance(surface, PolynomialSurface):
         return {'surface.model': 'polynomial', **values,
                 'surface.polynomial.y_of_v': surface.y_of_v.tolist(),

@@ -77,6 +77,11 @@ class RaisedSurface:
         return self._foot_cm + (seen - self._foot_cm) * (1 - self.height_share)
 
     @property
+    def foot_cm(self) -> np.ndarray:
+        """The point of the surface below the camera, shape (2,)."""
+        return self._foot_cm
+
+    @property
     def flat(self) -> Surface:
         """The work surface itself."""
         return self._surface
@@ -90,4 +95,4 @@ class RaisedSurface:
 
 def flat_surface(surface: Surface) -> Surface:
     """Give the work surface itself: the calibration, whatever the height of the objects is."""
-    return surface.flat if isinstance(surface, RaisedSurface) else surface
+    return getattr(surface, 'flat', surface)

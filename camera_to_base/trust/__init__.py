@@ -26,6 +26,7 @@ Callers: `nodes` and `commands`. It imports only numpy and OpenCV.
 
 from camera_to_base.trust.arms.arm_check import ArmCheck
 from camera_to_base.trust.correction.correction import Correction
+from camera_to_base.trust.correction.kept import kept_values
 from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
@@ -40,7 +41,8 @@ from camera_to_base.trust.view.view_check import View, ViewCheck
 from camera_to_base.trust.view.view_watch import ViewWatch
 
 __all__ = [
-    'ArmCheck', 'CameraPipeline', 'Correction', 'DamageCheck', 'FrameUncertainty', 'LIMIT_SPECS',
-    'Limits', 'make_limits', 'MarkerSettings', 'OwnCamera', 'PositionGate', 'read_thumbnail',
-    'Sighting', 'SurfaceInForce', 'View', 'view_thumbnail', 'ViewCheck', 'ViewWatch',
+    'ArmCheck', 'CameraPipeline', 'Correction', 'DamageCheck', 'FrameUncertainty', 'kept_values',
+    'LIMIT_SPECS', 'Limits', 'make_limits', 'MarkerSettings', 'OwnCamera', 'PositionGate',
+    'read_thumbnail', 'Sighting', 'SurfaceInForce', 'View', 'view_thumbnail', 'ViewCheck',
+    'ViewWatch',
 ]

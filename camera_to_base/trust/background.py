@@ -30,12 +30,14 @@ class Background(NamedTuple):
     :param taken_at: When it was taken, by time.monotonic().
     :param witness: Another frame from then, of the same shape; None where there is none.
     :param is_restored: Whether it is from a file.
+    :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
     """
 
     picture: np.ndarray
     taken_at: float
     witness: Optional[np.ndarray] = None
     is_restored: bool = False
+    unknown: Optional[np.ndarray] = None
 
     @property
     def age_s(self) -> float:

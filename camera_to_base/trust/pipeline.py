@@ -14,28 +14,22 @@
 
 """From frames to objects that may be published: background, detection, checks, gate."""
 
-from collections import Counter
-import math
 import time
 from typing import Optional
 
 from camera_to_base.detection import check_frame, check_same_size, DetectorSettings
-from camera_to_base.errors import CameraToBaseError, FrameSizeError
-from camera_to_base.reason import Level, Reason
+from camera_to_base.errors import CameraToBaseError
+from camera_to_base.reason import Reason
 from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
 from camera_to_base.trust.background import Background, BackgroundKeeper
-from camera_to_base.trust.correction.correction import Correction
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.markers.marker_watch import MarkerSettings, MarkerView, MarkerWatch
-from camera_to_base.trust.scene import Scene
-from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.sighting import FrameCounts, Sighting, unusable_reason
 from camera_to_base.trust.standpoint import Standpoint
-from camera_to_base.trust.surface_in_force import SurfaceInForce
-from camera_to_base.trust.view.view_check import View
 from camera_to_base.uncertainty import FrameState, PositionUncertainty
 import numpy as np
 
@@ -50,6 +44,9 @@ class CameraPipeline:
     :param kind: The kind of source. Age and jumps are checked for live sources only, the view
         for all sources but recordings.
     :param markers: The markers on the surface; None for none.
+
+    `backgrounds` knows the background in use and takes new ones, `standpoint` knows what the
+    pixels of the last frame mean and how the camera was nudged, and `counts` counts the frames.
     """
 
     def __init__(
@@ -64,10 +61,10 @@ class CameraPipeline:
         self._kind = kind
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
         self._held_back = HeldBack()
-        self.counts: Counter = Counter()
+        self.counts = FrameCounts()
         self._detector, self._limits = detector, self._limits_here(limits)
-        self._background = BackgroundKeeper(confirm=kind.is_live)
-        self._standpoint = Standpoint(surface, self._limits)
+        self.backgrounds = BackgroundKeeper(confirm=kind.is_live)
+        self.standpoint = Standpoint(surface, self._limits)
         self._markers = MarkerWatch(markers) if markers is not None else None
         self.capture_background(background_frames)
 
@@ -82,11 +79,13 @@ class CameraPipeline:
         """
         if detector != self._detector:
             self._detector = detector
-            if self._scene is not None:
-                self._scene.forget_objects()
+            if self.standpoint.scene is not None:
+                self.standpoint.scene.forget_objects()
         self._limits = self._limits_here(limits)
         self._gate.configure(self._limits.max_frame_age_s, self._limits.confirm_jump_px)
-        self._standpoint.configure(surface, self._limits)
+        self.standpoint.configure(surface, self._limits)
+        if self.backgrounds.current is not None:
+            self.backgrounds.use(self.standpoint.background)
         if markers is None or self._markers is None:
             self._markers = MarkerWatch(markers) if markers is not None else None
         else:
@@ -97,20 +96,13 @@ class CameraPipeline:
         Take a new background from the next frames; until then no objects are found.
 
         Fewer frames are taken if they would need too much memory, see :class:`BackgroundTaker`;
-        `background_frame_count` is their number.
+        `backgrounds.frame_count` is their number.
         """
-        self._background.take(frame_count)
-
-    def keep_background(self) -> bool:
-        """
-        Stop taking a new background, and use the previous one again.
-
-        :returns: Whether there is one; otherwise the next good frames become the background.
-        """
-        return self._background.keep_before() is not None
+        self.backgrounds.take(frame_count)
 
     def restore_background(
-        self, background: np.ndarray, age_s: float, may_correct: bool = True
+        self, background: np.ndarray, age_s: float, may_correct: bool = True,
+        unknown: Optional[np.ndarray] = None,
     ) -> None:
         """
         Use a saved background; the first frame's view is compared with it.
@@ -118,65 +110,29 @@ class CameraPipeline:
         :param background: Shape (h, w, 3), uint8, BGR.
         :param age_s: Its age.
         :param may_correct: Whether the camera stood for it where it was calibrated.
+        :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
         """
-        restored = Background(background, time.monotonic() - age_s, is_restored=True)
-        self._background.use(restored)
+        restored = Background(
+            background, time.monotonic() - age_s, is_restored=True, unknown=unknown)
+        self.backgrounds.use(restored)
         self._use_background(restored, may_correct)
-
-    def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
-        """
-        Use another surface from the next frame on, see :meth:`Standpoint.use_surface`.
-
-        :param surface: None for that of the parameters.
-        """
-        self._standpoint.use_surface(surface)
 
     @property
     def background(self) -> Optional[np.ndarray]:
         """The background as it was taken, shape (h, w, 3); None while one is taken."""
-        current = self._background.current
+        current = self.backgrounds.current
         return None if current is None else current.picture
-
-    @property
-    def background_as_calibrated(self) -> Optional[np.ndarray]:
-        """The background as the camera sees it from where it was calibrated; None for none."""
-        return None if self.background is None else self._standpoint.background_as_calibrated
-
-    @property
-    def background_is_restored(self) -> bool:
-        """Whether the background is from a file."""
-        return self._background.current is not None and self._background.current.is_restored
-
-    @property
-    def background_frame_count(self) -> int:
-        """Number of frames that the last background was made of."""
-        return self._background.frame_count
-
-    @property
-    def background_age_s(self) -> float:
-        """Age of the background, in s."""
-        return self._background.current.age_s
-
-    @property
-    def surface_in_force(self) -> SurfaceInForce:
-        """What the pixels of the last frame mean."""
-        return self._standpoint.surface
-
-    @property
-    def correction(self) -> Optional[Correction]:
-        """How the camera was nudged since the background was taken; None for not at all."""
-        return self._standpoint.correction
 
     @property
     def doubt(self) -> Optional[Reason]:
         """Why positions are published with a warning: other surface, moved marker; or None."""
         marker_doubt = None if self._markers is None else self._markers.doubt
-        return marker_doubt or self.surface_in_force.reason
+        return marker_doubt or self.standpoint.surface.reason
 
     @property
     def faintness(self) -> Optional[str]:
         """Say how faint an object may be with the noise of the frames; None for not known."""
-        noise = None if self._scene is None else self._scene.noise
+        noise = None if self.standpoint.scene is None else self.standpoint.scene.noise
         return None if noise is None else self._detector.faintness(noise)
 
     def frame_uncertainty(
@@ -187,22 +143,10 @@ class CameraPipeline:
 
         :param uncertainty: That of the calibration.
         """
-        size, scene = (frame.shape[1], frame.shape[0]), self._scene
-        if scene is None:
-            return FrameUncertainty(uncertainty, frame, None, FrameState(size))
-        noise = math.nan if scene.noise is None else scene.noise
+        if self.standpoint.scene is not None:
+            return self.standpoint.scene.frame_uncertainty(frame, uncertainty)
         return FrameUncertainty(
-            scene.uncertainty(uncertainty), frame, scene.background.picture,
-            FrameState(size, noise, scene.shifts.deviation_px))
-
-    @property
-    def _scene(self) -> Optional[Scene]:
-        return self._standpoint.scene
-
-    @property
-    def view(self) -> Optional[View]:
-        """Result of the last comparison of a frame's view with the background; None for none."""
-        return None if self._scene is None else self._scene.view.view
+            uncertainty, frame, None, FrameState((frame.shape[1], frame.shape[0])))
 
     @property
     def reason(self) -> Optional[Reason]:
@@ -211,7 +155,7 @@ class CameraPipeline:
 
         A passing reason counts after a second, see :class:`HeldBack`.
         """
-        return self._background.reason or self._held_back.reason
+        return self.backgrounds.reason or self._held_back.reason
 
     def process(self, frame: np.ndarray, taken_at: Optional[float] = None) -> Sighting:
         """
@@ -223,7 +167,7 @@ class CameraPipeline:
             used also gives a reason: no frame makes this method raise.
         """
         sighting = self._by_markers(frame, self._see(frame, taken_at), taken_at)
-        self._count(sighting)
+        self.counts.add(sighting)
         self._held_back.note(sighting.warning)
         return sighting
 
@@ -237,27 +181,29 @@ class CameraPipeline:
             reason = self._background_reason(frame)
             if reason is not None:
                 return Sighting([], reason)
-            self._scene.prepare(self._detector)
+            self.standpoint.scene.prepare(self._detector)
             check_same_size(frame, self.background)
-            reason = self._standpoint.reason(frame)
-            found = self._scene.find(frame, self._detector, self._time_of(taken_at))
+            reason = self.standpoint.reason(frame)
+            found = self.standpoint.scene.find(frame, self._detector, self._time_of(taken_at))
         except CameraToBaseError as error:
-            return Sighting([], self._frame_reason(error))
+            # A new background does not change the picture size of the surface's calibration.
+            may_retake = self.standpoint.scene is not None and self.standpoint.scene.is_prepared
+            return Sighting([], unusable_reason(error, may_retake))
         seen = Sighting(found.objects, reason, found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
 
     def _by_markers(
         self, frame: np.ndarray, sighting: Sighting, taken_at: Optional[float]
     ) -> Sighting:
-        background = self._background.current
+        background = self.backgrounds.current
         if self._markers is None or background is None:
             return sighting
         now = time.monotonic() if taken_at is None else taken_at
         step = self._markers.step(frame, sighting, MarkerView(
-            background, self.surface_in_force, self.correction is not None,
-            self._scene.view.shift_px), now)
+            background, self.standpoint.surface, self.standpoint.correction is not None,
+            self.standpoint.scene.view.shift_px), now)
         if step.surface is not None:
-            self._standpoint.stand_at(step.surface)
+            self.standpoint.stand_at(step.surface)
         if step.retakes:
             self.capture_background(self._markers.background_frames)
         return step.sighting
@@ -267,27 +213,12 @@ class CameraPipeline:
         return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
 
     def _background_reason(self, frame: np.ndarray) -> Optional[Reason]:
-        if self._background.current is None:
-            taken = self._background.add(frame)
+        if self.backgrounds.current is None:
+            taken = self.backgrounds.add(frame)
             if taken is not None:
                 self._use_background(taken)
-        return self._background.reason
+        return self.backgrounds.reason
 
     def _use_background(self, background: Background, may_correct: bool = True) -> None:
-        self._standpoint.use_background(background, may_correct)
+        self.standpoint.use_background(background, may_correct)
         self._held_back = HeldBack()
-
-    def _frame_reason(self, error: CameraToBaseError) -> Reason:
-        if not isinstance(error, FrameSizeError):
-            return Reason('frame_unusable', Level.ERROR, f'no position is published: {error}')
-        # A new background does not change the picture size of the surface's calibration.
-        has_surface = self._scene is not None and self._scene.is_prepared
-        cure = ', or clear the surface and call ~/capture_background' if has_surface else ''
-        return Reason('frame_size', Level.ERROR, f'{error}{cure}')
-
-    def _count(self, sighting: Sighting) -> None:
-        self.counts['frames'] += 1
-        if sighting.objects:
-            self.counts['frames with an object'] += 1
-        if sighting.reason is not None:
-            self.counts[f'frames held back: {sighting.reason.kind}'] += 1

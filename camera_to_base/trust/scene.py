@@ -14,15 +14,17 @@
 
 """What the frames of a camera are compared with as long as it stands in one place."""
 
+import math
 from typing import Optional, Tuple
 
 from camera_to_base.detection import DetectorSettings, Found, ObjectLocator
 from camera_to_base.trust.arms.arm_check import ArmCheck
 from camera_to_base.trust.correction.seen_background import SeenBackground
+from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.surface_in_force import SurfaceInForce
 from camera_to_base.trust.view.view_watch import ViewWatch
-from camera_to_base.uncertainty import PositionUncertainty, ShiftMean
+from camera_to_base.uncertainty import FrameState, PositionUncertainty, ShiftMean
 import numpy as np
 
 # By how much a frame that was moved back may still be off, see the benchmark of the view.
@@ -69,12 +71,21 @@ class Scene:
         """Remember where something has reached in, before the camera was nudged."""
         self._arms.remember(before._arms)
 
-    def uncertainty(self, calibrated: PositionUncertainty) -> PositionUncertainty:
+    def frame_uncertainty(
+        self, frame: np.ndarray, calibrated: PositionUncertainty
+    ) -> FrameUncertainty:
         """
-        Give the uncertainty of positions by the surface in force.
+        Give the uncertainty of the positions on the last frame, by the surface in force.
 
+        :param frame: Shape (h, w, 3), uint8, BGR.
         :param calibrated: That of the calibration.
         """
+        noise = math.nan if self.noise is None else self.noise
+        return FrameUncertainty(
+            self._uncertainty_here(calibrated), frame, self.background.picture,
+            FrameState((frame.shape[1], frame.shape[0]), noise, self.shifts.deviation_px))
+
+    def _uncertainty_here(self, calibrated: PositionUncertainty) -> PositionUncertainty:
         if self._uncertainty is None or self._uncertainty[0] is not calibrated:
             self._uncertainty = calibrated, self.surface.uncertainty(calibrated)
         return self._uncertainty[1]

@@ -14,9 +14,11 @@
 
 """What a frame shows, and why it may not be published where it may not."""
 
+from collections import Counter
 from typing import NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import LeftOut, LocatedObject
+from camera_to_base.errors import CameraToBaseError, FrameSizeError
 from camera_to_base.reason import Level, Reason
 
 
@@ -45,3 +47,27 @@ class Sighting(NamedTuple):
             return self.reason
         reasons = (left_out.reason for left_out in self.left_out)
         return next((reason for reason in reasons if reason.level > Level.OK), None)
+
+
+def unusable_reason(error: CameraToBaseError, may_retake: bool) -> Reason:
+    """
+    Tell why a frame cannot be used.
+
+    :param may_retake: Whether a new background would cure a wrong size.
+    """
+    if not isinstance(error, FrameSizeError):
+        return Reason('frame_unusable', Level.ERROR, f'no position is published: {error}')
+    cure = ', or clear the surface and call ~/capture_background' if may_retake else ''
+    return Reason('frame_size', Level.ERROR, f'{error}{cure}')
+
+
+class FrameCounts(Counter):
+    """Counts frames: all of them, those with an object, and those held back by their reason."""
+
+    def add(self, sighting: Sighting) -> None:
+        """Count a frame."""
+        self['frames'] += 1
+        if sighting.objects:
+            self['frames with an object'] += 1
+        if sighting.reason is not None:
+            self[f'frames held back: {sighting.reason.kind}'] += 1

@@ -18,7 +18,7 @@ from typing import Optional
 
 from camera_to_base.image_size import ImageSize
 from camera_to_base.reason import Reason
-from camera_to_base.surface import flat_surface, NudgedSurface, Surface
+from camera_to_base.surface import flat_surface, is_same_surface, NudgedSurface, Surface
 from camera_to_base.trust.background import Background
 from camera_to_base.trust.correction.correction import corrected_surface, Correction
 from camera_to_base.trust.correction.corrector import Corrector
@@ -26,6 +26,7 @@ from camera_to_base.trust.correction.seen_background import SeenBackground
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.scene import Scene
 from camera_to_base.trust.surface_in_force import SurfaceInForce
+from camera_to_base.trust.view.view_check import View
 import numpy as np
 
 
@@ -35,17 +36,17 @@ class Standpoint:
 
     :param surface: As calibrated.
 
-    `scene` is what frames are compared with, and `background_as_calibrated` is the background as
-    the camera sees it from where it was calibrated, shape (h, w, 3); both are None before the
-    first background.
+    `scene` is what frames are compared with, `background` is the background as it was taken, and
+    `background_as_calibrated` is the background as the camera sees it from where it was
+    calibrated; all are None before the first background.
     """
 
     def __init__(self, surface: Surface, limits: Limits) -> None:
         self._surface, self._limits = surface, limits
         # What the camera's pixels mean where the background was taken.
         self._base = SurfaceInForce(surface)
-        self._background: Optional[Background] = None
-        self.background_as_calibrated: Optional[np.ndarray] = None
+        self.background: Optional[Background] = None
+        self.background_as_calibrated: Optional[SeenBackground] = None
         self._corrector: Optional[Corrector] = None
         self._reason: Optional[Reason] = None
         self.scene: Optional[Scene] = None
@@ -61,14 +62,23 @@ class Standpoint:
         """How the camera was nudged since the background was taken; None for not at all."""
         return None if self._corrector is None else self._corrector.correction
 
+    @property
+    def view(self) -> Optional[View]:
+        """Result of the last comparison of a frame's view with the background; None for none."""
+        return None if self.scene is None else self.scene.view.view
+
     def configure(self, surface: Surface, limits: Limits) -> None:
         """
         Use a new calibration and new limits from the next frame on.
 
-        Another calibration ends a correction: where the camera stood for it is not known.
+        Another calibration ends a correction: where the camera stood for it is not known. One that
+        says what the correction says makes it needless.
         """
         if surface != self._surface:
-            self._recalibrate(surface)
+            if self.surface.reason is not None and self._is_in_force(surface):
+                self._keep(surface)
+            else:
+                self._recalibrate(surface)
         self._limits = limits
         if self.scene is not None:
             self.scene.view.configure(limits)
@@ -82,10 +92,10 @@ class Standpoint:
 
         :param may_correct: Whether its pixels are those that the surface in force maps.
         """
-        self._base, self._background = self.surface, background
+        self._base, self.background = self.surface, background
         self._corrector = Corrector(
             background.picture, self._base.surface) if may_correct else None
-        self._note_as_calibrated(background.picture)
+        self._note_as_calibrated()
         self._begin()
 
     def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
@@ -99,13 +109,13 @@ class Standpoint:
         """
         self._base = SurfaceInForce(self._surface) if surface is None else surface
         self._corrector = None
-        if self._background is not None:
+        if self.background is not None:
             self._begin()
 
     def stand_at(self, surface: SurfaceInForce) -> None:
         """Use another surface for the place where the background was taken, and frames are."""
         self.use_surface(surface)
-        self.use_background(self._background)
+        self.use_background(self.background)
 
     def reason(self, frame: np.ndarray) -> Optional[Reason]:
         """
@@ -150,16 +160,34 @@ class Standpoint:
             self._uncorrected.use_surface(self._base)
             self.scene.use_surface(self._surface_here())
 
-    def _note_as_calibrated(self, picture: np.ndarray) -> None:
+    def _is_in_force(self, surface: Surface) -> bool:
+        return self.scene is not None and is_same_surface(
+            flat_surface(surface), flat_surface(self.surface.surface), self._size)
+
+    def _keep(self, surface: Surface) -> None:
+        # The background as the camera sees it is one that was taken from here.
+        before, self._surface = self.scene, surface
+        before.use_surface(SurfaceInForce(surface))
+        self.use_background(self.background._replace(**before.background._asdict()))
+        self.scene.remember_arms(before)
+
+    def _note_as_calibrated(self) -> None:
+        seen = self._taken
         moved, before = self._base.frame_from_calibrated, self.background_as_calibrated
         if moved is not None:
-            fill = picture if before is None or before.shape != picture.shape else before
-            picture = SeenBackground(picture).seen_after(moved.inverse, fill).picture
-        self.background_as_calibrated = picture
+            if before is None or before.picture.shape != seen.picture.shape:
+                before = seen
+            seen = seen.seen_after(moved.inverse, before.picture)
+            seen = seen._replace(unknown=before.unknown)
+        self.background_as_calibrated = seen
 
     def _begin(self) -> None:
-        seen = SeenBackground(self._background.picture, self._background.witness)
-        self.scene = self._uncorrected = Scene(seen, self._base, self._limits)
+        self.scene = self._uncorrected = Scene(self._taken, self._base, self._limits)
+
+    @property
+    def _taken(self) -> SeenBackground:
+        taken = self.background
+        return SeenBackground(taken.picture, taken.witness, taken.unknown)
 
     def _correct(self, frame: np.ndarray) -> None:
         # The background as the camera sees it from where it stands.
@@ -184,7 +212,7 @@ class Standpoint:
 
     @property
     def _size(self) -> ImageSize:
-        height, width = self._background.picture.shape[:2]
+        height, width = self.background.picture.shape[:2]
         return width, height
 
     def _surface_here(self) -> SurfaceInForce:

@@ -16,10 +16,10 @@ import math
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.launching.arguments import (
-    argument_warnings, check_frames, driver_parameters, Frames, frames, image_input, is_wanted,
+from camera_to_base.launching import (
+    argument_warnings, Camera, check_frames, driver_parameters, frames, image_input, is_wanted,
     kept_background, not_installed, plays_recording, recording_failure, transform_arguments)
-from camera_to_base.launching.cameras import Camera
+from camera_to_base.launching.coordinate_frames import Frames
 import numpy as np
 import pytest
 

@@ -16,9 +16,9 @@ import time
 
 from camera_to_base.nodes.camera_health import camera_values, DetectionRate
 from camera_to_base.reason import Level
-from camera_to_base.sources.reader_status import ReaderStatus
+from camera_to_base.sources.live.reader_status import ReaderStatus
+from camera_to_base.sources.live.source_reasons import source_reason
 from camera_to_base.sources.source_kind import DEVICE, SIMULATED
-from camera_to_base.sources.source_reasons import source_reason
 from camera_to_base.surface.models import HomographySurface, ParallelSurface
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.pipeline import CameraPipeline

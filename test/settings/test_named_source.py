@@ -17,8 +17,8 @@ from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
 from camera_to_base.settings.named_source import open_named_source
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.sources.cameras import Camera
+from camera_to_base.sources.files.video_file import VideoFile
 from camera_to_base.sources.source_kind import DEVICE, RANDOM, SIMULATED
-from camera_to_base.sources.video_file import VideoFile
 from captures import Device, write_levels
 import cv2
 import numpy as np

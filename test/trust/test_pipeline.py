@@ -89,7 +89,7 @@ def test_background_taken_anew_makes_a_moved_view_the_right_one():
 def test_view_is_compared_with_a_restored_background_from_the_first_frame_on():
     camera = pipeline(AT_ONCE._replace(check_period_s=60.0))
     camera.restore_background(table(), age_s=10.0)
-    assert camera.background_age_s == pytest.approx(10.0, abs=1.0)
+    assert camera.backgrounds.current.age_s == pytest.approx(10.0, abs=1.0)
     assert not published(camera, table(move=(6, 0), disc=(320, 240)))
     camera.restore_background(table(), age_s=10.0)
     assert published(camera, table(disc=(320, 240)))
@@ -229,12 +229,12 @@ def test_background_stays_where_no_new_one_could_be_taken():
     assert camera.process(table(disc=(320, 240))).objects
     camera.capture_background(5)
     assert not camera.process(table(disc=(320, 240))).objects and camera.background is None
-    assert camera.keep_background()
+    assert camera.backgrounds.keep_before() is not None
     assert camera.process(table(disc=(320, 240))).objects
 
 
 def test_first_background_cannot_be_given_up():
     camera = CameraPipeline(ParallelSurface(36.0, 640), background_frames=2)
     camera.process(table())
-    assert not camera.keep_background()
+    assert camera.backgrounds.keep_before() is None
     assert not camera.process(table()).objects and camera.background is not None

@@ -161,4 +161,3 @@ def _camera_frame(fit: TouchedFit) -> Tuple[HomographySurface, Dict[str, Any]]:
     return surface, {'rotation_deg': list(rotation_deg(rotation)),
                      'displacement_cm': [*origin.tolist(), 0.0],
                      'base_covariance': triangle_of(covariance)}
-

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 """
-The least-squares problem of touched markers: squares of a known size, and where the robot has them.
+The least-squares problem of touched markers: squares of a known size, and the robot's touches.
 
 Four squares tell more than their places: the size of each tells the scale near it, and its shape
 the tilt and the lens. Fitted are the eight numbers of a homography from the base frame to the

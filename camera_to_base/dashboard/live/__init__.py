@@ -19,3 +19,5 @@ In: the ROS graph. Out: JSON-able data for the page.
 
 Callers: the dashboard's node, in the thread of its executor.
 """
+
+__all__ = []

@@ -20,3 +20,5 @@ part of each name and one picture waiting.
 
 Callers: the dashboard's node.
 """
+
+__all__ = []

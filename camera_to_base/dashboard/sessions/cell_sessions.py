@@ -19,10 +19,9 @@ from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 from camera_to_base.calibration import marker_sheet_content, report_lines
 from camera_to_base.dashboard.sessions.areas import area_changes, areas_data
-from camera_to_base.dashboard.sessions.board_data import PANEL_NAMES
-from camera_to_base.dashboard.sessions.board_session import BoardSession
+from camera_to_base.dashboard.sessions.board import BoardSession, PANEL_NAMES
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
-from camera_to_base.dashboard.sessions.robot_session import RobotSession
+from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save_session import SaveSession
 from camera_to_base.dashboard.sessions.simulated_cell import (
     show, simulated_data, TOOL_TOPIC, touch)

@@ -14,7 +14,7 @@
 
 """Places what was found: plain objects by the short way, regions by the long way."""
 
-from typing import Callable, List
+from typing import Callable, List, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.detection.precise.highlight import close_around_highlights
@@ -23,7 +23,7 @@ from camera_to_base.detection.precise.plain import place_plain, Plain
 from camera_to_base.detection.precise.reduced import enlarged, reduced
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
-from camera_to_base.detection.precise.shaded import find_shaded
+from camera_to_base.detection.precise.shaded import find_shaded, places_to_look
 from camera_to_base.detection.precise.shadow import split_off_shade
 from camera_to_base.detection.precise.shares import place, place_whole, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
@@ -32,8 +32,8 @@ import numpy as np
 
 # Surroundings that a region's place is told from, in px.
 _SURROUNDINGS = 12
-# A larger object, its surroundings included, is placed on a reduced picture; in px².
-_MOST_TO_PLACE = 80_000
+# A larger window is reduced, in px²: to tell what of it is an object, and to place the object.
+_MOST_TO_TELL, _MOST_TO_PLACE = 60_000, 80_000
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -66,48 +66,52 @@ class Placer:
                                  region.outline, reference)
             if placed is not None:
                 return self._placed(placed, window)
-        window = grown(region.box, _SURROUNDINGS, frame)
-        part = slices(window)
-        piece = make_piece(
-            frame[part], reference.light(part), filled(region.outline, window))
-        found = self._long_way(frame, piece, window)
+        box = grown(region.box, _SURROUNDINGS, frame)
+        window = _Window(frame, reference, box, filled(region.outline, box))
+        found = (unplaced(region.outline, frame)
+                 if is_at_edge and window.mask.size > _MOST_TO_TELL else self._long_way(window))
         if found and found[0].cut_off:
-            found += self._in_shade_of(piece, window)
+            found += self._in_shade_of(window)
         return found
 
-    def _in_shade_of(self, piece: Piece, window: Box) -> List[Detection]:
-        return [detection for mask in find_shaded(piece, self._min_area)
-                for detection in self._at(piece._replace(mask=mask), window, place)]
+    def _long_way(self, window: '_Window') -> List[Detection]:
+        coarse, scale = window.reduced(_MOST_TO_TELL)
+        thing = split_off_shade(coarse, window.outward)
+        kept = coarse if thing is None else coarse._replace(mask=thing.mask)
+        is_whole = thing is not None and thing.is_light
+        if not is_whole:
+            kept = kept._replace(mask=close_around_highlights(kept))
+        mask = (window.mask if kept.mask is coarse.mask
+                else enlarged(kept.mask, scale, window.mask))
+        outline = outline_of(mask, window.box)
+        if outline is None:
+            return []
+        if touches_edge(Box(*cv2.boundingRect(outline)), window.frame):
+            return unplaced(outline, window.frame)
+        return self._at(window, mask, place_whole if is_whole else place)
+
+    def _in_shade_of(self, window: '_Window') -> List[Detection]:
+        return [detection for part in self._parts_in_shade(window)
+                for mask in find_shaded(part.piece, self._min_area)
+                for detection in self._at(part, mask, place)]
+
+    def _parts_in_shade(self, window: '_Window') -> List['_Window']:
+        coarse, scale = window.reduced(_MOST_TO_TELL)
+        if scale == 1:
+            return [window]
+        return [window.part(box, scale)
+                for box in places_to_look(coarse, self._min_area / scale ** 2)]
 
     def _at(
-        self, piece: Piece, window: Box, way: Callable[[Piece], Placed]
+        self, window: '_Window', mask: np.ndarray, way: Callable[[Piece], Placed]
     ) -> List[Detection]:
         # Only what is near the object takes time.
-        box = grown(Box(*cv2.boundingRect(piece.mask)), _SURROUNDINGS, piece.mask)
-        part = slices(box)
-        near = Piece(*(np.ascontiguousarray(picture[part]) for picture in piece))
-        coarse, scale = reduced(near, _MOST_TO_PLACE)
+        near = window.around(mask)
+        coarse, scale = near.reduced(_MOST_TO_PLACE)
         placed = way(coarse)
         return self._placed(
             Placed(enlarged(placed.shares, scale, near.mask),
-                   enlarged(placed.mask, scale, near.mask)),
-            box._replace(x=box.x + window.x, y=box.y + window.y))
-
-    def _long_way(self, frame: np.ndarray, piece: Piece, window: Box) -> List[Detection]:
-        height, width = frame.shape[:2]
-        outward = (window.x + (window.width - width) / 2, window.y + (window.height - height) / 2)
-        thing = split_off_shade(piece, outward)
-        if thing is not None:
-            piece = piece._replace(mask=thing.mask)
-        if thing is None or not thing.is_light:
-            piece = piece._replace(mask=close_around_highlights(piece))
-        outline = outline_of(piece.mask, window)
-        if outline is None:
-            return []
-        if touches_edge(Box(*cv2.boundingRect(outline)), frame):
-            return unplaced(outline, frame)
-        is_whole = thing is not None and thing.is_light
-        return self._at(piece, window, place_whole if is_whole else place)
+                   enlarged(placed.mask, scale, near.mask)), near.box)
 
     def _placed(self, placed: Placed, window: Box) -> List[Detection]:
         parts = split_touching(placed.mask) if self._split_touching else [placed.mask]
@@ -116,6 +120,50 @@ class Placer:
         nearest = nearest_part(parts)
         return [detection for index, part in enumerate(parts) for detection in _detection(
             Placed(placed.shares * (nearest == index), part), window)]
+
+
+class _Window:
+    """
+    A region's surroundings on a frame.
+
+    :param mask: The region, shape (height, width) of the box, uint8, 1 inside.
+    """
+
+    def __init__(
+        self, frame: np.ndarray, reference: Reference, box: Box, mask: np.ndarray
+    ) -> None:
+        self.frame, self._reference = frame, reference
+        self.box, self.mask = box, mask
+
+    @property
+    def outward(self) -> Tuple[float, float]:
+        """From the picture's middle to the window's, u and v, in px."""
+        height, width = self.frame.shape[:2]
+        return (self.box.x + (self.box.width - width) / 2,
+                self.box.y + (self.box.height - height) / 2)
+
+    @property
+    def piece(self) -> Piece:
+        """Its light."""
+        part = slices(self.box)
+        return make_piece(self.frame[part], self._reference.light(part), self.mask)
+
+    def reduced(self, most: int) -> Tuple[Piece, int]:
+        """Give its light with few pixels, see :func:`reduced.reduced`."""
+        return reduced(self.piece, most)
+
+    def around(self, mask: np.ndarray) -> '_Window':
+        """Give what surrounds a mask of this window."""
+        return self._cut(grown(Box(*cv2.boundingRect(mask)), _SURROUNDINGS, mask), mask)
+
+    def part(self, box: Box, scale: int) -> '_Window':
+        """Give what surrounds a box on the reduced window."""
+        box = Box(*(scale * length for length in box))
+        return self._cut(grown(box, _SURROUNDINGS + scale, self.mask), self.mask)
+
+    def _cut(self, near: Box, mask: np.ndarray) -> '_Window':
+        box = near._replace(x=near.x + self.box.x, y=near.y + self.box.y)
+        return _Window(self.frame, self._reference, box, np.ascontiguousarray(mask[slices(near)]))
 
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:

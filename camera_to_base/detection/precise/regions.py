@@ -23,11 +23,11 @@ All of this is done in windows around the parts that have changed, see `tiles`. 
 one region without a hole; there a few steps are enough, and the others are left out.
 """
 
-from typing import Iterable, List, NamedTuple, Optional, Set
+from typing import Iterable, List, NamedTuple, Optional, Set, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.limits import Limits
-from camera_to_base.detection.precise.piece import has_holes, outlines_in
+from camera_to_base.detection.precise.piece import enclosed, has_holes, outlines_in
 import cv2
 import numpy as np
 
@@ -65,8 +65,13 @@ def find_regions(
     """
     found: List[Region] = []
     seen: Set[Box] = set()
-    for part in parts:
-        for region in _regions_around(frame, part, limits, min_area):
+    done: List[Box] = []
+    for part in sorted(parts, key=lambda part: -part.width * part.height):
+        if any(part.is_inside(window) for window in done):
+            continue
+        window, regions = _regions_around(frame, part, limits, min_area)
+        done.append(window)
+        for region in regions:
             if region.box not in seen:
                 seen.add(region.box)
                 found.append(region)
@@ -95,13 +100,13 @@ def grown(box: Box, margin: int, picture: np.ndarray) -> Box:
 
 def _regions_around(
     frame: np.ndarray, part: Box, limits: Limits, min_area: float
-) -> List[Region]:
+) -> Tuple[Box, List[Region]]:
     # A region that reaches the window's border is looked at again in a larger window.
     window, margin = part, _FARTHER
     while True:
         found = _regions_in(frame, window, limits, min_area)
         if not any(_goes_on(region.box, window, frame) for region in found):
-            return found
+            return window, found
         window, margin = grown(part, margin, frame), margin * 4
 
 
@@ -133,6 +138,8 @@ def _is_solid(outline: np.ndarray, weak: np.ndarray, area: int, min_area: float)
 def _region(
     outline: np.ndarray, strong: np.ndarray, window: Box, min_area: float
 ) -> Optional[Region]:
+    if enclosed(outline) < min_area:
+        return None
     box = Box(*cv2.boundingRect(outline))
     inside = filled(outline, box)
     marked = cv2.bitwise_and(strong[slices(box)], inside, mask=inside)

@@ -69,7 +69,7 @@ def search(
     regions = find_regions(frame, others, reference.limits, min_area)
     # A window that grew may hold a plain object of another part.
     regions = [region for region in regions
-               if not any(_is_inside(region.box, one.window) for one in plain)]
+               if not any(region.box.is_inside(one.window) for one in plain)]
     if not any(_may_reach_border(frame, region) for region in regions):
         return plain, regions
     field = _field(frame, regions, reference.lit)
@@ -121,11 +121,6 @@ def _may_be_light(frame: np.ndarray, region: Region, lit: np.ndarray) -> bool:
     part = slices(region.box)
     return looks_like_light(
         frame[part], lit[part], filled(region.outline, region.box))
-
-
-def _is_inside(box: Box, window: Box) -> bool:
-    return (window.x <= box.x and box.x + box.width <= window.x + window.width
-            and window.y <= box.y and box.y + box.height <= window.y + window.height)
 
 
 def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:

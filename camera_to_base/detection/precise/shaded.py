@@ -22,11 +22,11 @@ goes on into the arm, and what lies on the arm is not surrounded by table or sha
 these is taken for an object.
 """
 
-from typing import Iterator, List
+from typing import Dict, Iterator, List, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.piece import (
-    in_clearest_colour, Look, look_at, outlines_in, Piece, square)
+    channel_of_most_contrast, Look, look_at, outlines_in, Piece, quantile, smooth_channel, square)
 from camera_to_base.detection.precise.regions import filled, grown, slices
 import cv2
 import numpy as np
@@ -39,6 +39,32 @@ _SHARP, _RIM, _WINDOWS = 0.6, 0.85, (5, 11)
 _LEAST_CONTRAST = 0.15
 # What surrounds an object: no ratio below this one, on at least this part.
 _DEEPEST, _LEAST_AROUND = 0.2, 0.75
+# The same on a reduced piece, where less is told.
+_MAYBE_AROUND = 0.5
+# Kernels between which the surroundings lie, on a piece and on a reduced one.
+_RING, _COARSE_RING = (5, 9), (3, 5)
+
+
+def places_to_look(piece: Piece, min_area: float) -> List[Box]:
+    """
+    Find where there may be objects in a region that touches the picture's edge.
+
+    A large piece is looked at on a reduced picture first: how sharp a rim is cannot be told there.
+
+    :param piece: As for :func:`find_shaded`, reduced.
+    :param min_area: In px² of the reduced picture.
+    :returns: Boxes that do not overlap, in px of the reduced picture.
+    """
+    look = look_at(piece)
+    table = _table(look)
+    places = np.zeros_like(piece.mask)
+    for mask in _candidates(piece, look):
+        for outline in _outlines_inside(mask, min_area):
+            window = grown(Box(*cv2.boundingRect(outline)), max(_COARSE_RING), mask)
+            part, inside = slices(window), filled(outline, window)
+            if _is_on(table[part], _ring(inside, _COARSE_RING), _MAYBE_AROUND):
+                places[part] = 1
+    return [Box(*cv2.boundingRect(outline)) for outline in outlines_in(places)]
 
 
 def find_shaded(piece: Piece, min_area: float) -> List[np.ndarray]:
@@ -50,15 +76,14 @@ def find_shaded(piece: Piece, min_area: float) -> List[np.ndarray]:
     :returns: A mask of each, shape (h, w), uint8, 1 inside.
     """
     look = look_at(piece)
+    around = _Surroundings(piece, look)
     found: List[np.ndarray] = []
     taken = np.zeros_like(piece.mask)
     for mask in _candidates(piece, look):
         for outline in _outlines_inside(mask, min_area):
             window = grown(Box(*cv2.boundingRect(outline)), max(_WINDOWS), mask)
             part, inside = slices(window), filled(outline, window)
-            if not (inside & taken[part]).any() and _is_set_apart(
-                    inside, Piece(*(picture[part] for picture in piece)),
-                    Look(*(picture[part] for picture in look))):
+            if not (inside & taken[part]).any() and around.set_apart(inside, part):
                 taken[part] |= inside
                 found.append(np.zeros_like(taken))
                 found[-1][part] = inside
@@ -67,34 +92,66 @@ def find_shaded(piece: Piece, min_area: float) -> List[np.ndarray]:
 
 def _candidates(piece: Piece, look: Look) -> Iterator[np.ndarray]:
     special = (look.largest > _LIGHT) | (look.tint > _COLOURED)
-    yield cv2.morphologyEx(piece.mask & special.astype(np.uint8), cv2.MORPH_OPEN, square(3))
+    yield cv2.morphologyEx(piece.mask & special.view(np.uint8), cv2.MORPH_OPEN, square(3))
     for ratio in _DARK:
-        yield piece.mask & (look.ratio < ratio).astype(np.uint8)
+        yield piece.mask & (look.ratio < ratio).view(np.uint8)
 
 
 def _outlines_inside(mask: np.ndarray, min_area: float) -> Iterator[np.ndarray]:
     height, width = mask.shape
     for outline in outlines_in(mask):
+        if cv2.contourArea(outline) < min_area:
+            continue
         x, y, across, down = cv2.boundingRect(outline)
-        is_inside = x > 0 and y > 0 and x + across < width and y + down < height
-        if is_inside and cv2.contourArea(outline) >= min_area:
+        if x > 0 and y > 0 and x + across < width and y + down < height:
             yield outline
 
 
-def _is_set_apart(part: np.ndarray, piece: Piece, look: Look) -> bool:
-    rim = part & (1 - cv2.erode(part, square(3)))
-    around = cv2.dilate(part, square(9)) & (1 - cv2.dilate(part, square(5)))
-    if not _is_on_table(around, look):
-        return False
-    level = cv2.log(in_clearest_colour(piece, part, around)[0])
-    contrast = np.abs(np.median(level[rim > 0]) - np.median(level[around > 0]))
-    # At a sharp step, a small window shows as large a step as a larger window does.
-    near, far = (cv2.morphologyEx(level, cv2.MORPH_GRADIENT, square(size))[rim > 0]
-                 for size in _WINDOWS)
-    return bool(contrast > _LEAST_CONTRAST and (near > _SHARP * far).mean() >= _RIM)
-
-
-def _is_on_table(around: np.ndarray, look: Look) -> bool:
+def _table(look: Look) -> np.ndarray:
     # Around an object lies the table or shade; around a part of a thing, the thing.
-    table = (look.smallest > _DEEPEST) & (look.largest < _LIGHT) & (look.tint < _COLOURED)
-    return np.count_nonzero(table & (around > 0)) >= _LEAST_AROUND * cv2.countNonZero(around)
+    return ((look.smallest > _DEEPEST) & (look.largest < _LIGHT)
+            & (look.tint < _COLOURED)).view(np.uint8)
+
+
+def _ring(inside: np.ndarray, sizes: Tuple[int, int]) -> np.ndarray:
+    near, far = (cv2.dilate(inside, square(size)) for size in sizes)
+    return far & (1 - near)
+
+
+def _is_on(table: np.ndarray, around: np.ndarray, least: float) -> bool:
+    return cv2.countNonZero(table & around) >= least * cv2.countNonZero(around)
+
+
+class _Surroundings:
+    """What a part of a piece is set apart from; what many parts ask for is computed once."""
+
+    def __init__(self, piece: Piece, look: Look) -> None:
+        self._piece = piece
+        self._table = _table(look)
+        self._levels: Dict[int, np.ndarray] = {}
+        self._sharp: Dict[int, np.ndarray] = {}
+
+    def set_apart(self, inside: np.ndarray, part: tuple) -> bool:
+        """Tell whether an object ends where a part of the piece does."""
+        around = _ring(inside, _RING)
+        if not _is_on(self._table[part], around, _LEAST_AROUND):
+            return False
+        channel = channel_of_most_contrast(self._piece.frame[part], inside, around)
+        rim = inside & (1 - cv2.erode(inside, square(3)))
+        level = self._level(channel)[part]
+        contrast = abs(quantile(level[rim > 0]) - quantile(level[around > 0]))
+        sharp = cv2.countNonZero(self._sharp_steps(channel)[part] & rim)
+        return bool(contrast > _LEAST_CONTRAST and sharp >= _RIM * cv2.countNonZero(rim))
+
+    def _level(self, channel: int) -> np.ndarray:
+        if channel not in self._levels:
+            self._levels[channel] = cv2.log(smooth_channel(self._piece.frame, channel))
+        return self._levels[channel]
+
+    def _sharp_steps(self, channel: int) -> np.ndarray:
+        # At a sharp step, a small window shows as large a step as a larger window does.
+        if channel not in self._sharp:
+            near, far = (cv2.morphologyEx(self._level(channel), cv2.MORPH_GRADIENT, square(size))
+                         for size in _WINDOWS)
+            self._sharp[channel] = (near > _SHARP * far).view(np.uint8)
+        return self._sharp[channel]

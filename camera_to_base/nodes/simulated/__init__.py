@@ -15,13 +15,14 @@
 """
 The simulated cell: what the camera node offers with `source:=simulated` alone.
 
-In: the simulated board and the node's settings. Out: frames, the true positions, the pose of the
-simulated robot's tool, and a service that bumps the camera.
+In: the simulated board and the node's settings. Out: the true positions, the pose of the simulated
+robot's tool, and a service that bumps the camera.
 
 Callers: `nodes.feeds` and `nodes.positions`.
 """
 
-from camera_to_base.nodes.simulated.feed import SimulatedFeed
+from camera_to_base.nodes.simulated.bump_service import BumpService
+from camera_to_base.nodes.simulated.tool import SimulatedTool
 from camera_to_base.nodes.simulated.true_positions import TruePositions
 
-__all__ = ['SimulatedFeed', 'TruePositions']
+__all__ = ['BumpService', 'SimulatedTool', 'TruePositions']

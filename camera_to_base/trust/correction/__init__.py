@@ -18,13 +18,15 @@ The correction: how the camera was nudged, by the surface's own structure.
 In: the background, and frames whose view has moved. Out: the movement as a homography of
 undistorted pixels, with its covariance, where it is believed. `corners` and `warp_fit` measure,
 `nudge_meter` judges a single frame, `corrector` decides from frame to frame, and `correction` says
-what it does to positions.
+what it does to positions. `kept` gives the parameters with which it is kept.
 
 Caller: `trust.pipeline` and its `scene`.
 """
 
 from camera_to_base.trust.correction.correction import corrected_surface, Correction
 from camera_to_base.trust.correction.corrector import Corrector
+from camera_to_base.trust.correction.kept import kept_values
 from camera_to_base.trust.correction.nudge_meter import Nudge, NudgeMeter
 
-__all__ = ['corrected_surface', 'Correction', 'Corrector', 'Nudge', 'NudgeMeter']
+__all__ = [
+    'corrected_surface', 'Correction', 'Corrector', 'kept_values', 'Nudge', 'NudgeMeter']

@@ -23,7 +23,8 @@ import cv2
 import numpy as np
 
 # An object's outline keeps this far from what the background does not show, in px.
-_MARGIN_PX = 2.0
+_MARGIN_PX = 2
+_AROUND = np.ones((2 * _MARGIN_PX + 1, 2 * _MARGIN_PX + 1), np.uint8)
 _OUTSIDE = Reason(
     'outside_background', Level.WARN, 'it touches a part of the picture that the background does '
     'not show, because the camera was nudged: move it into view, or clear the surface and call '
@@ -36,14 +37,11 @@ class SeenBackground(NamedTuple):
 
     :param picture: Shape (h, w, 3), uint8, BGR.
     :param witness: Another frame from when the background was taken; None where there is none.
-    :param background_from_frame: Maps the frame's pixels to those of the background as it was
-        taken; None for the same.
     :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
     """
 
     picture: np.ndarray
     witness: Optional[np.ndarray] = None
-    background_from_frame: Optional[PictureMap] = None
     unknown: Optional[np.ndarray] = None
 
     def seen_after(
@@ -56,18 +54,20 @@ class SeenBackground(NamedTuple):
 
         :param frame: Shape (h, w, 3), uint8, BGR.
         """
-        back = frame_from_background.inverse
         height, width = frame.shape[:2]
-        places = back.grid((width, height))
+        places = frame_from_background.inverse.grid((width, height))
         known = cv2.inRange(places, (0.0, 0.0), (width - 1.0, height - 1.0))
         maps = cv2.convertMaps(places, None, cv2.CV_16SC2)
+        if self.unknown is not None:
+            known &= cv2.bitwise_not(cv2.remap(self.unknown, *maps, cv2.INTER_LINEAR))
+            known = cv2.compare(known, 255, cv2.CMP_EQ)
         picture = _moved(self.picture, maps, known, frame)
         witness = None if self.witness is None else _moved(self.witness, maps, known, frame)
-        return SeenBackground(picture, witness, back, cv2.bitwise_not(known))
+        return SeenBackground(picture, witness, cv2.bitwise_not(known))
 
     def without_unknown(self, found: Found) -> Found:
         """Leave out the objects that touch what the background does not show."""
-        if self.background_from_frame is None or not found.objects:
+        if self.unknown is None or not found.objects:
             return found
         is_outside = [self._is_outside(one.detection.outline) for one in found.objects]
         left_out = (LeftOut(one.detection, _OUTSIDE)
@@ -77,12 +77,15 @@ class SeenBackground(NamedTuple):
             left_out=(*found.left_out, *left_out))
 
     def _is_outside(self, outline: np.ndarray) -> bool:
-        places = self.background_from_frame.pixels(outline.reshape(-1, 2))
-        height, width = self.picture.shape[:2]
-        with np.errstate(invalid='ignore'):
-            inside = (places >= _MARGIN_PX) & (
-                places <= np.array([width, height]) - 1 - _MARGIN_PX)
-        return not inside.all()
+        left, top, width, height = cv2.boundingRect(outline)
+        left, top = max(left - _MARGIN_PX, 0), max(top - _MARGIN_PX, 0)
+        unknown = self.unknown[top:top + height + 2 * _MARGIN_PX,
+                               left:left + width + 2 * _MARGIN_PX]
+        if not cv2.countNonZero(unknown):
+            return False
+        touched = np.zeros(unknown.shape, np.uint8)
+        cv2.drawContours(touched, [outline], -1, 255, cv2.FILLED, offset=(-left, -top))
+        return cv2.countNonZero(cv2.dilate(touched, _AROUND) & unknown) > 0
 
 
 def _moved(

@@ -11,7 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
-"""Surface and base frame from four touched markers, seen by cameras with lenses of another model."""
+"""Surface and base frame from four touched markers, with lenses of another model than ours."""
 
 from camera_to_base.calibration import calibrate_touched_markers, markers_to_touch
 from camera_to_base.errors import CalibrationError

@@ -29,7 +29,7 @@ STANDARD = {'collections', 'concurrent.futures', 'datetime', 'itertools', 'os', 
 
 
 def test_sessions_import_what_calibrate_imports_and_nothing_of_ros_or_the_server():
-    modules = list(ROOM.glob('*.py'))
+    modules = list(ROOM.rglob('*.py'))
     assert len(modules) > 10
     for path in modules:
         for node in ast.walk(ast.parse(path.read_text())):

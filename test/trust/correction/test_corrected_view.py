@@ -14,57 +14,17 @@
 
 """What the pipeline publishes after its camera was nudged."""
 
-import time
-
 from camera_to_base.detection import DetectorSettings
 from camera_to_base.parameters import default_values
 from camera_to_base.reason import Level
 from camera_to_base.settings import CAMERA_SPECS
-from camera_to_base.sources import DEVICE, VIDEO_FILE
-from camera_to_base.surface import make_surface, SURFACE_DEFAULTS
-from camera_to_base.trust import CameraPipeline, Limits, SurfaceInForce
+from camera_to_base.sources import VIDEO_FILE
+from camera_to_base.trust import SurfaceInForce
 from camera_to_base.uncertainty import position_uncertainty, triangle_of
-from nudged_table import CM_PER_PX, nudge, NudgedTable, plain, SIZE
+from nudged_table import CM_PER_PX, nudge, NudgedTable, plain
 import numpy as np
 import pytest
-
-COIN = 300, 200
-MATRIX = nudge(7, -5, 3, 3, (4, -3))
-LIMITS = Limits(max_frame_age_s=60.0)
-
-
-def calibrated(**changed):
-    """Give the surface of a camera whose lens is that of the table."""
-    return make_surface({
-        **SURFACE_DEFAULTS, 'surface.model': 'homography', 'surface.image_size': list(SIZE),
-        'surface.homography.surface_from_pixel':
-            [CM_PER_PX, 0.0, 0.0, 0.0, CM_PER_PX, 0.0, 0.0, 0.0, 1.0],
-        'surface.homography.distortion_centre': [(side - 1) / 2 for side in SIZE], **changed})
-
-
-class Watched:
-    """A pipeline that sees a table; times are in the future, so that no frame is too old."""
-
-    def __init__(self, table=None, limits=LIMITS, kind=DEVICE, begin=True):
-        self.table = table or NudgedTable()
-        self.pipeline = CameraPipeline(calibrated(), limits=limits, kind=kind)
-        self._now = time.monotonic() + 3600
-        if begin:
-            self.see(count=3)
-
-    def see(self, matrix=None, coins=(), count=1, **scene):
-        """Let it see some frames; give what the last one shows."""
-        for _ in range(count):
-            self._now += 0.1
-            self.sighting = self.pipeline.process(
-                self.table.shoot(matrix, coins, **scene), self._now)
-        return self.sighting
-
-
-def point_errors_mm(sighting, *coins):
-    assert sighting.reason is None and len(sighting.objects) == len(coins)
-    return [10 * min(np.hypot(*(np.array(one.point) - np.array(coin) * CM_PER_PX))
-                     for coin in coins) for one in sighting.objects]
+from watched_table import calibrated, COIN, LIMITS, MATRIX, point_errors_mm, Watched
 
 
 @pytest.fixture
@@ -78,13 +38,13 @@ def test_coin_is_published_where_it_is_after_a_nudge(watched, scene):
     assert watched.see(MATRIX, [coin], **scene).reason.kind == 'view_moved'
     sighting = watched.see(MATRIX, [coin], 3, **scene)
     assert max(point_errors_mm(sighting, coin)) < 0.3
-    assert watched.pipeline.view.shift_px < 0.5
+    assert watched.pipeline.standpoint.view.shift_px < 0.5
 
 
 def test_correction_is_a_warning_with_its_size(watched):
     assert watched.pipeline.doubt is None
     watched.see(nudge(6, 8), [COIN], 3)
-    doubt, correction = watched.pipeline.doubt, watched.pipeline.correction
+    doubt, correction = watched.pipeline.doubt, watched.pipeline.standpoint.correction
     assert doubt.kind == 'view_corrected' and doubt.level is Level.WARN
     assert correction.shift_px == pytest.approx(10, abs=0.3)
     assert correction.shift_mm == pytest.approx(5, abs=0.2)
@@ -97,7 +57,7 @@ def test_camera_that_is_put_back_is_not_corrected_any_more(watched):
     assert watched.pipeline.doubt is not None
     sighting = watched.see(None, [COIN], 4)
     assert max(point_errors_mm(sighting, COIN)) < 0.3
-    assert watched.pipeline.doubt is None and watched.pipeline.correction is None
+    assert watched.pipeline.doubt is None and watched.pipeline.standpoint.correction is None
 
 
 def test_slow_drift_below_the_limit_is_corrected(watched):
@@ -106,7 +66,7 @@ def test_slow_drift_below_the_limit_is_corrected(watched):
         assert watched.sighting.reason is None or number == 0
     sighting = watched.see(nudge(2.4, 0, 1.5), [COIN], 12)
     assert max(point_errors_mm(sighting, COIN)) < 0.45  # what drifts by less than 0.8 px is left
-    assert watched.pipeline.correction.shift_px > 1.5
+    assert watched.pipeline.standpoint.correction.shift_px > 1.5
 
 
 def test_one_nudge_after_another_is_measured_from_the_background(watched):
@@ -124,7 +84,7 @@ def test_what_is_not_corrected_stays_silent_and_says_why(limits, matrix, why):
     watched = Watched(limits=limits)
     reason = watched.see(matrix, [COIN], 20).reason
     assert reason.kind == 'view_moved' and why in reason.sentence
-    assert watched.pipeline.correction is None
+    assert watched.pipeline.standpoint.correction is None
 
 
 def test_zero_px_never_corrects():
@@ -180,14 +140,15 @@ def test_new_background_keeps_the_correction(watched):
 
 
 def test_background_is_kept_as_the_calibrated_camera_sees_it(watched):
-    taken = watched.pipeline.background_as_calibrated
+    taken = watched.pipeline.standpoint.background_as_calibrated.picture
     assert taken is watched.pipeline.background
     watched.see(MATRIX, [COIN], 3)
-    assert watched.pipeline.background_as_calibrated is taken
+    assert watched.pipeline.standpoint.background_as_calibrated.picture is taken
     watched.pipeline.capture_background(1)
     watched.see(MATRIX, count=3)
     again = Watched(watched.table, begin=False)
-    again.pipeline.restore_background(watched.pipeline.background_as_calibrated, 5.0)
+    kept = watched.pipeline.standpoint.background_as_calibrated
+    again.pipeline.restore_background(kept.picture, 5.0)
     assert max(point_errors_mm(again.see(MATRIX, [COIN], 6), COIN)) < 0.4
     assert again.pipeline.doubt.kind == 'view_corrected'
 
@@ -237,7 +198,7 @@ def test_another_surface_waits_for_its_background(watched):
     reason = watched.see(nudge(40, 0), count=3).reason._replace(kind='by_hand')
     surface = calibrated(**{'surface.homography.surface_from_pixel':
                             [CM_PER_PX, 0.0, -2.0, 0.0, CM_PER_PX, 0.0, 0.0, 0.0, 1.0]})
-    watched.pipeline.use_surface(SurfaceInForce(surface, reason=reason))
+    watched.pipeline.standpoint.use_surface(SurfaceInForce(surface, reason=reason))
     assert watched.see(nudge(40, 0), [COIN], 12).reason.kind in ('view_moved', 'view_unknown')
     watched.pipeline.capture_background(1)
     watched.see(nudge(40, 0), count=3)
@@ -251,7 +212,7 @@ def test_another_surface_waits_for_its_background(watched):
 def test_surface_of_one_colour_is_not_corrected():
     watched = Watched(NudgedTable(plain))
     assert watched.see(nudge(6, 2), [COIN], 12).reason is None
-    assert watched.pipeline.correction is None
+    assert watched.pipeline.standpoint.correction is None
 
 
 def test_recording_is_not_corrected():

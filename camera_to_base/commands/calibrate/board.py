@@ -1,0 +1,114 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`calibrate board`: the surface from pictures of a chessboard that lies on it."""
+
+import argparse
+from typing import Any, Dict, List, Tuple
+
+from camera_to_base.calibration import (
+    calibrate_placements, make_placement, map_lines, Placement, PrintedBoard, read_camera_info,
+    refuse_unlike, Report, shares_of, SURFACE, uncovered)
+from camera_to_base.commands.calibrate.files import camera_values, check_outputs, write_part
+from camera_to_base.commands.calibrate.prompts import ask, tell, until_right
+from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
+from camera_to_base.simulation import SimulatedChessboard
+from camera_to_base.sources import (
+    FrameSource, median_frame, open_frame_source, read_picture)
+
+
+def run_board(options: argparse.Namespace) -> Report:
+    """Calibrate the surface, and write the file."""
+    outputs = check_outputs(options, SURFACE, *options.pictures, options.intrinsics)
+    intrinsics = read_camera_info(options.intrinsics) if options.intrinsics else None
+    board, source_values = _printed_board(options), {}
+    if options.camera is None:
+        placements = [_from_file(board, path, number, len(options.pictures) > 1)
+                      for number, path in enumerate(options.pictures)]
+        refuse_unlike(placements)
+    else:
+        placements, source_values = _from_camera(board, options)
+    calibration = calibrate_placements(board, placements, intrinsics)
+    return write_part(calibration, outputs, SURFACE, source_values)
+
+
+def _printed_board(options: argparse.Namespace) -> PrintedBoard:
+    return PrintedBoard(
+        options.corners, options.square_mm, options.charuco, options.origin_corner,
+        options.origin_mm, options.yaw_deg)
+
+
+def _from_file(
+    board: PrintedBoard, path: str, number: int, says_name: bool
+) -> Placement:
+    picture = read_picture(path)
+    placement = make_placement(board, picture.frame, path, number, says_name)
+    if picture.is_shown_turned:
+        placement.doubts.append(
+            'the EXIF orientation of the picture asks viewers to turn or mirror it; it was used '
+            "as it is stored, as the node gets a camera's frames: if that is another program's "
+            'picture, take one with --camera')
+    return placement
+
+
+def _from_camera(
+    board: PrintedBoard, options: argparse.Namespace
+) -> Tuple[List[Placement], Dict[str, Any]]:
+    """Take the pictures, guided from one placement to the next; return the source's values."""
+    source, values = _open_camera(options)
+    placements: List[Placement] = []
+    try:
+        while len(placements) < options.placements:
+            number = len(placements)
+            if number:
+                _guide(placements, options.placements, source)
+
+            def take() -> Placement:
+                found = make_placement(
+                    board, median_frame(source), f'camera {options.camera}', number,
+                    says_name=number > 0)
+                refuse_unlike([*placements, found])
+                return found
+
+            placements.append(take() if options.placements == 1 else until_right(
+                take, 'Press Enter to take the picture again, q to stop:'))
+    finally:
+        source.release()
+    return placements, values
+
+
+def _guide(placements: List[Placement], wanted: int, source: FrameSource) -> None:
+    shares = shares_of(placements)
+    tell(f'{len(placements)} of {wanted} taken. The picture so far, # is covered, + in part:')
+    for line in map_lines(shares):
+        tell(f'    {line}')
+    missing = ' or '.join(uncovered(shares)[:2]) or 'anywhere'
+    if isinstance(source, SimulatedChessboard):
+        pixel, yaw_deg = source.free_place(len(placements))
+        source.lay(pixel, yaw_deg)
+        tell('The simulated board was laid elsewhere.')
+    else:
+        ask(f'Lay the board elsewhere, best {missing}, without moving the camera; turn it a '
+            'little. Then press Enter:')
+
+
+def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, Any]]:
+    size = options.image_size or DEFAULT_IMAGE_SIZE
+    if options.camera != 'simulated':
+        return open_frame_source(options.camera, size), camera_values(options.camera)
+    chessboard = SimulatedChessboard(
+        *options.corners, options.square_mm / 10, image_size=size,
+        tilt_deg=options.simulated_tilt_deg)
+    return chessboard, {'source': 'simulated', 'calibration.device': 'simulated',
+                        'simulated.tilt_deg': options.simulated_tilt_deg}

@@ -1,0 +1,141 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The files that `calibrate` writes: a parameter file that grows with each step, and a picture."""
+
+import argparse
+import os
+from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional
+
+from camera_to_base.calibration import (
+    Calibration, cell_text, grown, part_values, parts_to_lose, Report, report_lines, SURFACE,
+    TITLE, without_report)
+from camera_to_base.drawing import check_picture_path, encoded_picture
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.files import (
+    check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
+from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections
+from camera_to_base.sources import DEVICE, kind_of, lasting_name
+
+
+class Outputs(NamedTuple):
+    """
+    The files to write.
+
+    :param file: The parameter file.
+    :param picture: The report picture; None for none.
+    :param old: What the file holds already; None if it is new, or is replaced as a whole.
+    """
+
+    file: str
+    picture: Optional[str]
+    old: Optional[ParameterFile]
+
+
+def sheet_output(options: argparse.Namespace) -> str:
+    """
+    Check the path of a file that is written as a whole.
+
+    :raises InvalidValueError: If it cannot be written, or exists without --force.
+    """
+    check_folder(options.output, 'file')
+    regular_target(options.output)
+    if not options.force:
+        refuse_existing([options.output])
+    return options.output
+
+
+def check_outputs(
+    options: argparse.Namespace, part: str, *sources: Optional[str], may_picture: bool = True
+) -> Outputs:
+    """
+    Check the paths of the files to write, before anything is measured.
+
+    :param part: The part of the calibration that the file gets.
+    :param sources: The paths of the files that are read.
+    :raises InvalidValueError: If one cannot be written, or something would be lost and --force
+        is not given.
+    """
+    file, picture = options.output, None
+    if may_picture:
+        picture = options.picture or f'{os.path.splitext(file)[0]}_report.png'
+        check_picture_path(picture)
+    written = list(filter(None, (file, picture)))
+    refuse_same_file([*sources, *written])
+    for path in written:
+        check_folder(path, 'file')
+        regular_target(path)
+    old = _old_file(file)
+    if not options.force:
+        _refuse_loss(file, old, part)
+        refuse_existing(written[1:])
+    return Outputs(file, picture, old)
+
+
+def write_part(
+    calibration: Calibration, outputs: Outputs, part: str,
+    values: Optional[Mapping[str, Any]] = None, comments: Iterable[str] = (),
+) -> Report:
+    """
+    Write the parameter file with a new part, and the picture; return the report.
+
+    :param values: Further parameters by full name.
+    :param comments: Further lines for the file's top.
+    """
+    growth = grown(outputs.old.values if outputs.old else {},
+                   {**(values or {}), **part_values(calibration)}, part)
+    report = calibration.report
+    report['warnings'] += growth.warnings
+    kept = []
+    if outputs.old is not None and part != SURFACE:
+        kept = without_report(
+            [line for line in outputs.old.comments if line != TITLE], report['model'])
+    text = cell_text(growth.values, [*report_lines(report), *comments], kept)
+    contents = {outputs.file: text.encode()}
+    if outputs.picture is not None:
+        contents[outputs.picture] = encoded_picture(outputs.picture, calibration.picture)
+    backups = write_files(contents, keep_old=True)
+    names = {'file': outputs.file, 'picture': outputs.picture}
+    return {**report, **{name: path for name, path in names.items() if path}, 'kept': backups}
+
+
+def camera_values(camera: str) -> Dict[str, Any]:
+    """Return the parameters that say which camera a surface was calibrated with."""
+    device = lasting_name(camera)
+    values: Dict[str, Any] = {'calibration.device': device}
+    if kind_of(camera).is_live:
+        values['source'] = device if kind_of(device) == DEVICE else camera
+    return values
+
+
+def _old_file(path: str) -> Optional[ParameterFile]:
+    """Read the file that is there already; None if it is not one for all nodes alone."""
+    if not os.path.isfile(path):
+        return None
+    try:
+        sections = {section.node for section in read_sections(path)}
+        return read_parameter_file(path) if sections == {'/**'} else None
+    except CameraToBaseError:
+        return None
+
+
+def _refuse_loss(path: str, old: Optional[ParameterFile], part: str) -> None:
+    if old is None:
+        refuse_existing([path])
+        return
+    lost = parts_to_lose(old.values, part)
+    if lost:
+        raise InvalidValueError(
+            f"'{path}' exists already with {' and '.join(lost)}: name another file, or replace "
+            f'{"them" if len(lost) > 1 else "it"} with --force')

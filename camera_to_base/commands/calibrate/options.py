@@ -1,0 +1,196 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Command-line options of `calibrate`."""
+
+import argparse
+import re
+from typing import Any, List, Optional, Tuple
+
+from camera_to_base.calibration import PAPERS
+from camera_to_base.commands.calibrate.examples import DESCRIPTION, EXAMPLES
+from camera_to_base.commands.calibrate.marker_options import (
+    add_base_z, add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
+from camera_to_base.commands.parser import CommandParser
+from camera_to_base.errors import InvalidValueError
+
+_EXAMPLES = {**EXAMPLES, 'markers': MARKERS_EXAMPLES}
+
+
+def parse(args: Optional[List[str]]) -> argparse.Namespace:
+    """
+    Parse the command line; `command` is the subcommand's name.
+
+    :raises InvalidValueError: If an option has an invalid value.
+    :raises SystemExit: With code 0 after --help, with 1 if an option is unknown or missing.
+    """
+    options = _parser().parse_args(args)
+    for name in ('corners', 'image_size'):
+        text = getattr(options, name, None)
+        if text is not None:
+            setattr(options, name, _two_counts('--' + name.replace('_', '-'), text))
+    if options.command == 'board':
+        _check_board_source(options)
+    return options
+
+
+def _check_board_source(options: argparse.Namespace) -> None:
+    if bool(options.pictures) == (options.camera is not None):
+        raise InvalidValueError(
+            'expected pictures of the board, or --camera: calibrate board board.png -o cell.yaml, '
+            'or calibrate board --camera 0 -o cell.yaml')
+    if options.placements < 1 or options.placements > 20:
+        raise InvalidValueError(f'--placements must be 1..20, got {options.placements}')
+    if options.charuco and options.camera == 'simulated':
+        raise InvalidValueError(
+            'the simulated camera shows a chessboard without markers: leave out --charuco')
+    if options.placements > 1 and options.camera is None:
+        raise InvalidValueError(
+            '--placements needs --camera: of pictures, give one for each place')
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = CommandParser(
+        prog='calibrate', description=DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(
+        dest='command', required=True, parser_class=CommandParser,
+        metavar='sheet | board | markers | points | base | check | status')
+    _add_sheet(_command(commands, 'sheet', 'a chessboard to print'))
+    _add_board(_command(commands, 'board',
+                        'the surface, from one picture of a chessboard that lies on it'))
+    add_markers(_command(commands, 'markers',
+                         'where markers lie on the surface, from pictures of them'))
+    points = _command(commands, 'points', 'the surface, from a table of points')
+    points.add_argument('table', metavar='TABLE.csv')
+    points.add_argument('--model', choices=('homography', 'polynomial'), default='homography',
+                        help="homography, or the tutorial's two quadratics (default: %(default)s)")
+    _add_image_size(points, 'of the picture that the points were measured in')
+    _add_output(points)
+    _add_base(_command(commands, 'base',
+                       'the pose of the camera frame in the base frame, from pairs of points'))
+    check = _command(commands, 'check', 'the error of a calibration on other points')
+    check.add_argument('file', metavar='FILE', help='from calibrate board or calibrate points')
+    check.add_argument('table', metavar='TABLE.csv')
+    status = _command(commands, 'status', 'what a parameter file holds, and what it lacks')
+    status.add_argument('file', metavar='FILE')
+    return parser
+
+
+def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
+    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells'}.get(
+        name, 'Calibrates')
+    command = commands.add_parser(
+        name, help=purpose, description=f'{does} {purpose}.\n{_EXAMPLES[name]}',
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    command.add_argument('--json', action='store_true',
+                         help='print the report as one JSON object')
+    return command
+
+
+def _add_sheet(sheet: argparse.ArgumentParser) -> None:
+    sheet.add_argument('--paper', choices=tuple(PAPERS), default='A4',
+                       help='(default: %(default)s)')
+    sheet.add_argument('--corners', default='9x6', metavar='9x6',
+                       help='inner corners along a row and along a column; one even and one odd '
+                            'give the board one origin (default: %(default)s)')
+    sheet.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+                       help="a square's edge (default: %(default)g)")
+    sheet.add_argument('--charuco', action='store_true',
+                       help='with markers in the white squares: a part of the board is enough')
+    add_sheet_markers(sheet)
+    sheet.add_argument('-o', '--output', required=True, metavar='FILE',
+                       help='the file to write: .pdf, .svg or .png')
+    sheet.add_argument('--force', action='store_true', help='overwrite a file')
+
+
+def _add_board(board: argparse.ArgumentParser) -> None:
+    board.add_argument('pictures', nargs='*', metavar='PICTURE',
+                       help='several show the board in several places, taken by the camera in one '
+                            'place; the first one defines the camera frame')
+    board.add_argument('--camera', metavar='SOURCE',
+                       help="instead of a picture: a device, a video, a stream's URL, or "
+                            'simulated; the median of several frames')
+    board.add_argument('--placements', type=int, default=1, metavar='N',
+                       help='number of places that the board is laid in, with --camera; it asks '
+                            'for each, and says where to (default: %(default)s)')
+    board.add_argument('--corners', default='9x6', metavar='9x6',
+                       help='number of inner corners, where four squares meet, along a row and '
+                            'along a column: one less than the squares (default: %(default)s)')
+    board.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+                       help="a square's edge as printed: measure it (default: %(default)g, as "
+                            'calibrate sheet prints it)')
+    board.add_argument('--charuco', action='store_true',
+                       help='the board has markers, as calibrate sheet --charuco prints it; it '
+                            "may be partly covered, or cut off by the picture's edge")
+    board.add_argument('--origin-corner', type=int, default=0, metavar='0..3',
+                       help='which of the four outermost corners is the origin, clockwise from '
+                            'the first (default: %(default)s)')
+    board.add_argument('--origin-mm', type=float, nargs=2, default=(0.0, 0.0), metavar=('X', 'Y'),
+                       help='move the origin along the board from that corner')
+    board.add_argument('--yaw-deg', type=float, default=0.0, metavar='DEG',
+                       help="turn the camera frame from the board's x towards its y")
+    board.add_argument('--intrinsics', metavar='CAMERA_INFO.yaml',
+                       help="the lens as ROS's camera_calibration writes it: gives the camera's "
+                       'height and foot point, which object_height_cm needs')
+    _add_image_size(board, 'requested from --camera')
+    board.add_argument('--simulated-tilt-deg', type=float, default=0.0, metavar='DEG',
+                       help='tilt of --camera simulated (default: %(default)s)')
+    _add_output(board)
+
+
+def _add_base(base: argparse.ArgumentParser) -> None:
+    base.add_argument('table', nargs='?', metavar='PAIRS.csv')
+    base.add_argument('--live', metavar='FILE',
+                      help='instead of a table: ask for one object after the other, with the '
+                           'surface in FILE, and add the base frame to it. Positions come from '
+                           'the running camera_publisher, or from the camera that FILE names')
+    base.add_argument('--places', type=int, default=5, metavar='5',
+                      help='number of objects for --live (default: %(default)s)')
+    base.add_argument('--camera', metavar='SOURCE', help='camera for --live, whatever runs')
+    base.add_argument('--markers', metavar='FILE',
+                      help='instead of a table: the robot touches the middle of each marker that '
+                           'FILE knows; no object and no camera is needed')
+    add_robot_topic(base, '--live and --markers')
+    base.add_argument('--namespace', metavar='NAMESPACE',
+                      help='namespace of the running camera_publisher, for --live')
+    base.add_argument('--surface', metavar='FILE',
+                      help='a parameter file whose parameters and comments are copied into the '
+                           'output, so that one file serves both nodes; the pairs are checked '
+                           'against it')
+    add_base_z(base)
+    base.add_argument('-o', '--output', metavar='FILE',
+                      help='the parameter file to write (with --live and --markers: that file)')
+    base.add_argument('--force', action='store_true', help='overwrite files')
+
+
+def _add_image_size(command: argparse.ArgumentParser, which: str) -> None:
+    command.add_argument('--image-size', metavar='640x480',
+                         help=f'width and height {which}, in px')
+
+
+def _add_output(command: argparse.ArgumentParser) -> None:
+    command.add_argument('-o', '--output', required=True, metavar='FILE',
+                         help='the parameter file to write')
+    command.add_argument('--force', action='store_true', help='overwrite files')
+    command.add_argument('--picture', metavar='REPORT.png',
+                         help='the report picture to write (default: FILE_report.png)')
+
+
+def _two_counts(name: str, text: str) -> Tuple[int, int]:
+    match = re.fullmatch(r'(\d{1,5})[xX](\d{1,5})', text)
+    if match is None:
+        raise InvalidValueError(f"{name} must be two counts as in 9x6, got '{text}'")
+    return int(match[1]), int(match[2])

@@ -1,0 +1,48 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Derives from the usual rate of pictures after which time without one the camera is lost."""
+
+from collections import deque
+from statistics import median_low
+from typing import Deque
+
+from camera_to_base.sources.live.reader_status import LOST_AFTER_S
+
+_USUAL_INTERVALS = 2.5
+_LONGEST_S = 10.0
+
+
+class SilenceLimit:
+    """
+    Measures the rate of pictures, which is not known in advance.
+
+    The limit is 2.5 usual intervals, but at least 1 s and at most 10 s. The usual interval is the
+    lower median of the last five, so that a single silence does not change it.
+    """
+
+    def __init__(self) -> None:
+        self._arrivals: Deque[float] = deque(maxlen=6)
+
+    def note(self, arrived_at: float) -> None:
+        """Record the arrival of a picture, by time.monotonic()."""
+        self._arrivals.append(arrived_at)
+
+    @property
+    def seconds(self) -> float:
+        """Time without a picture after which the camera counts as lost."""
+        arrivals = [*self._arrivals]
+        intervals = [later - earlier for earlier, later in zip(arrivals, arrivals[1:])]
+        usual = median_low(intervals) if intervals else 0.0
+        return min(_LONGEST_S, max(LOST_AFTER_S, _USUAL_INTERVALS * usual))
