@@ -80,6 +80,7 @@ class SavedFile(Action):
 
 
 SESSION_ACTIONS = [
-    ('/api/(board|robot|simulated)/([a-z_0-9]+)', SessionStep), ('/api/(save|areas)', WholePart),
+    ('/api/(board|markers|robot|simulated)/([a-z_0-9]+)', SessionStep),
+    ('/api/(save|areas)', WholePart),
     ('/api/report/([a-z]+[.](?:png|txt))', ReportPart), ('/api/sheet', Sheet),
     ('/api/file', SavedFile)]
