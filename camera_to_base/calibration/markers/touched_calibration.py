@@ -13,7 +13,7 @@
 # limitations under the License.
 """The surface and the base frame together, from markers that the robot has touched."""
 
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Collection, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 from camera_to_base.calibration.error_map import ErrorMap
 from camera_to_base.calibration.figures import coverage, error_figures, MM_PER_CM
@@ -67,12 +67,17 @@ def markers_to_touch(frames: Sequence[Corners]) -> List[int]:
     """
     seen = sorted(steady_corners(frames))
     if len(seen) < LEAST_TOUCHED:
-        missing = [number for number in range(LEAST_TOUCHED) if number not in seen]
-        raise CalibrationError(
-            f'marker {" and ".join(map(str, missing))} is not seen, only '
-            f'{", ".join(map(str, seen))}: without a calibrated surface all four are needed; '
-            'show it larger, sharper and not covered')
+        _refuse_missing(range(LEAST_TOUCHED), seen)
     return seen
+
+
+def _refuse_missing(wanted: Sequence[int], seen: Collection[int]) -> None:
+    missing = [str(number) for number in wanted if number not in seen]
+    if missing:
+        raise CalibrationError(
+            f'marker {" and ".join(missing)} is not seen, only {", ".join(map(str, seen))}: '
+            'without a calibrated surface all four are needed; show it larger, sharper and not '
+            'covered')
 
 
 def calibrate_touched_markers(
@@ -100,6 +105,7 @@ def calibrate_touched_markers(
     for _ in range(_ROUNDS):
         # A marker at the picture's edge may be lost where the lens moves its edges.
         corners = {**corners, **steady_corners(look(lens))}
+        _refuse_missing(numbers, corners)
         checked = checked_fit(
             TouchedMarkers(numbers, np.array([corners[number] for number in numbers]), touches,
                            marker_mm / MM_PER_CM), image_size, base_z)

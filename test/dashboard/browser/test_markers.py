@@ -49,13 +49,8 @@ def test_from_seen_markers_to_a_saved_base_frame(page):
     page.wait_for('Seen: 0, 1, 2, 3.', '#part-calibrate')
     wait_until(lambda: len(page.elements('#part-calibrate .picture circle.pair')) == 4,
                lambda: page.read('#part-calibrate'))
-
-    def are_learned():
-        if page.button('Learn these markers', '#part-calibrate'):
-            page.click('Learn these markers', '#part-calibrate')
-        return 'knows the markers 0, 1, 2, 3' in page.read('#part-calibrate')
-
-    wait_until(are_learned, lambda: page.read())
+    page.click('Learn these markers', '#part-calibrate')
+    page.wait_for('knows the markers 0, 1, 2, 3', '#part-calibrate')
     page.go_to('robot')
     page.click('Start', '#part-robot')
     markers = SimulatedBoard(image_size=(640, 480)).true_markers

@@ -59,7 +59,7 @@ class MarkerSession:
             'seen': [{'number': number, 'pixel': np.round(corners.mean(axis=0), 1).tolist()}
                      for number, corners in sorted(seen.items())],
             'missing': [number for number in _PRINTED if number not in seen],
-            'known': sorted(self.known), 'error': self._error,
+            'can_learn': self._can_learn, 'known': sorted(self.known), 'error': self._error,
             'hint': self._hint() if self._is_on else ''}
 
     @property
@@ -102,7 +102,7 @@ class MarkerSession:
 
         :raises CameraToBaseError: If they cannot be learned.
         """
-        if not self._is_on or len(self._looks) < _LOOKS:
+        if not self._can_learn:
             raise InvalidValueError('wait until the markers have been seen for two seconds')
         learned = learned_markers(list(self._looks), self._values.camera, source='the page')
         return self._values.with_part(learned.values, MARKERS)
@@ -111,6 +111,10 @@ class MarkerSession:
         """Look no more: the node knows the markers."""
         self._is_on = False
         self._on_change()
+
+    @property
+    def _can_learn(self) -> bool:
+        return self._is_on and len(self._looks) == _LOOKS
 
     def _hint(self) -> str:
         if not self._looks:

@@ -37,7 +37,7 @@ export function createMarkers() {
     show(look, isLooking);
     show(start, !isLooking);
     start.disabled = Boolean(state.needs);
-    learn.disabled = state.seen.length < 3;
+    learn.disabled = !state.can_learn || state.seen.length < 3;
     setText(hint, state.error ?? state.hint);
     setText(known, state.error ?? state.needs ?? (state.known.length ?
       `The camera node knows the markers ${state.known.join(', ')}. The robot can touch them.` :
