@@ -54,10 +54,10 @@ setup(
     },
     entry_points={
         'console_scripts': [
-            'calibrate = camera_to_base.commands.calibrate.command:main',
+            'calibrate = camera_to_base.commands.executables:calibrate',
             'camera_publisher = camera_to_base.nodes.executables:camera_publisher',
             'dashboard = camera_to_base.dashboard.executable:dashboard',
-            'locate = camera_to_base.commands.locate.command:main',
+            'locate = camera_to_base.commands.executables:locate',
             'robot_base_publisher = camera_to_base.nodes.executables:robot_base_publisher',
             'robotic_arm_publishing_subscriber = '
             'camera_to_base.nodes.executables:robot_base_publisher',

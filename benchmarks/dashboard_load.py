@@ -26,7 +26,6 @@ costs on a busy machine, too.
 
 import argparse
 import asyncio
-import json
 import os
 import signal
 import socket
@@ -40,6 +39,7 @@ from nodes import cpu_seconds, executable
 import numpy as np
 import rclpy
 from rclpy.signals import SignalHandlerOptions
+from rows import print_rows
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 
@@ -216,12 +216,7 @@ def main() -> None:
         one.bind(('127.0.0.1', 0))
         port = one.getsockname()[1]
     turns, seconds = (1, 3.0) if arguments.quick else (4, 15.0)
-    rows = measure(port, turns, seconds)
-    for row in rows:
-        print('  '.join(f'{name} {value}' for name, value in row.items()))
-    if arguments.json:
-        with open(arguments.json, 'w', encoding='utf-8') as file:
-            json.dump(rows, file, indent=1)
+    print_rows(measure(port, turns, seconds), arguments.json)
     rclpy.shutdown()
 
 

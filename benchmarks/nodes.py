@@ -19,7 +19,6 @@ Run it where the package is sourced, or by `scripts/benchmark nodes`.
 """
 
 import argparse
-import json
 import os
 import platform
 from statistics import median
@@ -30,6 +29,7 @@ import time
 from ament_index_python.packages import get_package_prefix
 import rclpy
 from rclpy.signals import SignalHandlerOptions
+from rows import print_rows
 from std_msgs.msg import Float64MultiArray
 
 RELAY = [sys.executable, os.path.join(os.path.dirname(os.path.abspath(__file__)), 'relay.py')]
@@ -47,14 +47,10 @@ def main():
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     print(f'Python {platform.python_version()}, {platform.machine()}, {os.cpu_count()} CPUs, '
           f'{rounds} rounds of {messages} messages, interleaved, medians')
-    rows = message_costs(rounds, messages) + [
+    print_rows(message_costs(rounds, messages) + [
         start_up('robot_base_publisher', [], rounds),
-        start_up('camera_publisher', ['--ros-args', '-p', 'source:=random'], rounds)]
-    for row in rows:
-        print('  '.join(f'{name} {value}' for name, value in row.items()))
-    if arguments.json:
-        with open(arguments.json, 'w') as file:
-            json.dump(rows, file, indent=1)
+        start_up('camera_publisher', ['--ros-args', '-p', 'source:=random'], rounds)],
+        arguments.json)
     rclpy.shutdown()
 
 

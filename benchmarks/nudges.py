@@ -21,6 +21,8 @@ turn, nothing else happens, a hand reaches in, the light changes, or the coin is
 time. A point is wrong if it is more than 1 mm from the coin. A nudge is corrected if right
 positions come within 1.5 s from its end; the table also shows in how many cases nothing was
 published at all, the errors, and how many of the points lie outside their own 99 % ellipse.
+
+With --drifts, the camera creeps instead: 15 px in 150 s, seen at 5 frames a second.
 """
 
 import argparse
@@ -36,10 +38,11 @@ from camera_to_base.surface import HomographySurface, RadialDistortion
 from camera_to_base.trust import CameraPipeline, Limits
 from camera_to_base.uncertainty import position_uncertainty, radius_for, triangle_of
 import cv2
-from nudge_scenes import Camera, MM_PER_PX, random_nudge
+from nudge_scenes import Camera, MM_PER_PX, MOTIONS, random_nudge
 import numpy as np
 
 WRONG_MM, IN_TIME_S, AFTER_S = 1.0, 1.5, 1.6
+DRIFT_PX, DRIFT_S, DRIFT_FRAMES_PER_S = 15.0, 150.0, 5.0
 CASES = 'coin', 'hand', 'light', 'moved coin'
 SURFACES = 'wood', 'tiles', 'print', 'faint grain'
 
@@ -71,12 +74,12 @@ class Watcher:
                 for one in sighting.objects], None
 
 
-def nudged(name, random, surface=None, case=None):
+def nudged(name, random, surface=None, case=None, motion='mixed'):
     """Nudge a camera once; give a row of what came of it."""
     table = scenes.Table(name, random, surface)
     camera = Camera(table, random, random.choice([0.0, random.uniform(-0.15, 0.05)]))
     length_px, frames_per_s = random.uniform(1, 20), random.uniform(10, 30)
-    nudge, moving = random_nudge(random, length_px), int(random.choice(
+    nudge, moving = random_nudge(random, length_px, motion), int(random.choice(
         [0, random.uniform(0, 0.5) * frames_per_s]))
     case = case or CASES[random.integers(len(CASES))]
     at, colour = random.uniform((90, 90), (550, 390)), table.unlike(random)
@@ -101,6 +104,27 @@ def nudged(name, random, surface=None, case=None):
             row['back_s'] = (number - moving) / frames_per_s
     row['reason'] = None if row['reason'] is None else row['reason'].kind
     row['is_corrected'] = row['back_s'] is not None and row['back_s'] <= IN_TIME_S
+    return row
+
+
+def drifted(name, random, surface=None):
+    """Let the camera creep; give a row of what came of it."""
+    table = scenes.Table(name, random, surface)
+    camera = Camera(table, random, random.choice([0.0, random.uniform(-0.15, 0.05)]))
+    move, frames = random_nudge(random, DRIFT_PX), int(DRIFT_S * DRIFT_FRAMES_PER_S)
+    at, colour = random.uniform((60, 60), (580, 420)), table.unlike(random)
+    watcher = Watcher(camera, DRIFT_FRAMES_PER_S)
+    row = {'surface': name, 'case': 'drift', 'length_px': DRIFT_PX, 'frames': frames, 'wrong': 0,
+           'outside': 0, 'points': 0, 'errors_mm': [], 'back_s': None, 'reason': None}
+    for number in range(-6, frames):
+        draw = [scenes.coin(at, colour=colour)] if number >= -3 else []
+        points, reason = watcher.see(camera.shoot(move(max(number, 0) / frames), draw))
+        for point, covariance in points:
+            _judge(row, point - at * MM_PER_PX, covariance, number >= 0)
+    row['reason'] = None if reason is None else reason.kind
+    # Corrected all the way: a position of nearly each frame, and of the last one.
+    row['is_corrected'] = reason is None and row['points'] > 0.98 * frames
+    row['back_s'] = 0.0 if row['is_corrected'] else None
     return row
 
 
@@ -130,7 +154,7 @@ def told(rows):
     points = max(sum(row['points'] for row in rows), 1)
     text = (f'{len(rows):5} nudges, wrong {sum(row["wrong"] for row in rows)} points, corrected '
             f'{sum(row["is_corrected"] for row in rows) / len(rows):.0%}')
-    if errors:
+    if errors and back:
         text += (f', error mean {np.mean(errors):.2f}, 99 % {np.percentile(errors, 99):.2f}, '
                  f'worst {max(errors):.2f} mm, outside '
                  f'{sum(row["outside"] for row in rows) / points:.1%}, back in '
@@ -143,6 +167,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--nudges', type=int, default=75, help='of each surface')
     parser.add_argument('--seed', type=int, default=1)
+    parser.add_argument('--motion', choices=MOTIONS, default='mixed')
+    parser.add_argument('--drifts', type=int, default=0,
+                        help='of each surface, instead of nudges')
     parser.add_argument('--surfaces', nargs='+', default=SURFACES, metavar='NAME')
     parser.add_argument('--pictures', nargs='+', metavar='FILE', default=[],
                         help='pictures or videos to take the surfaces from, for drawn ones')
@@ -151,11 +178,14 @@ def main():
     arguments = parser.parse_args()
     surfaces = {Path(name).name: scenes.picture(name) for name in arguments.pictures}
     surfaces = surfaces or dict.fromkeys(arguments.surfaces)
-    count, rows = 1 if arguments.quick else arguments.nudges, []
+    count, rows = arguments.drifts or (1 if arguments.quick else arguments.nudges), []
     print(f'OpenCV {cv2.__version__}, seed {arguments.seed}')
     for index, (name, surface) in enumerate(surfaces.items()):
-        own = [nudged(name, np.random.default_rng([arguments.seed, index, number]), surface,
-                      CASES[number % len(CASES)]) for number in range(count)]
+        randoms = [np.random.default_rng([arguments.seed, index, number])
+                   for number in range(count)]
+        own = [drifted(name, random, surface) if arguments.drifts else nudged(
+            name, random, surface, CASES[number % len(CASES)], arguments.motion)
+            for number, random in enumerate(randoms)]
         print(f'{name:16}{told(own)}', flush=True)
         rows += own
     for case in CASES:

@@ -29,9 +29,9 @@ from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
-    argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
-    image_input, is_wanted, kept_background, not_installed, plays_recording, recording_failure,
-    transform_arguments)
+    argument_warnings, Camera, check_frames, choose_cameras, driver_environment, driver_parameters,
+    DRIVERS, frames, image_input, is_wanted, kept_background, make_params_file, not_installed,
+    plays_recording, recording_failure, transform_arguments)
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown
@@ -42,6 +42,7 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 CONFIG = os.path.join(get_package_share_directory('camera_to_base'), 'config')
+LARGE_PICTURES = os.path.join(CONFIG, 'fastdds', 'large_pictures.xml')
 DEFAULT = Camera(os.path.join(CONFIG, 'overhead_camera.yaml'))
 
 
@@ -50,7 +51,8 @@ def generate_launch_description() -> LaunchDescription:
     arguments = [
         DeclareLaunchArgument(
             'params_file', default_value=DEFAULT.params_file,
-            description='Parameter file of both nodes.'),
+            description='Parameter file of both nodes. With dashboard:=true it is made if it does '
+                        'not exist.'),
         DeclareLaunchArgument(
             'source', default_value=DEFAULT.source,
             description='auto (then a source in the parameter file holds), random, simulated, a '
@@ -93,6 +95,9 @@ def _warn(context, names):
 
 def _start(context):
     camera = Camera(*(_value(context, name) for name in Camera._fields))
+    has_dashboard = is_wanted('dashboard', _value(context, 'dashboard'))
+    if has_dashboard and not _value(context, 'cameras'):
+        _make_params_file(camera)
     cameras = choose_cameras(_value(context, 'cameras'), camera, DEFAULT)
     playing, folder = set(cameras), _folder_of_this_launch()
     actions = [action for number, camera in enumerate(cameras) for action in _camera_actions(
@@ -104,9 +109,15 @@ def _start(context):
     if is_wanted('rviz', _value(context, 'rviz')):
         _require('rviz2', 'rviz:=true')
         actions += [_rviz(camera) for camera in cameras]
-    if is_wanted('dashboard', _value(context, 'dashboard')):
+    if has_dashboard:
         actions.append(_dashboard(cameras))
     return actions
+
+
+def _make_params_file(camera):
+    made = make_params_file(camera)
+    if made:
+        get_logger('camera_to_base').warning(made)
 
 
 def _folder_of_this_launch():
@@ -133,7 +144,8 @@ def _camera_actions(camera, playing, background_file):
         _require(camera.camera_driver, f'camera_driver:={camera.camera_driver}')
         actions.append(_node(
             camera, camera.camera_driver, DRIVERS[camera.camera_driver], camera.camera_driver,
-            parameters=[driver_parameters(camera)]))
+            parameters=[driver_parameters(camera)],
+            additional_env=driver_environment(LARGE_PICTURES, os.environ)))
     return actions
 
 

@@ -16,6 +16,7 @@
 Hold the fast detector against the tutorial's OpenCV calls, on frames made to part them.
 
     python3 test/equality.py --frames 100000 --seed 1
+    python3 test/equality.py --frames 100000 --seed 1 --sizes 24 260
 """
 
 import argparse
@@ -56,15 +57,20 @@ def outer_outlines(mask):
         outlines, key=lambda outline: -cv2.contourArea(outline))]
 
 
-def random_case(rng):
-    """Return settings and a background for a few frames."""
+def random_size(rng):
+    """Return a height and a width: mostly small, some as large as a camera's."""
     size = int(rng.integers(4))
-    height, width = (
+    return (
         rng.integers(1, 30, 2) if size == 0 else
         rng.integers(20, 120, 2) if size == 1 else
         rng.integers(100, 260, 2) if size == 2 else
         rng.integers((60, 200), (200, 420)) if rng.random() < .9 else
         rng.integers((200, 600), (500, 1000)))
+
+
+def random_case(rng, sizes=None):
+    """Return settings and a background for a few frames, with sides of `sizes`, least and most."""
+    height, width = random_size(rng) if sizes is None else rng.integers(sizes[0], sizes[1] + 1, 2)
     # Without any smoothing, every hole and island stays.
     other = int(rng.integers(1, 41)), int(rng.choice([1, 3, 5, 7, 9, 11]))
     closing, median = ([(20, 5)] * 6 + [(1, 1)] + [other] * 3)[rng.integers(10)]
@@ -191,12 +197,12 @@ def disturb(rng, frame, background, threshold, closing):
                 background.astype(int) + step, 0, 255), frame)
 
 
-def mismatches(frames, seed):
-    """Yield each case that differs; `frames` in all."""
+def mismatches(frames, seed, sizes=None):
+    """Yield each case that differs; `frames` in all, see `random_case`."""
     rng = np.random.default_rng(seed)
     done = found = 0
     while done < frames:
-        height, width, closing, median, threshold, background = random_case(rng)
+        height, width, closing, median, threshold, background = random_case(rng, sizes)
         detector = AbsoluteDifferenceDetector(
             background, threshold=threshold, closing_size=closing, median_size=median)
         for _ in range(min(8, frames - done)):
@@ -219,10 +225,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--frames', type=int, default=2000)
     parser.add_argument('--seed', type=int, default=1)
+    parser.add_argument('--sizes', type=int, nargs=2, metavar=('LEAST', 'MOST'),
+                        help='sides of the frames, in px; otherwise small ones and large ones')
     arguments = parser.parse_args()
     cv2.setNumThreads(1)
     started, wrong = time.time(), 0
-    for case in mismatches(arguments.frames, arguments.seed):
+    for case in mismatches(arguments.frames, arguments.seed, arguments.sizes):
         wrong += 1
         print('MISMATCH', *case)
         if wrong > 20:

@@ -27,8 +27,8 @@ MARKER_CM = 4.0
 PLACES = {0: (2.0, 2.0, 0.05), 1: (38.0, 2.0, 1.4), 2: (38.0, 28.0, -0.1), 3: (2.0, 28.0, 3.0)}
 _PX_PER_CM = 40
 _LEFT, _TOP, _RIGHT, _BOTTOM = -15, -15, 60, 50
-_WHITE, _BLACK, _GAMMA = 0.75, 0.04, 2.2
-_SAMPLES = 2
+_WHITE, _BLACK, _FLOOR, _GAMMA = 0.75, 0.04, 0.15, 2.2
+_SAMPLES, _NODES = 2, 24
 
 
 def marker_corners(places=PLACES):
@@ -52,9 +52,10 @@ class Table:
         grain = cv2.resize(grain, (width, height))
         self.picture = 0.25 + 0.06 * grain / grain.std()
         for number, place in places.items():
-            self._lay(number, *place)
+            self.lay(number, *place)
 
-    def _lay(self, number, x, y, yaw):
+    def lay(self, number, x, y, yaw):
+        """Lay a marker on the table, over what lies there."""
         paper = np.full((8, 8), _WHITE, np.float32)
         paper[1:7, 1:7][marker_cells(number)] = _BLACK
         paper = cv2.resize(paper, None, fx=40, fy=40, interpolation=cv2.INTER_NEAREST)
@@ -66,6 +67,12 @@ class Table:
         laid = cv2.warpAffine(paper, matrix, size)
         share = cv2.warpAffine(np.ones_like(paper), matrix, size)
         self.picture = np.where(share > 0.5, laid / np.maximum(share, 0.5), self.picture)
+
+    def light_at(self, places):
+        """Return the light from places, shape (h, w, 2), in cm."""
+        places = ((places - (_LEFT, _TOP)) * _PX_PER_CM - 0.5).astype(np.float32)
+        return cv2.remap(self.picture.astype(np.float32), places[..., 0], places[..., 1],
+                         cv2.INTER_LINEAR, borderValue=_FLOOR)
 
     def lay_coin(self, x, y, diameter_cm=2.4):
         """Lay a bright coin on the table."""
@@ -79,10 +86,15 @@ class Camera:
     A camera above the table.
 
     :param lens: Two radial coefficients, in units of the focal length.
+    :param centre_off: By how much its axis is beside the middle of the picture, in px.
     """
 
     def __init__(self, tilt_deg=20.0, azimuth_deg=70.0, away_cm=55.0, looks_at=(20.0, 15.0),
-                 roll_deg=0.0, size=(1280, 720), lens=(-0.1, 0.03), focal_px=None):
+                 roll_deg=0.0, size=(1280, 720), lens=(-0.1, 0.03), focal_px=None,
+                 centre_off=(0.0, 0.0)):
+        self.pose = {'tilt_deg': tilt_deg, 'azimuth_deg': azimuth_deg, 'away_cm': away_cm,
+                     'looks_at': tuple(looks_at), 'roll_deg': roll_deg, 'size': size,
+                     'lens': lens, 'focal_px': focal_px, 'centre_off': centre_off}
         tilt, azimuth, roll = np.radians([tilt_deg, azimuth_deg, roll_deg])
         # z of the camera frame points into the table.
         self.place = np.array([looks_at[0] + away_cm * np.sin(tilt) * np.cos(azimuth),
@@ -96,7 +108,7 @@ class Camera:
         self.rotation = np.array([right, np.cross(forward, right), forward])
         self.size, self.lens = size, lens
         self.focal_px = focal_px or 1000.0 * size[0] / 1280
-        self.centre = np.subtract(size, 1) / 2
+        self.centre = np.subtract(size, 1) / 2 + centre_off
 
     def project(self, points):
         """Return the pixels (n, 2) that show points (n, 2), in cm."""
@@ -111,24 +123,38 @@ class Camera:
         pixels = self.project(np.concatenate(list(marker_corners(places).values())))
         return bool((pixels > margin).all() and (pixels < np.array(self.size) - 1 - margin).all())
 
-    def frame(self, table, rng, blur=0.8, noise=2.0, jpeg=85):
-        """Return a picture of the table, shape (h, w, 3), uint8, BGR."""
+    def frame(self, table, rng, **webcam):
+        """Return a picture of the table, shape (h, w, 3), uint8, BGR, see `exposed`."""
+        return self.exposed(table.light_at(self.seen_places()), rng, **webcam)
+
+    def exposed(self, light, rng, blur=0.8, noise=2.0, jpeg=85, gamma=_GAMMA):
+        """
+        Return the picture of what reaches the lens, shape (h, w, 3), uint8, BGR.
+
+        :param light: At the places of `seen_places`.
+        """
         width, height = self.size
-        columns, rows = ((np.arange(length * _SAMPLES) + 0.5) / _SAMPLES - 0.5
-                         for length in self.size)
-        places = self._points(np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2))
-        places = ((places - (_LEFT, _TOP)) * _PX_PER_CM - 0.5).astype(np.float32)
-        places = places.reshape(height * _SAMPLES, width * _SAMPLES, 2)
-        light = cv2.remap(table.picture.astype(np.float32), places[..., 0], places[..., 1],
-                          cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
         light = cv2.resize(light, self.size, interpolation=cv2.INTER_AREA)
         light = cv2.GaussianBlur(light, (0, 0), blur)
         down, along = np.mgrid[:height, :width] / width
         light *= 1 + 0.2 * (along - 0.5) + 0.15 * down
-        grey = 255 * np.clip(light, 0, 1) ** (1 / _GAMMA) + rng.normal(0, noise, light.shape)
+        grey = 255 * np.clip(light, 0, 1) ** (1 / gamma) + rng.normal(0, noise, light.shape)
         picture = cv2.cvtColor(grey.clip(0, 255).round().astype(np.uint8), cv2.COLOR_GRAY2BGR)
         _, coded = cv2.imencode('.jpg', picture, [cv2.IMWRITE_JPEG_QUALITY, jpeg])
         return cv2.imdecode(coded, cv2.IMREAD_COLOR)
+
+    def seen_places(self):
+        """Return where the camera looks, two samples to a pixel, (2 h, 2 w, 2), in cm."""
+        # The map is smooth.
+        nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+        grid = [(nodes + 1) / 2 * length - 0.5 for length in self.size]
+        places = self._points(np.stack(np.meshgrid(*grid), axis=-1).reshape(-1, 2))
+        inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(nodes, _NODES - 1))
+        across, down = (np.polynomial.chebyshev.chebvander(
+            (np.arange(length * _SAMPLES) + 0.5) / (length * _SAMPLES) * 2 - 1, _NODES - 1
+        ) @ inverse for length in self.size)
+        return np.stack([down @ one.reshape(_NODES, _NODES) @ across.T
+                         for one in places.T], axis=-1)
 
     def _points(self, pixels):
         shown = (pixels - self.centre) / self.focal_px

@@ -129,7 +129,13 @@ def _status(report: Mapping[str, Any]) -> Iterator[str]:
     yield report['summary']
     yield from report['holds']
     yield from (f'not in the file: {part}' for part in report['lacks'])
+    if 'offer' in report:
+        yield f'running node: {report["offer"]}'
     yield f'next: {report["next"]}'
+
+
+def _kept_correction(report: Mapping[str, Any]) -> Iterator[str]:
+    yield f'kept: surface of {report["kept_correction"]}'
 
 
 def _markers(report: Mapping[str, Any]) -> Iterator[str]:
@@ -155,4 +161,5 @@ _PARTS = {
     'markers': _markers,
     'paper': _sheet,
     'status_of': _status,
+    'kept_correction': _kept_correction,
 }

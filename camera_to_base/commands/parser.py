@@ -12,9 +12,22 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The parser of the commands' options."""
+"""The parser of the commands' options, and the numbers in them."""
 
 import argparse
+
+
+def decimal(text: str) -> float:
+    """
+    Read a decimal number, with a point or a comma.
+
+    :raises ArgumentTypeError: If it is none.
+    """
+    try:
+        return float(text.replace(',', '.'))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"expected a number such as 25.4, got '{text}'") from None
 
 
 class CommandParser(argparse.ArgumentParser):

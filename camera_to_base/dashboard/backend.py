@@ -16,6 +16,7 @@
 
 import asyncio
 from concurrent.futures import Future
+import json
 from typing import Any, Callable, Dict, List, Mapping
 
 from camera_to_base.dashboard.all_sessions import AllSessions
@@ -94,6 +95,26 @@ class Backend:
             await self._apply(cell, changes.values)
             sessions.done(part, name, changes)
         return sessions.state(part)
+
+    async def keep_correction(self, cell: str, body: Dict[str, Any]) -> Dict[str, Any]:
+        """
+        Write the camera node's correction into the file, and let the node use it.
+
+        The file is first: a background that is older than its surface is not trusted.
+
+        :param body: {'path': another file}, or {}.
+        :returns: The state of the part `save`.
+        """
+        offer = json.loads(await self._answer(
+            lambda: self._cells.watch(cell).corrected_surface()))
+        changes = await self.ask_sessions(cell, lambda one: one.keep_correction(offer, body))
+        try:
+            await self._apply(cell, changes.values)
+        except Refused as error:
+            raise Refused(error.status_code, (
+                f'the file is written, but the node does not use it: {error.data["error"]}: start '
+                'the node again with the file')) from error
+        return self._sessions.of(cell).state('save')
 
     async def ask_sessions(self, cell: str, function: Callable[[CellSessions], Any]) -> Any:
         """Call a function of a cell's sessions, which may take a while."""

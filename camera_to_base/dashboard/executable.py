@@ -13,13 +13,11 @@
 # limitations under the License.
 """The installed executable of the dashboard."""
 
-import os
-
+from camera_to_base.blas_threads import use_one_blas_thread
 from camera_to_base.nodes import start
 
 
 def dashboard() -> int:
     """Run the node `dashboard`."""
-    # A fit's matrices are small: on a busy machine, threads for them cost fifteen times as much.
-    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    use_one_blas_thread()
     return start('dashboard', 'camera_to_base.dashboard.dashboard')

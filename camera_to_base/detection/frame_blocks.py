@@ -47,8 +47,8 @@ def changed_blocks(blocks: np.ndarray, others: np.ndarray) -> np.ndarray:
     :param blocks: See :func:`mean_blocks`; `others` is of the same shape.
     :returns: Shape (h / 16, w / 16), bool.
     """
-    blue, green, red = cv2.split(cv2.absdiff(blocks, others))
-    return cv2.max(cv2.max(blue, green), red) > _BLOCK_CHANGE
+    calm = cv2.inRange(cv2.absdiff(blocks, others), 0, (_BLOCK_CHANGE,) * 3)
+    return calm == 0
 
 
 def has_changed_block(blocks: np.ndarray, others: np.ndarray) -> bool:

@@ -14,7 +14,8 @@
 
 """Where an object of the picture is on the surface, and the surface's scale there."""
 
-from typing import Callable, NamedTuple
+from itertools import accumulate
+from typing import Callable, List, NamedTuple, Sequence
 
 from camera_to_base.detection.detection import Detection, Pixel
 from camera_to_base.detection.shape import polygon_centroid
@@ -62,9 +63,28 @@ def object_on_surface(locate: Locate, detection: Detection) -> OnSurface:
     :param locate: Maps pixels of shape (n, 2) to the surface, shape (n, 2), as Surface.locate.
     :raises HorizonError: If a part of the object lies on the horizon or beyond it.
     """
-    corners = detection.outline.astype(float)
-    points = locate(np.concatenate(
-        [_CROSS + detection.centre, _centroid(detection.outline), corners]))
+    return _from_points(locate(_to_locate(detection)))
+
+
+def objects_on_surface(locate: Locate, detections: Sequence[Detection]) -> List[OnSurface]:
+    """
+    Map several objects to the surface, see :func:`object_on_surface`.
+
+    :raises HorizonError: If a part of one of them lies on the horizon or beyond it.
+    """
+    if len(detections) < 2:
+        return [object_on_surface(locate, detection) for detection in detections]
+    pixels = [_to_locate(detection) for detection in detections]
+    ends = list(accumulate(map(len, pixels)))
+    return list(map(_from_points, np.split(locate(np.concatenate(pixels)), ends[:-1])))
+
+
+def _to_locate(detection: Detection) -> np.ndarray:
+    return np.concatenate(
+        [_CROSS + detection.centre, _centroid(detection.outline), detection.outline])
+
+
+def _from_points(points: np.ndarray) -> OnSurface:
     centre, centroid, outline = points[0], points[len(_CROSS)], points[len(_CROSS) + 1:]
     return OnSurface(centre + polygon_centroid(outline) - centroid, _scale(points))
 
@@ -79,5 +99,5 @@ def _centroid(outline: np.ndarray) -> np.ndarray:
 
 
 def _scale(points: np.ndarray) -> np.ndarray:
-    _, left, right, above, below = points[:len(_CROSS)]
-    return np.array([right - left, below - above]).T
+    # Right minus left, and below minus above.
+    return (points[2:len(_CROSS):2] - points[1:len(_CROSS):2]).T

@@ -15,21 +15,24 @@
 """
 What the launch file asks: which cameras to start, and with which arguments.
 
-In: launch arguments, and the parameter file that they name. Out: parameters, remappings and
-command lines of the processes to start, and warnings of arguments that do not exist.
+In: launch arguments, and the parameter file that they name. Out: parameters, remappings, command
+lines and environment of the processes to start, and warnings of arguments that do not exist.
 
 Caller: `launch/camera_to_base.launch.py`.
 """
 
 from camera_to_base.launching.arguments import argument_warnings, is_wanted, not_installed
-from camera_to_base.launching.cameras import Camera, choose_cameras, DRIVERS
+from camera_to_base.launching.cameras import (
+    Camera, choose_cameras, DRIVERS, make_params_file)
 from camera_to_base.launching.coordinate_frames import (
     check_frames, frames, transform_arguments)
 from camera_to_base.launching.inputs import (
     driver_parameters, image_input, kept_background, plays_recording, recording_failure)
+from camera_to_base.launching.middleware import driver_environment
 
 __all__ = [
-    'argument_warnings', 'Camera', 'check_frames', 'choose_cameras', 'driver_parameters',
-    'DRIVERS', 'frames', 'image_input', 'is_wanted', 'kept_background', 'not_installed',
-    'plays_recording', 'recording_failure', 'transform_arguments',
+    'argument_warnings', 'Camera', 'check_frames', 'choose_cameras', 'driver_environment',
+    'driver_parameters', 'DRIVERS', 'frames', 'image_input', 'is_wanted', 'kept_background',
+    'make_params_file', 'not_installed', 'plays_recording', 'recording_failure',
+    'transform_arguments',
 ]

@@ -19,7 +19,8 @@ import re
 from typing import Any, List, NamedTuple
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameters import load_yaml
+from camera_to_base.files import check_folder, write_files
+from camera_to_base.parameters import load_yaml, parameter_text
 
 # Packages of drivers, and their executables.
 DRIVERS = {'usb_cam': 'usb_cam_node_exe', 'v4l2_camera': 'v4l2_camera_node'}
@@ -55,6 +56,23 @@ class Camera(NamedTuple):
         if self.source == 'auto':
             return '/dev/video0'
         return f'/dev/video{self.source}' if self.source.isdigit() else self.source
+
+
+def make_params_file(camera: Camera) -> str:
+    """
+    Make the parameter file of a camera, if it does not exist, for the dashboard to save to.
+
+    It names the source; all other parameters have their defaults.
+
+    :returns: A sentence that says so; '' if the file exists.
+    :raises InvalidValueError: If it cannot be written.
+    """
+    path = camera.params_file
+    if os.path.lexists(path):
+        return ''
+    check_folder(path, 'the parameter file')
+    write_files({path: parameter_text({'source': camera.source}, []).encode()})
+    return f"params_file '{path}' is new: the dashboard saves the calibration to it"
 
 
 def choose_cameras(list_file: str, camera: Camera, default: Camera) -> List[Camera]:
@@ -115,7 +133,8 @@ def _from_entry(entry: Any, directory: str) -> Camera:
 
 def _checked(camera: Camera) -> Camera:
     if not os.path.isfile(camera.params_file):
-        raise InvalidValueError(f"params_file: there is no file '{camera.params_file}'")
+        raise InvalidValueError(
+            f"params_file: there is no file '{camera.params_file}': calibrate board makes one")
     camera = camera._replace(namespace=camera.namespace.strip('/'))
     for name in ('namespace', 'image_topic'):
         value = getattr(camera, name)

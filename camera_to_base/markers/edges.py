@@ -14,9 +14,10 @@
 """
 The corners of a marker, to a few hundredths of a pixel: the crossings of lines along its edges.
 
-Across an edge the brightness rises from the black border to the white margin. The step's place is
-taken from the area below the profile, which blur does not move. Of some dozens of places along an
-edge the line is fitted where the lens has no distortion.
+Across an edge the light rises from the black border to the white margin. The step's place is taken
+from the area below the profile, which blur does not move where the profile is of linear light: the
+camera's gamma is undone. Of some dozens of places along an edge the line is fitted where the lens
+has no distortion.
 """
 
 from typing import Optional
@@ -40,6 +41,9 @@ _OUTLIER, _LEAST_LIMIT_PX, _LARGEST_LIMIT_PX = 3.0, 0.08, 0.6
 _LEAST_SHARE = 0.6
 # Brightness of the margin minus that of the border, in grey levels.
 _LEAST_CONTRAST = 15.0
+# Of most cameras, and of sRGB.
+_GAMMA = 2.2
+_LIGHT = (np.arange(256) / 255) ** _GAMMA
 
 
 def corners_by_edges(
@@ -86,36 +90,40 @@ def _crossings(
 
 
 def _step_places(grey: np.ndarray, corners: np.ndarray, half: float) -> Optional[np.ndarray]:
-    """Return where brightness rises across each edge, shape (4, n, 2), in px."""
+    """Return where light rises across each edge, shape (4, n, 2), in px."""
     sides = np.roll(corners, -1, axis=0) - corners
     outwards = np.column_stack([sides[:, 1], -sides[:, 0]])
     outwards /= np.linalg.norm(sides, axis=1)[:, None]
     centres = corners[:, None] + _ALONG[:, None] * sides[:, None]
     steps = int(round(2 * half / _STEP_PX)) + 1
     offsets = np.linspace(-half, half, steps)
-    profiles = _brightness(grey, centres[:, :, None] + offsets[:, None] * outwards[:, None, None])
+    profiles = _light(grey, centres[:, :, None] + offsets[:, None] * outwards[:, None, None])
     if profiles is None:
         return None
     ends = max(2, steps // 5)
     # Light changes little along an edge.
     dark = profiles[:, :, :ends].mean(axis=2) @ _SMOOTHER
     bright = profiles[:, :, -ends:].mean(axis=2) @ _SMOOTHER
-    if (bright - dark).min() < _LEAST_CONTRAST:
+    if (_grey_level(bright) - _grey_level(dark)).min() < _LEAST_CONTRAST:
         return None
     dark_share = (bright - profiles.mean(axis=2)) / (bright - dark)
     length = 2 * half * steps / (steps - 1)
     return centres + ((dark_share - 0.5) * length)[:, :, None] * outwards[:, None]
 
 
-def _brightness(grey: np.ndarray, places: np.ndarray) -> Optional[np.ndarray]:
-    """Return the brightness at places (..., 2); None if one is not in the picture."""
+def _grey_level(light: np.ndarray) -> np.ndarray:
+    return 255 * np.maximum(light, 0) ** (1 / _GAMMA)
+
+
+def _light(grey: np.ndarray, places: np.ndarray) -> Optional[np.ndarray]:
+    """Return the light at places (..., 2), 0 to 1; None if one is not in the picture."""
     flat = places.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     if not ((low >= 0).all() and (high <= np.subtract(grey.shape[::-1], 1)).all()):
         return None
     left, top = low.astype(int)
     right, bottom = high.astype(int) + 2
-    part = grey[top:bottom, left:right].astype(np.float32)
+    part = _LIGHT[grey[top:bottom, left:right]].astype(np.float32)
     inside = (flat - (left, top)).astype(np.float32)
     # As rows of a picture that remap takes: fewer than 32,768 of each.
     found = cv2.remap(part, inside.reshape(places.shape[0], -1, 2), None, cv2.INTER_LINEAR,

@@ -16,9 +16,9 @@
 from dataclasses import dataclass, field
 from typing import Any, Mapping, NamedTuple, Optional
 
-from camera_to_base.markers.agreement import judge_markers, Verdict
+from camera_to_base.markers.agreement import judge_markers, names_of, Verdict
 from camera_to_base.markers.new_surface import (
-    lens_of_values, marker_surface, new_surface_values)
+    deviation_cm, lens_of_values, marker_surface, new_covariance, new_surface_values)
 from camera_to_base.markers.seen import see_markers
 from camera_to_base.markers.specs import known_markers
 from camera_to_base.markers.surface_fit import Corners, MarkerFit
@@ -27,6 +27,10 @@ from camera_to_base.surface import (
     HomographySurface, make_surface, PictureMap, RadialDistortion, Surface)
 from camera_to_base.uncertainty import SURFACE_COVARIANCE, surface_covariance
 import numpy as np
+
+# Standard deviation up to which a surface computed anew is used, where it is the largest between
+# the markers.
+_LARGEST_ERROR_MM = 3.0
 
 
 class MarkerLook(NamedTuple):
@@ -92,7 +96,7 @@ class MarkedSurface:
         :param tolerance_px: See :func:`judge_markers`.
         :raises CalibrationError: If OpenCV has no module aruco.
         """
-        seen = see_markers(image, self._lens).corners
+        seen = see_markers(image, self._lens, expected=self.corners).corners
         return MarkerLook(seen, self.judge(seen, frame_from_calibrated, tolerance_px))
 
     def judge(
@@ -105,9 +109,10 @@ class MarkedSurface:
         if frame_from_calibrated is not None:
             shown = {number: frame_from_calibrated.pixels(pixels)
                      for number, pixels in shown.items()}
-        return judge_markers(
+        verdict = judge_markers(
             self.corners, shown, seen, tuple(self.values['surface.image_size']), self._lens,
             tolerance_px=tolerance_px)
+        return verdict if verdict.fit is None else self._if_exact(verdict)
 
     @property
     def surface(self) -> Surface:
@@ -127,6 +132,23 @@ class MarkedSurface:
         covariance = surface_covariance(values[SURFACE_COVARIANCE])
         return NewSurface(make_surface({**self.values, **values}), covariance,
                           PictureMap(matrix, self._lens), values)
+
+    def _if_exact(self, verdict: Verdict) -> Verdict:
+        """Give the verdict if positions between the markers would be exact enough."""
+        if not self.values[SURFACE_COVARIANCE]:
+            return verdict  # How exact the calibration is, is not known.
+        fit = verdict.fit
+        covariance = new_covariance(
+            fit, marker_surface(self.values), surface_covariance(self.values[SURFACE_COVARIANCE]),
+            fit.surface.image_size)
+        between = np.concatenate(list(self.corners.values()))
+        error_mm = 10 * deviation_cm(fit.surface, covariance, between)
+        if error_mm <= _LARGEST_ERROR_MM:
+            return verdict
+        unseen = sorted(set(self.corners) - set(fit.numbers))
+        return Verdict(trouble=f'by {names_of(fit.numbers)}, positions are exact to '
+                       f'{error_mm:.1f} mm only' + (f' ({names_of(unseen)} not used)'
+                                                    if unseen else ''))
 
     @property
     def _lens(self) -> RadialDistortion:

@@ -75,6 +75,20 @@ def new_surface_values(values: Values, fit: MarkerFit) -> Dict[str, Any]:
     return found
 
 
+def deviation_cm(surface: Surface, covariance: np.ndarray, points: np.ndarray) -> float:
+    """
+    Return the standard deviation of positions by a surface, where it is the largest, in cm.
+
+    :param covariance: Of the picture's warp, shape (14, 14).
+    :param points: Where to look, shape (n, 2), in cm.
+    """
+    pixels = surface.pixels(points)
+    moves = scales_at(surface, pixels) @ warp_design(
+        pixels, surface.image_size, lens_of(surface.distortion))
+    squares = np.linalg.eigvalsh(moves @ covariance @ moves.transpose(0, 2, 1))
+    return float(np.sqrt(squares.max()))
+
+
 def _moved_hull(values: Values, calibrated: Surface, surface: Surface) -> List[float]:
     """Return the calibrated area in the new picture; [] for everywhere."""
     hull = make_hull(values)

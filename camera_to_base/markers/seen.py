@@ -13,7 +13,7 @@
 # limitations under the License.
 """The markers that a picture of the work surface shows, with exact corners."""
 
-from typing import Dict, NamedTuple
+from typing import Collection, Dict, NamedTuple, Optional
 
 from camera_to_base.markers.aruco import search_markers
 from camera_to_base.markers.edges import corners_by_edges
@@ -36,16 +36,20 @@ class SeenMarkers(NamedTuple):
     corners: Dict[int, np.ndarray]
 
 
-def see_markers(image: np.ndarray, lens: RadialDistortion) -> SeenMarkers:
+def see_markers(
+    image: np.ndarray, lens: RadialDistortion, expected: Optional[Collection[int]] = None
+) -> SeenMarkers:
     """
     Find the markers of a table.
 
     :param image: Shape (h, w, 3), uint8, BGR.
     :param lens: Of the camera; edges are straight without its distortion.
+    :param expected: If all of these are found soon, no others are searched for; None for all.
     :raises CalibrationError: If OpenCV has no module aruco.
     """
     grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     refined = {number: corners_by_edges(grey, corners, lens)
-               for number, corners in search_markers(grey).items() if number in TABLE_MARKERS}
+               for number, corners in search_markers(grey, expected).items()
+               if number in TABLE_MARKERS}
     return SeenMarkers({number: corners for number, corners in refined.items()
                         if corners is not None})

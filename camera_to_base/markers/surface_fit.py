@@ -29,8 +29,6 @@ import numpy as np
 # The usual error of a corner's coordinate, that of the lens's model included, in pictures of this
 # width; and how many residuals it is worth.
 _EXPECTED_PX, _USUAL_WIDTH, _EXPECTED_WORTH = 0.1, 1280, 10.0
-# Three markers leave little that shows the error of the lens's model: the residuals look small.
-_EXPECTED_OF_THREE_PX = 0.3
 _ROUNDS = 3
 
 Corners = Dict[int, np.ndarray]
@@ -82,8 +80,7 @@ def fit_markers(
         inset += float(gain[-1] @ residuals.ravel())
     freedom = max(residuals.size - HOMOGRAPHY_NUMBERS - 1, 1)
     squares = float(np.sum(residuals ** 2))
-    usual_px = _EXPECTED_PX if len(numbers) > 3 else _EXPECTED_OF_THREE_PX
-    expected = usual_px * scale_of(image_size)
+    expected = _EXPECTED_PX * scale_of(image_size)
     return MarkerFit(surface, numbers, pixels + inset * outwards, points, gain[:-1],
                      float(np.sqrt(squares / freedom)),
                      pooled_variance(squares, freedom, expected, _EXPECTED_WORTH))

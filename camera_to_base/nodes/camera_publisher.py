@@ -26,6 +26,7 @@ from camera_to_base.errors import CameraToBaseError
 from camera_to_base.nodes.background_keeper import BackgroundKeeper
 from camera_to_base.nodes.background_service import BackgroundService
 from camera_to_base.nodes.camera_watch import CameraWatch
+from camera_to_base.nodes.correction_service import CorrectionService
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
 from camera_to_base.nodes.freed_memory import keep_freed_memory
 from camera_to_base.nodes.pictures import CameraPictures, DebugImages
@@ -73,6 +74,7 @@ class CameraPublisher(Node):
             self._background_service = BackgroundService(
                 self, self._pipeline, lambda: self._settings.background_frames,
                 lambda: self._feed.reason)
+            CorrectionService(self, self._pipeline, lambda: self._settings)
             self._warn_of_settings_without_effect()
             self._follow_calibration()
             watch = CameraWatch(self, self._pipeline, self._is_calibrated, self._doubt)

@@ -134,9 +134,19 @@ def _make(name: str, make_node: Callable[[], Any], args: Optional[List[str]]) ->
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         return make_node()
     except (CameraToBaseError, *wrong_arguments) as error:
-        # Cut off the locations in rcl's source code that follow the text.
-        get_logger(name).fatal(f"cannot start: {str(error).split(', at /')[0]}")
+        get_logger(name).fatal(f'cannot start: {_sentence(error, args)}')
         return None
+
+
+def _sentence(error: Exception, args: Optional[List[str]]) -> str:
+    from camera_to_base.parameters import argument_problem
+    is_ours = isinstance(error, CameraToBaseError)
+    # rcl says where its parser stopped, but not what to write.
+    known = None if is_ours else argument_problem(sys.argv if args is None else args)
+    # Cut off the locations in rcl's source code that follow the text.
+    text = str(error).split(', at /')[0]
+    cure = '; set ROS_LOG_DIR to a folder that can be written' if 'log directory' in text else ''
+    return known or text + cure
 
 
 def _refuse(name: str, sentence: str) -> int:

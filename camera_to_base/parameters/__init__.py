@@ -23,8 +23,8 @@ Callers: all rooms below. It does not import OpenCV: the transform node starts w
 """
 
 from camera_to_base.parameters.calibration import (
-    age_text, calibration_date, calibration_record, calibration_summary, OWN_CAMERA_SPECS,
-    RECORD_SPECS)
+    age_text, calibration_date, calibration_record, calibration_summary, changed_record,
+    OWN_CAMERA_SPECS, RECORD_SPECS)
 from camera_to_base.parameters.file import (
     load_yaml, node_namespaces, parameter_text, ParameterFile, read_node_parameters,
     read_parameter_file, read_sections)
@@ -32,6 +32,7 @@ from camera_to_base.parameters.given import (
     file_warnings, given_warnings, gives_other_values, value_in_files)
 from camera_to_base.parameters.names import (
     all_names, misspelt_name, name_warnings, unknown_name_text, with_new_names)
+from camera_to_base.parameters.refused_arguments import argument_problem
 from camera_to_base.parameters.spec import (
     checked_values, default_values, grouped, ParameterSpec, Values)
 from camera_to_base.parameters.transform import (
@@ -39,12 +40,12 @@ from camera_to_base.parameters.transform import (
     TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS, TransformSettings)
 
 __all__ = [
-    'age_text', 'all_names', 'calibration_date', 'calibration_record', 'calibration_summary',
-    'CAMERA_FRAME_SPEC', 'checked_values', 'default_values', 'file_warnings', 'given_warnings',
-    'gives_other_values', 'grouped', 'load_yaml', 'misspelt_name', 'name_warnings',
-    'node_namespaces', 'OWN_CAMERA_SPECS', 'parameter_text', 'ParameterFile', 'ParameterSpec',
-    'PLACEMENT_SPECS', 'read_node_parameters', 'read_parameter_file', 'read_sections',
-    'RECORD_SPECS', 'transform_node_settings', 'transform_settings', 'TRANSFORM_SETUP_SPECS',
-    'TRANSFORM_SPECS', 'TransformSettings', 'unknown_name_text', 'value_in_files', 'Values',
-    'with_new_names',
+    'age_text', 'all_names', 'argument_problem', 'calibration_date', 'calibration_record',
+    'calibration_summary', 'CAMERA_FRAME_SPEC', 'changed_record', 'checked_values',
+    'default_values', 'file_warnings', 'given_warnings', 'gives_other_values', 'grouped',
+    'load_yaml', 'misspelt_name', 'name_warnings', 'node_namespaces', 'OWN_CAMERA_SPECS',
+    'parameter_text', 'ParameterFile', 'ParameterSpec', 'PLACEMENT_SPECS', 'read_node_parameters',
+    'read_parameter_file', 'read_sections', 'RECORD_SPECS', 'transform_node_settings',
+    'transform_settings', 'TRANSFORM_SETUP_SPECS', 'TRANSFORM_SPECS', 'TransformSettings',
+    'unknown_name_text', 'value_in_files', 'Values', 'with_new_names',
 ]

@@ -19,6 +19,7 @@ from typing import Any, Mapping, Optional
 
 from camera_to_base.parameters.spec import ParameterSpec
 
+_CHANGE = '; '
 # Both nodes have these: they log the same line at their start.
 RECORD_SPECS = [
     ParameterSpec('calibration.surface', '',
@@ -50,6 +51,22 @@ def calibration_record(report: Mapping[str, Any]) -> str:
     """
     return (f'{report["date"]}, {report["model"]} from {report["source"]}, '
             f'rms {report["rms_mm"]:.2f} mm at {report["points"]} points')
+
+
+def changed_record(record: str, how: str, now: datetime) -> str:
+    """
+    Write in one line that a calibration was changed, and what it was made from.
+
+    :param record: Its line before; '' for none.
+    :param how: What was done to it.
+    :param now: When.
+    """
+    date, _, made_from = record.partition(', ')
+    if made_from and _CHANGE not in made_from:
+        made_from += f' on {date[:10]}'
+    made_from = made_from.partition(_CHANGE)[0]
+    words = f'{made_from}{_CHANGE}{how}' if made_from else how
+    return f'{now.isoformat(timespec="seconds")}, {words}'
 
 
 def calibration_summary(values: Mapping[str, Any], now: Optional[datetime] = None) -> str:

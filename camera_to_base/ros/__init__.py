@@ -22,6 +22,7 @@ Callers: `nodes`, and commands that listen to a running node. It does not import
 transform node starts without it.
 """
 
+from camera_to_base.ros.correction_listener import CorrectionListener
 from camera_to_base.ros.diagnostics import Diagnostics
 from camera_to_base.ros.ellipse_markers import poses_of_markers
 from camera_to_base.ros.health import Health
@@ -39,8 +40,8 @@ from camera_to_base.ros.qos_check import qos_mismatch
 from camera_to_base.ros.tool_listener import ToolListener
 
 __all__ = [
-    'Diagnostics', 'Health', 'Heartbeat', 'left_out_markers', 'NameCheck', 'NO_EVENTS',
-    'NodeParameters', 'ObjectListener', 'point_from_message', 'poses_from_message',
+    'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat', 'left_out_markers', 'NameCheck',
+    'NO_EVENTS', 'NodeParameters', 'ObjectListener', 'point_from_message', 'poses_from_message',
     'poses_message', 'poses_of_markers', 'position_from_message', 'position_message',
     'PositionTopics', 'qos_mismatch', 'real_time_timer', 'tool_message', 'ToolListener',
     'uncertain_pose_from_message', 'UncertainPose',

@@ -15,7 +15,9 @@
 """Kinds of sources; only this module derives the kind from a source's name."""
 
 import os
-from typing import NamedTuple
+from typing import NamedTuple, Optional
+
+from camera_to_base.parameters import misspelt_name
 
 
 class SourceKind(NamedTuple):
@@ -50,6 +52,11 @@ VIDEO_FILE = SourceKind('file', ends=True)
 BAG = SourceKind('bag', ends=True)
 
 _WORDS = {kind.form: kind for kind in (TOPIC, COMPRESSED_TOPIC, AUTO, RANDOM, SIMULATED)}
+
+
+def misspelt_word(name: str) -> Optional[str]:
+    """Return the word with nearly the same spelling as a source's name; None without one."""
+    return misspelt_name(name, _WORDS)
 
 
 def kind_of(name: str) -> SourceKind:

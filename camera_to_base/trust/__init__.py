@@ -31,7 +31,7 @@ from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.limits import LIMIT_SPECS, Limits, make_limits
-from camera_to_base.trust.markers.marker_watch import MarkerSettings
+from camera_to_base.trust.markers.marker_view import MarkerSettings
 from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting

@@ -19,6 +19,7 @@ from typing import Any, Optional
 
 from camera_to_base.detection import changed_blocks, has_changed_block, mean_blocks
 from camera_to_base.reason import Level, Reason
+import cv2
 import numpy as np
 
 _CABLE = 'check its cable and its network, or lower its rate'
@@ -79,7 +80,7 @@ class DamageCheck:
             self._restart(frame)
         repeated, tail_repeated = self._repetition(frame)
         blocks = mean_blocks(frame)
-        if blocks.max() < _BLACK_LEVEL:
+        if cv2.norm(blocks, cv2.NORM_INF) < _BLACK_LEVEL:
             return _BLACK
         if repeated:
             return _REPEATED
@@ -155,4 +156,5 @@ def _differ(blocks: np.ndarray, others: np.ndarray) -> bool:
     if not has_changed_block(blocks, others):
         return False
     changed = changed_blocks(blocks, others)
-    return changed.mean() > _LARGEST_SHARE or changed[-1].mean() > _LARGEST_BOTTOM_SHARE
+    return (np.count_nonzero(changed) > _LARGEST_SHARE * changed.size
+            or np.count_nonzero(changed[-1]) > _LARGEST_BOTTOM_SHARE * changed.shape[1])

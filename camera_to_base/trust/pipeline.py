@@ -27,7 +27,8 @@ from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.markers.marker_watch import MarkerSettings, MarkerView, MarkerWatch
+from camera_to_base.trust.markers.marker_view import MarkerSettings, MarkerView
+from camera_to_base.trust.markers.marker_watch import MarkerWatch
 from camera_to_base.trust.sighting import FrameCounts, Sighting, unusable_reason
 from camera_to_base.trust.standpoint import Standpoint
 from camera_to_base.uncertainty import FrameState, PositionUncertainty
@@ -199,9 +200,10 @@ class CameraPipeline:
         if self._markers is None or background is None:
             return sighting
         now = time.monotonic() if taken_at is None else taken_at
+        scene = self.standpoint.scene
         step = self._markers.step(frame, sighting, MarkerView(
-            background, self.standpoint.surface, self.standpoint.correction is not None,
-            self.standpoint.scene.view.shift_px), now)
+            background, scene.background, self.standpoint.surface,
+            self.standpoint.correction is not None, scene.view.shift_px), now)
         if step.surface is not None:
             self.standpoint.stand_at(step.surface)
         if step.retakes:

@@ -56,7 +56,7 @@ def test_a_taken_port_is_one_clear_sentence_and_exit_code_1(start):
 
 
 @pytest.mark.parametrize('arguments, sentence', [
-    (('-p', 'host:=no.such.host.invalid'), 'cannot listen on no.such.host.invalid'),
+    (('-p', 'host:=no.such.host.invalid'), 'host must be 127.0.0.1 for this machine alone'),
     (('-p', 'port:=70000'), 'port must be 0 to 65535'),
     (('-p', 'token:=short'), 'token must have at least 16 characters')])
 def test_an_impossible_parameter_is_one_clear_sentence_and_exit_code_1(

@@ -23,6 +23,7 @@ import subprocess
 import sys
 
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameters import read_node_parameters
 import pytest
 
 pytest.importorskip('launch_ros', reason='ros2 launch is not installed')
@@ -169,6 +170,16 @@ def test_the_dashboard_does_not_save_to_the_installed_file(prefix):
     assert 'overhead_camera' not in command
 
 
+def test_with_the_dashboard_a_params_file_that_does_not_exist_is_made(prefix, tmp_path, log):
+    cell = tmp_path / 'cell.yaml'
+    assert described(dashboard='true', params_file=str(cell), source='2') == sorted(
+        [*OURS, 'dashboard'])
+    assert read_node_parameters(str(cell), '/camera_publisher') == {'source': '2'}
+    assert f"params_file '{cell}' is new: the dashboard saves the calibration to it" in log.text
+    with pytest.raises(InvalidValueError, match="there is no folder '.*nowhere'"):
+        described(dashboard='true', params_file=str(tmp_path / 'nowhere' / 'cell.yaml'))
+
+
 def test_two_cameras_have_two_nodes_and_a_transform_each(prefix):
     prefix.add('tf2_ros', 'static_transform_publisher')
     assert described(cameras=str(ROOT / 'config/two_cameras.yaml'), publish_tf='true') == sorted(
@@ -251,6 +262,23 @@ def test_driver_is_started_where_its_topic_is_listened_to(prefix):
     commands = started(3, camera_driver='usb_cam', source='2', namespace='cell_1')
     assert '__ns:=/cell_1' in command_of('usb_cam_node_exe', commands)
     assert '-r image:=image_raw' in command_of('camera_publisher', commands)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('chosen', [None, '/etc/own_profiles.xml'])
+def test_driver_has_shared_memory_for_raw_pictures(chosen, prefix, monkeypatch, tmp_path):
+    variable, seen = 'FASTRTPS_DEFAULT_PROFILES_FILE', tmp_path / 'seen'
+    monkeypatch.delenv(variable, raising=False)
+    if chosen:
+        monkeypatch.setenv(variable, chosen)
+    # The node starts once more when the driver has written what it sees, and that ends the launch.
+    prefix.add('usb_cam', 'usb_cam_node_exe', script=f'echo "${variable}" > {seen}; exec sleep 60')
+    prefix.add('camera_to_base', 'camera_publisher',
+               script=f'while [ ! -s {seen} ]; do sleep 0.1; done; exit 70')
+    started(4, camera_driver='usb_cam')
+    profiles = str(prefix.path / 'share/camera_to_base/config/fastdds/large_pictures.xml')
+    assert seen.read_text().strip() == (chosen or profiles)
+    assert Path(profiles).is_file()
 
 
 @pytest.mark.slow

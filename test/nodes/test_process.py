@@ -69,3 +69,21 @@ def test_signal_in_the_first_third_of_a_second_ends_with_0(start, executable, nu
         time.sleep(delay)
         assert node.end(number) == 0, delay
         assert 'Traceback' not in node.output
+
+
+@pytest.mark.parametrize('arguments, sentence', [
+    (['--params-file', 'nothing.yaml'], "cannot read the parameter file 'nothing.yaml': No such "),
+    (['-p', 'displacement_cm:=[1, 2.0, 3]'],
+     'all numbers of the list displacement_cm must be of one kind')])
+def test_argument_that_ros_refuses_is_explained(start, arguments, sentence):
+    node = start('robot_base_publisher', *arguments)
+    assert node.wait() == 1
+    assert f'cannot start: {sentence}' in node.output
+
+
+def test_log_that_cannot_be_written_is_told_with_the_cure(start, monkeypatch, tmp_path):
+    (tmp_path / 'file').touch()
+    monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path / 'file' / 'log'))
+    node = start('robot_base_publisher')
+    assert node.wait() == 1
+    assert 'set ROS_LOG_DIR to a folder that can be written' in node.output

@@ -44,6 +44,10 @@ SMALL_DAYS = {
     'fist hides a disc of its size': Day(2092, (
         Event('put', 0.5, 736598), Event('put', 3.57, 673465), Event('put', 5.35, 838231),
         Event('put', 7.32, 94278), Event('take', 9.21, 340423), Event('take', 14.93, 738991))),
+    'object that has left a table with a strong pattern was seen in parts': Day(9262, (
+        Event('put', 0.5, 573268), Event('put', 1.99, 611848), Event('bump', 2.56, 454637),
+        Event('hand', 2.64, 21916), Event('put', 2.95, 464545), Event('bump', 4.48, 747188),
+        Event('move', 5.5, 701363))),
 }
 
 

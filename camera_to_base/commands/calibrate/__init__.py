@@ -18,7 +18,7 @@ The command `calibrate`: one module for each of its steps that asks, measures or
 In: its options, tables, pictures, and what a person types. Out: parameter files, and the report
 that the command prints.
 
-Callers: only the installed executable, by `command.main`, so there is no `__all__`.
+Caller: `commands.executables`, by `command.main`, so there is no `__all__`.
 """
 
 __all__ = []

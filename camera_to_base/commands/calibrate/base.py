@@ -20,13 +20,13 @@ from typing import List, Optional
 from camera_to_base.calibration import (
     BASE, calibrate_base, calibrate_touches, Calibration, parts_of, point_pairs, read_pairs,
     Report, SURFACE, TouchedPair)
-from camera_to_base.commands.calibrate.files import check_outputs, Outputs, write_part
+from camera_to_base.commands.calibrate.files import (
+    check_outputs, Outputs, read_cell_file, write_part)
 from camera_to_base.commands.calibrate.live import (
     collect, measure_again, open_positions, open_robot, Positions, Robot)
 from camera_to_base.commands.calibrate.marker_base import run_marker_base
 from camera_to_base.commands.calibrate.prompts import until_it_fits
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.parameters import read_parameter_file
 from camera_to_base.surface import PointPairs
 
 
@@ -48,7 +48,7 @@ def run_base(options: argparse.Namespace) -> Report:
 
 def _with_surface(outputs: Outputs, path: Optional[str]) -> Outputs:
     """Return the outputs with the content of the surface file instead of the old one."""
-    return outputs if path is None else outputs._replace(old=read_parameter_file(path))
+    return outputs if path is None else outputs._replace(old=read_cell_file(path))
 
 
 def _fit(pairs: PointPairs, outputs: Outputs, options: argparse.Namespace) -> Calibration:
@@ -69,7 +69,7 @@ def _run_live(options: argparse.Namespace) -> Report:
         if value is not None:
             raise InvalidValueError(f'--live takes the file with the surface alone, not {name}')
     options.output = options.output or options.live
-    file = read_parameter_file(options.live)
+    file = read_cell_file(options.live)
     if SURFACE not in parts_of(file.values):
         raise InvalidValueError(
             f"'{options.live}' holds no surface: calibrate board comes first")

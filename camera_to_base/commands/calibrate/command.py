@@ -16,25 +16,25 @@
 """The command `calibrate`: calibrates from a chessboard or a table, and reports the errors."""
 
 import argparse
-from datetime import datetime
 import json
 import os
 import sys
 from typing import List, Optional
 
 from camera_to_base.calibration import (
-    calibrate_surface, check_surface, file_status, has_one_origin, marker_sheet_content,
+    calibrate_surface, check_surface, has_one_origin, marker_sheet_content,
     read_points, refuse_other_size, Report, report_lines, sheet_content, SURFACE)
 from camera_to_base.commands.calibrate.base import run_base
 from camera_to_base.commands.calibrate.board import run_board
-from camera_to_base.commands.calibrate.files import check_outputs, sheet_output, write_part
+from camera_to_base.commands.calibrate.files import (
+    check_outputs, read_cell_file, sheet_output, write_part)
+from camera_to_base.commands.calibrate.keep import run_keep, run_status
 from camera_to_base.commands.calibrate.markers import run_markers
 from camera_to_base.commands.calibrate.options import parse
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import write_files
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.interrupt import serve_signals
-from camera_to_base.parameters import read_parameter_file
 
 
 def main(args: Optional[List[str]] = None) -> int:
@@ -94,17 +94,13 @@ def _run_points(options: argparse.Namespace) -> Report:
 
 
 def _run_check(options: argparse.Namespace) -> Report:
-    values = read_parameter_file(options.file).values
+    values = read_cell_file(options.file).values
     return {'checked': options.file, **check_surface(values, *read_points(options.table))}
 
 
-def _run_status(options: argparse.Namespace) -> Report:
-    file = read_parameter_file(options.file)
-    return file_status(options.file, file.values, file.comments, datetime.now().astimezone())
-
-
 _COMMANDS = {'sheet': _run_sheet, 'board': run_board, 'markers': run_markers,
-             'points': _run_points, 'base': run_base, 'check': _run_check, 'status': _run_status}
+             'points': _run_points, 'base': run_base, 'check': _run_check, 'status': run_status,
+             'keep': run_keep}
 
 
 def _lines(report: Report) -> List[str]:

@@ -62,7 +62,17 @@ Use points that the calibration was not made from, in a table as for `calibrate 
     'status': """
 How old each part is, how good it is, and what to do next:
 
-  calibrate status cell.yaml""",
+  calibrate status cell.yaml
+
+With --live it tells, too, whether the running node corrects a nudge of the camera:
+
+  calibrate status --live cell.yaml""",
+    'keep': """
+A nudged camera is corrected while the node runs. This command writes the corrected surface into
+the node's file, and the node uses it from then on; the file of before is kept as FILE.bak. The
+base frame, the markers and the areas stay.
+
+  calibrate keep cell.yaml""",
 }
 DESCRIPTION = """
 Calibrates a camera that looks at a work surface, and reports the errors. The output is a

@@ -43,6 +43,18 @@ class Outputs(NamedTuple):
     old: Optional[ParameterFile]
 
 
+def read_cell_file(path: str) -> ParameterFile:
+    """
+    Read the file that an earlier step of the calibration has written.
+
+    :raises InvalidValueError: If there is no such file, or it is no parameter file.
+    """
+    if not os.path.lexists(path):
+        raise InvalidValueError(
+            f"there is no file '{path}': calibrate board comes first, with -o {path}")
+    return read_parameter_file(path)
+
+
 def sheet_output(options: argparse.Namespace) -> str:
     """
     Check the path of a file that is written as a whole.

@@ -18,12 +18,12 @@ from typing import Any, Dict, List, Tuple
 
 from camera_to_base.calibration import (
     BASE, calibrate_base, Calibration, MARKERS, parts_of, Report)
-from camera_to_base.commands.calibrate.files import check_outputs, write_part
+from camera_to_base.commands.calibrate.files import check_outputs, read_cell_file, write_part
 from camera_to_base.commands.calibrate.live import open_robot, Robot
 from camera_to_base.commands.calibrate.prompts import tell, until_it_fits, until_right
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.markers import known_markers, MARKER_SPECS
-from camera_to_base.parameters import checked_values, read_parameter_file
+from camera_to_base.parameters import checked_values
 from camera_to_base.surface import PointPairs, SURFACE_SPECS
 import numpy as np
 
@@ -37,7 +37,7 @@ def run_marker_base(options: argparse.Namespace) -> Report:
         if value is not None:
             raise InvalidValueError(f'--markers takes the file with the markers alone, not {name}')
     options.output = options.output or options.markers
-    file = read_parameter_file(options.markers)
+    file = read_cell_file(options.markers)
     if MARKERS not in parts_of(file.values):
         raise InvalidValueError(
             f"'{options.markers}' holds no markers: calibrate markers comes first")

@@ -15,6 +15,8 @@
 
 import argparse
 
+from camera_to_base.commands.parser import decimal
+
 MARKERS_EXAMPLES = """
 Print the markers with calibrate sheet --markers, cut them out, and glue them flat near the corners
 of the working area. Once the surface is calibrated, and before the camera is moved:
@@ -37,7 +39,7 @@ def add_markers(markers: argparse.ArgumentParser) -> None:
     markers.add_argument('--camera', metavar='SOURCE',
                          help="instead of pictures: a device, a video, a stream's URL, or "
                               'simulated (default: the source that FILE names)')
-    markers.add_argument('--marker-mm', type=float, metavar='40',
+    markers.add_argument('--marker-mm', type=decimal, metavar='40',
                          help='edge of the black square as printed: measure it')
     markers.add_argument('--base', action='store_true',
                          help='no board was used: the robot touches the middle of four markers or '
@@ -73,5 +75,5 @@ def add_sheet_markers(sheet: argparse.ArgumentParser) -> None:
     sheet.add_argument('--markers', action='store_true',
                        help='instead of a chessboard: four markers that stay on the table, with '
                             'cut lines')
-    sheet.add_argument('--marker-mm', type=float, default=40.0, metavar='40',
+    sheet.add_argument('--marker-mm', type=decimal, default=40.0, metavar='40',
                        help="edge of a marker's black square (default: %(default)g)")

@@ -23,7 +23,7 @@ from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.calibrate.examples import DESCRIPTION, EXAMPLES
 from camera_to_base.commands.calibrate.marker_options import (
     add_base_z, add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
-from camera_to_base.commands.parser import CommandParser
+from camera_to_base.commands.parser import CommandParser, decimal
 from camera_to_base.errors import InvalidValueError
 
 _EXAMPLES = {**EXAMPLES, 'markers': MARKERS_EXAMPLES}
@@ -67,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(
         dest='command', required=True, parser_class=CommandParser,
-        metavar='sheet | board | markers | points | base | check | status')
+        metavar='sheet | board | markers | points | base | check | status | keep')
     _add_sheet(_command(commands, 'sheet', 'a chessboard to print'))
     _add_board(_command(commands, 'board',
                         'the surface, from one picture of a chessboard that lies on it'))
@@ -86,11 +86,19 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument('table', metavar='TABLE.csv')
     status = _command(commands, 'status', 'what a parameter file holds, and what it lacks')
     status.add_argument('file', metavar='FILE')
+    status.add_argument('--live', action='store_true',
+                        help='tell, too, whether the running camera_publisher corrects a nudge of '
+                             'the camera, which can be kept')
+    _add_namespace(status)
+    keep = _command(commands, 'keep', 'the correction that the running camera_publisher makes')
+    keep.add_argument('file', metavar='FILE', help='the file that the node was started with')
+    _add_namespace(keep)
     return parser
 
 
 def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
-    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells'}.get(
+    does = {'sheet': 'Draws', 'markers': 'Learns', 'check': 'Tells', 'status': 'Tells',
+            'keep': 'Keeps'}.get(
         name, 'Calibrates')
     command = commands.add_parser(
         name, help=purpose, description=f'{does} {purpose}.\n{_EXAMPLES[name]}',
@@ -100,13 +108,18 @@ def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
     return command
 
 
+def _add_namespace(command: argparse.ArgumentParser) -> None:
+    command.add_argument('--namespace', default='', metavar='NS',
+                         help='namespace of the running camera_publisher (default: none)')
+
+
 def _add_sheet(sheet: argparse.ArgumentParser) -> None:
     sheet.add_argument('--paper', choices=tuple(PAPERS), default='A4',
                        help='(default: %(default)s)')
     sheet.add_argument('--corners', default='9x6', metavar='9x6',
                        help='inner corners along a row and along a column; one even and one odd '
                             'give the board one origin (default: %(default)s)')
-    sheet.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+    sheet.add_argument('--square-mm', type=decimal, default=25.0, metavar='25',
                        help="a square's edge (default: %(default)g)")
     sheet.add_argument('--charuco', action='store_true',
                        help='with markers in the white squares: a part of the board is enough')
@@ -129,7 +142,7 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--corners', default='9x6', metavar='9x6',
                        help='number of inner corners, where four squares meet, along a row and '
                             'along a column: one less than the squares (default: %(default)s)')
-    board.add_argument('--square-mm', type=float, default=25.0, metavar='25',
+    board.add_argument('--square-mm', type=decimal, default=25.0, metavar='25',
                        help="a square's edge as printed: measure it (default: %(default)g, as "
                             'calibrate sheet prints it)')
     board.add_argument('--charuco', action='store_true',
@@ -138,15 +151,16 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--origin-corner', type=int, default=0, metavar='0..3',
                        help='which of the four outermost corners is the origin, clockwise from '
                             'the first (default: %(default)s)')
-    board.add_argument('--origin-mm', type=float, nargs=2, default=(0.0, 0.0), metavar=('X', 'Y'),
+    board.add_argument('--origin-mm', type=decimal, nargs=2, default=(0.0, 0.0),
+                       metavar=('X', 'Y'),
                        help='move the origin along the board from that corner')
-    board.add_argument('--yaw-deg', type=float, default=0.0, metavar='DEG',
+    board.add_argument('--yaw-deg', type=decimal, default=0.0, metavar='DEG',
                        help="turn the camera frame from the board's x towards its y")
     board.add_argument('--intrinsics', metavar='CAMERA_INFO.yaml',
                        help="the lens as ROS's camera_calibration writes it: gives the camera's "
                        'height and foot point, which object_height_cm needs')
     _add_image_size(board, 'requested from --camera')
-    board.add_argument('--simulated-tilt-deg', type=float, default=0.0, metavar='DEG',
+    board.add_argument('--simulated-tilt-deg', type=decimal, default=0.0, metavar='DEG',
                        help='tilt of --camera simulated (default: %(default)s)')
     _add_output(board)
 

@@ -17,7 +17,7 @@ The command `locate`: the positions of objects on a recording, and a chart of a 
 
 In: its options, and a recording, a camera or a bag. Out: a table of positions, a video, counts.
 
-Callers: only the installed executable, by `command.main`, so there is no `__all__`.
+Caller: `commands.executables`, by `command.main`, so there is no `__all__`.
 """
 
 __all__ = []

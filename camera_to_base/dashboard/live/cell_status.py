@@ -64,8 +64,7 @@ class CellStatus:
             'latency_ms': self._latency_ms,
             'objects': objects_data(shown, geometry) if shown else [],
             'left_out': left_out_data(shown, geometry) if shown else [],
-            'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data,
-            'truth': None}
+            'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data}
 
     def health_data(self) -> Dict[str, Any]:
         """Return the part `health` as JSON; it is called once a second."""

@@ -30,6 +30,7 @@ from camera_to_base.parameters import TRANSFORM_SPECS, Values
 from camera_to_base.ros import real_time_timer
 from camera_to_base.settings import CAMERA_SPECS
 from rcl_interfaces.msg import ParameterEvent
+from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
@@ -77,6 +78,7 @@ class CellWatch:
             self.positions, self._health, names[CAMERA], names[TRANSFORM])
         self._capture = node.create_client(
             Trigger, f'{names[CAMERA]}/capture_background')
+        self._correction = node.create_client(Trigger, f'{names[CAMERA]}/corrected_surface')
         self._timer = real_time_timer(node, _PERIOD_S, self._beat)
         self._look_at_graph()
 
@@ -119,17 +121,22 @@ class CellWatch:
         :returns: The future of its sentence.
         :raises InvalidValueError: If it does not run; the future, if it has not taken one.
         """
-        if not self._capture.service_is_ready():
-            raise InvalidValueError('camera_publisher does not run, so no background was taken')
-        answer = Future()
-        self._capture.call_async(Trigger.Request()).add_done_callback(
-            lambda done: _tell_sentence(done.result(), answer))
-        return answer
+        return _asked(self._capture, 'no background was taken')
+
+    def corrected_surface(self) -> Future:
+        """
+        Ask the camera node for the correction that it offers to keep.
+
+        :returns: The future of it, as JSON.
+        :raises InvalidValueError: If it does not run; the future, if it corrects nothing.
+        """
+        return _asked(self._correction, 'no correction was kept')
 
     def close(self) -> None:
         """Stop listening."""
         self._node.destroy_timer(self._timer)
         self._node.destroy_client(self._capture)
+        self._node.destroy_client(self._correction)
         self._node.destroy_subscription(self._events)
         for part in (self.camera, self.transform, self.positions, self._health, self._log,
                      self._feed):
@@ -177,6 +184,15 @@ class CellWatch:
                 self.camera.values, self.transform.values) if self.camera.is_known else None
         except CameraToBaseError:
             self.geometry = None  # the node itself has refused them
+
+
+def _asked(client: Client, what_was_not_done: str) -> Future:
+    if not client.service_is_ready():
+        raise InvalidValueError(f'camera_publisher does not run, so {what_was_not_done}')
+    answer = Future()
+    client.call_async(Trigger.Request()).add_done_callback(
+        lambda done: _tell_sentence(done.result(), answer))
+    return answer
 
 
 def _tell_sentence(response: Trigger.Response, answer: Future) -> None:

@@ -37,6 +37,14 @@ class WholePart(SessionStep):
         await super().post(part, {'save': 'save', 'areas': 'set'}[part])
 
 
+class KeepCorrection(Action):
+    """The camera node's correction of a nudge."""
+
+    async def post(self) -> None:
+        """Keep it, and answer with the new state of the part `save`."""
+        self.answer(await self.backend.keep_correction(self.cell, self.body()))
+
+
 class ReportPart(Action):
     """A picture or the text of the board's report."""
 
@@ -81,6 +89,6 @@ class SavedFile(Action):
 
 SESSION_ACTIONS = [
     ('/api/(board|markers|robot|simulated)/([a-z_0-9]+)', SessionStep),
-    ('/api/(save|areas)', WholePart),
+    ('/api/(save|areas)', WholePart), ('/api/correction', KeepCorrection),
     ('/api/report/([a-z]+[.](?:png|txt))', ReportPart), ('/api/sheet', Sheet),
     ('/api/file', SavedFile)]

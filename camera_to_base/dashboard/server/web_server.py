@@ -15,6 +15,7 @@
 """The web server in a thread of its own."""
 
 import asyncio
+import errno
 import logging
 import socket
 import threading
@@ -123,8 +124,14 @@ def _listen(host: str, port: int) -> List[Any]:
         return bind_sockets(port, host)
     except OSError as error:
         raise InvalidValueError(
-            f'cannot listen on {host}, port {port}: {error.strerror}; choose another address with '
-            '-p port:=8081, or end the program that uses this one') from error
+            f'cannot listen on {host}, port {port}: {error.strerror}; {_cure(error)}') from error
+
+
+def _cure(error: OSError) -> str:
+    if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
+        return ('host must be 127.0.0.1 for this machine alone, 0.0.0.0 for all networks, or an '
+                'address of this machine')
+    return 'choose another address with -p port:=8081, or end the program that uses this one'
 
 
 def _reachable(host: str) -> str:

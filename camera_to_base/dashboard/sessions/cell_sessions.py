@@ -17,7 +17,7 @@
 import threading
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
-from camera_to_base.calibration import marker_sheet_content, report_lines
+from camera_to_base.calibration import marker_sheet_content, OfferedCorrection, report_lines
 from camera_to_base.dashboard.sessions.areas import area_changes, areas_data
 from camera_to_base.dashboard.sessions.board import BoardSession, PANEL_NAMES
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
@@ -192,6 +192,18 @@ class CellSessions:
         """Return the parameter file as it would be saved."""
         with self._lock:
             return self._save.text()
+
+    def keep_correction(self, offer: Mapping[str, Any], body: Mapping[str, Any]) -> Changes:
+        """
+        Write the correction of a nudge into the file, see :meth:`SaveSession.keep`.
+
+        :param offer: The camera node's, see its service `~/corrected_surface`.
+        :returns: What is to be set on the nodes.
+        """
+        offered = OfferedCorrection(**offer)
+        with self._lock:
+            self._save.keep(offered, body)
+        return Changes({'camera': dict(offered.values)}, [])
 
     def close(self) -> None:
         """End the worker."""

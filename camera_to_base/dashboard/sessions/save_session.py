@@ -18,7 +18,7 @@ from datetime import datetime
 import os
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
-from camera_to_base.calibration import Calibration
+from camera_to_base.calibration import Calibration, corrected_file_text, OfferedCorrection
 from camera_to_base.dashboard.sessions.cell_values import CellValues
 from camera_to_base.dashboard.sessions.saved_file import (
     changed_values, file_text, unlike_values, values_to_save)
@@ -76,20 +76,38 @@ class SaveSession:
         :param body: {'path': another file}, or {}.
         :raises InvalidValueError: If it cannot be written; then nothing is.
         """
+        self._write(body, self.text)
+
+    def keep(self, offer: OfferedCorrection, body: Mapping[str, Any]) -> None:
+        """
+        Write the file with the correction of a nudge, before the nodes have it.
+
+        :param body: {'path': another file}, or {}.
+        :raises InvalidValueError: If it cannot be written; then nothing is.
+        """
+        self._write(body, lambda: self._corrected_text(offer))
+
+    def _corrected_text(self, offer: OfferedCorrection) -> str:
+        lines = self.text().splitlines()
+        values = values_to_save(self._file.values if self._file else {}, self._values)
+        return corrected_file_text(self._path, ParameterFile(
+            values, [line[2:] for line in lines if line.startswith('#')]), offer)
+
+    def _write(self, body: Mapping[str, Any], text: Callable[[], str]) -> None:
         self._saved = self._error = None
         try:
-            self._write(self._checked_path(body.get('path')))
+            self._write_to(self._checked_path(body.get('path')), text)
         except CameraToBaseError as error:
             self._error = str(error)
             self._on_change()
             raise
 
-    def _write(self, path: str) -> None:
+    def _write_to(self, path: str, text: Callable[[], str]) -> None:
         if self._needs():
             raise InvalidValueError(self._needs())
         if path != self._path:
             self._path, self._read_at, self._file = path, None, None
-        kept = write_files({path: self.text().encode()}, keep_old=True)
+        kept = write_files({path: text().encode()}, keep_old=True)
         self._read()
         self._saved = {
             'path': path, 'kept': kept[0] if kept else None,

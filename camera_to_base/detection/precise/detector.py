@@ -22,6 +22,7 @@ Each step is a module of its own:
 - `strips`, `tiles`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
 - `search`, `regions`: where such pixels are connected, for the long way.
+- `bands`: a lamp that flickers.
 - `foreign_light`: shade from outside of the picture, which is no object.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
 - `shadow`, `thing_and_shade`, `highlight`: what of a region is its object's shade, and what its
@@ -45,8 +46,8 @@ from camera_to_base.detection.precise.piece import outline_of
 from camera_to_base.detection.precise.placer import Placer, unplaced
 from camera_to_base.detection.precise.ranking import ranked
 from camera_to_base.detection.precise.reference import Reference
-from camera_to_base.detection.precise.regions import grown, Region, slices
-from camera_to_base.detection.precise.search import parts_of, search
+from camera_to_base.detection.precise.regions import grown, slices
+from camera_to_base.detection.precise.search import Found, parts_of, search
 from camera_to_base.detection.precise.strips import Strips
 from camera_to_base.detection.precise.tiles import changed_parts, frame_outline, is_all_changed
 import numpy as np
@@ -110,15 +111,18 @@ class PreciseDifferenceDetector:
             return unplaced(frame_outline(frame), frame)
         parts = changed_parts(frame, lit, rows, limits)
         self._strips.remember(parts)
-        plain, regions = search(frame, parts, self._reference, self._min_area)
-        if self._notice_ghosts(frame, regions):
-            plain, regions = search(
-                frame, parts_of(frame, self._reference), self._reference, self._min_area)
-        found = [detection for one in plain for detection in self._placer.place_plain(one)]
-        for index, region in enumerate(regions):
-            found += (self._placer.place_region(frame, region, self._reference)
-                      if index < _MOST_EXACT else unplaced(region.outline, frame))
-        return ranked(found, frame, self._reference.lit)
+        found = search(frame, parts, self._reference, self._min_area)
+        if self._notice_ghosts(found):
+            parts = parts_of(found.frame, self._reference)
+            found = search(found.frame, parts, self._reference, self._min_area)
+        return ranked(self._placed(found), found.frame, self._reference.lit)
+
+    def _placed(self, found: Found) -> List[Detection]:
+        placed = [detection for one in found.plain for detection in self._placer.place_plain(one)]
+        for index, region in enumerate(found.regions):
+            placed += (self._placer.place_region(found.frame, region, self._reference)
+                       if index < _MOST_EXACT else unplaced(region.outline, found.frame))
+        return placed
 
     @property
     def taken_away(self) -> List[Detection]:
@@ -145,11 +149,12 @@ class PreciseDifferenceDetector:
         is_other_light = self._reference.follow(frame)
         return self._forget_ghosts(frame) or is_other_light
 
-    def _notice_ghosts(self, frame: np.ndarray, regions: List[Region]) -> bool:
-        found = [find_ghost(frame, self._reference.lit, region)
-                 for region in regions[:_MOST_GHOSTS]
-                 if self._reference.has_edges(slices(grown(region.box, 2, frame)))]
-        ghosts = [ghost for ghost in found if ghost is not None]
+    def _notice_ghosts(self, found: Found) -> bool:
+        frame = found.frame
+        ghosts = [find_ghost(frame, self._reference.lit, region)
+                  for region in found.regions[:_MOST_GHOSTS]
+                  if self._reference.has_edges(slices(grown(region.box, 2, frame)))]
+        ghosts = [ghost for ghost in ghosts if ghost is not None]
         if ghosts:
             self._use_ghosts(self._ghosts + ghosts, frame)
         return bool(ghosts)

@@ -17,14 +17,14 @@ Light and shade that come from outside of the picture: a cloud, a person who sta
 
 They change a part of the picture that reaches its border, smoothly or with an edge, and by about
 one factor for all colours. What is small beside a median filter's window is no such light.
-A lamp that flickers makes bands of rows.
 """
 
 from typing import Optional
 
-from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.light import LINEAR, log_light
 from camera_to_base.detection.precise.limits import Range
-from camera_to_base.detection.precise.piece import channel_extremes, channel_sum, quantile
+from camera_to_base.detection.precise.piece import channel_extremes
 import cv2
 import numpy as np
 
@@ -40,11 +40,8 @@ _POWER = 1 / 2.2
 # Shade takes this much light at most, and colours it little.
 _DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
 _LEAST_MARKED, _LEAST_LIGHT = 0.1, 1e-3
-# Bands of rows: how far they are apart from one another at least, and from the picture's light at
-# most, logarithms; the rows of a mean; the part of all rows that must tell their light; how much
-# larger they are than what is left.
-_LEAST_BAND, _STRONGEST_BAND, _BAND_WINDOW, _LEAST_ROWS = 0.03, 0.25, 5, 0.4
-_SMOOTH = 8
+# Light of a field that changes an object's place, in steps of a factor.
+_LEAST_STEPS = 4
 
 
 def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray) -> bool:
@@ -64,69 +61,48 @@ def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray
     return np.count_nonzero(is_light & marked) > _LEAST_SHARE * np.count_nonzero(marked)
 
 
-def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray]:
+def in_usual_light(
+    frame: np.ndarray, background: np.ndarray, field: Range
+) -> np.ndarray:
     """
-    Find the bands of a lamp that flickers: each row is read at its own moment, and its own light.
+    Give a frame as it looks without light that comes from outside of the picture.
 
-    :param frame: Shape (h, w, 3), uint8, BGR.
-    :param background: Of the same shape, at the frame's light.
-    :returns: Logarithm of the light's factor, shape (h / 4, 1), float32; None without bands.
+    :param field: See :func:`find_field`. Where either of two lights may count, a pixel that looks
+        like the background in one between these does so in the result.
     """
-    step = np.s_[::_SHRINK, ::_SHRINK]
-    ratio = _log_ratio(frame[step], background[step])
-    thirds = np.array([quantile(part.T) for part in np.array_split(ratio, 3, axis=1)])
-    bands = quantile(thirds)
-    # A band goes from side to side; an object or a shadow does not. There, the rows beside count.
-    is_light = (np.abs(bands) < _STRONGEST_BAND) & (np.ptp(thirds, axis=0) < 2 * _LEAST_BAND)
-    if is_light.mean() < _LEAST_ROWS:
-        return None
-    rows = np.arange(len(bands))
-    bands = np.interp(rows, rows[is_light], bands[is_light])
-    bands = bands.astype(np.float32)[:, None]
-    smooth = cv2.blur(cv2.blur(bands, (1, _BAND_WINDOW)), (1, _BAND_WINDOW))
-    # A camera that trembles over a grain changes rows, too, but not smoothly.
-    is_smooth = np.ptp(smooth) > max(_LEAST_BAND, _SMOOTH * np.abs(bands - smooth).mean())
-    return smooth[:max(frame.shape[0] // _SHRINK, 1)] if is_smooth else None
+    size = frame.shape[1], frame.shape[0]
+    darkest, lightest = (cv2.merge([cv2.resize(factors, size)] * 3) for factors in field)
+    return cv2.max(cv2.divide(frame, lightest, scale=128),
+                   cv2.min(cv2.divide(frame, darkest, scale=128), background))
 
 
-def find_field(
-    frame: np.ndarray, background: np.ndarray, bands: Optional[np.ndarray] = None
-) -> Optional[Range]:
+def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
     """
     Find light that comes from outside of the picture.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param background: Of the same shape, at the frame's light.
-    :param bands: See :func:`find_bands`; they are a part of the result.
-    :returns: Factors on the background's grey levels, times 128; None where there is none.
+    :returns: Factors on the background's grey levels, times 128, each of shape (h / 4, w / 4);
+        None where there is none.
     """
-    bands = np.float32(0) if bands is None else bands
-    field = _smooth_ratio(frame, background, bands)
+    field = _smooth_ratio(frame, background)
     field[~_reaches_border(np.abs(field) > _LEAST_CHANGE)] = 0
-    if not field.any() and not np.any(bands):
+    if not field.any():
         return None
-    size = frame.shape[1], frame.shape[0]
-    return Range(_factors(cv2.erode(field, _EDGE) + bands, size),
-                 _factors(cv2.dilate(field, _EDGE) + bands, size))
+    return Range(_factors(cv2.erode(field, _EDGE)), _factors(cv2.dilate(field, _EDGE)))
 
 
-def field_of_bands(bands: np.ndarray, frame: np.ndarray) -> Range:
-    """Give the field of bands alone, see :func:`find_bands`."""
-    factors = _factors(bands, (1, frame.shape[0]))
-    factors = np.ascontiguousarray(np.broadcast_to(factors, frame.shape))
-    return Range(factors, factors)
+def has_light(field: Range, box: Box) -> bool:
+    """Tell whether a field changes what is seen in a part of the picture."""
+    left, top = box.x // _SHRINK, box.y // _SHRINK
+    right, bottom = -(-(box.x + box.width) // _SHRINK), -(-(box.y + box.height) // _SHRINK)
+    part = np.s_[top:bottom, left:right]
+    return (field.darkest[part].min() < 128 - _LEAST_STEPS
+            or field.lightest[part].max() > 128 + _LEAST_STEPS)
 
 
-def _log_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
-    light, usual = (np.maximum(channel_sum(cv2.LUT(picture, LINEAR)), _LEAST_LIGHT)
-                    for picture in (frame, background))
-    return cv2.log(light / usual)
-
-
-def _smooth_ratio(
-    frame: np.ndarray, background: np.ndarray, bands: np.ndarray
-) -> np.ndarray:
-    ratio = _log_ratio(_shrunk(frame), _shrunk(background)) - bands
+def _smooth_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    ratio = log_light(_shrunk(frame)) - log_light(_shrunk(background))
     steps = np.clip(np.rint(128 + _STEPS * ratio), 0, 255).astype(np.uint8)
     return (cv2.medianBlur(steps, _WINDOW).astype(np.float32) - 128) / _STEPS
 
@@ -148,6 +124,5 @@ def _reaches_border(changed: np.ndarray) -> np.ndarray:
     return np.isin(labels, np.unique(border[border > 0]))
 
 
-def _factors(field: np.ndarray, size: tuple) -> np.ndarray:
-    factors = np.clip(np.rint(128 * np.exp(_POWER * field)), 1, 255).astype(np.uint8)
-    return cv2.merge([cv2.resize(factors, size, interpolation=cv2.INTER_LINEAR)] * 3)
+def _factors(field: np.ndarray) -> np.ndarray:
+    return np.clip(np.rint(128 * np.exp(_POWER * field)), 1, 255).astype(np.uint8)

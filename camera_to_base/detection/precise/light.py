@@ -46,6 +46,12 @@ def _coded(light: np.ndarray) -> np.ndarray:
 LINEAR = _linear_levels().astype(np.float32)
 
 
+def log_light(picture: np.ndarray) -> np.ndarray:
+    """Give the logarithm of all channels' light: shape (h, w, 3), uint8, to (h, w), float32."""
+    light = cv2.transform(cv2.LUT(picture, LINEAR), np.ones((1, 3), np.float32))
+    return cv2.log(cv2.max(light, _LEAST_LIGHT))
+
+
 class Gain(NamedTuple):
     """How much more light there is than on the background, in steps, for B, G and R."""
 

@@ -14,7 +14,7 @@
 
 """From which grey levels on a pixel shows something else than the background."""
 
-from typing import NamedTuple, Optional
+from typing import NamedTuple
 
 from camera_to_base.detection.precise.light import Gain
 import cv2
@@ -51,7 +51,6 @@ class Limits:
         usual = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
         self._strong, self._weak = _LitRange(usual), _LitRange(usual)
         self._faintest = faintest
-        self._field: Optional[Range] = None
         self.least = faintest
 
     def set_light(self, gain: Gain, noise: np.ndarray) -> None:
@@ -68,32 +67,13 @@ class Limits:
         self._weak.set_levels(levels - weak, levels + weak)
         self._strong.set_levels(levels - strong, levels + strong)
 
-    def use_field(self, field: Optional[Range]) -> None:
-        """
-        Take light of a part of the picture into account, or no longer.
-
-        :param field: Factors on grey levels, times 128, each of shape (h, w, 3), uint8.
-        """
-        self._field = field
-
-    @property
-    def has_field(self) -> bool:
-        """Whether light of a part of the picture is taken into account."""
-        return self._field is not None
-
     def strong(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
-        return self._lit(self._strong.part(part), part)
+        return self._strong.part(part)
 
     def weak(self, part: tuple) -> Range:
         """Give the range that each pixel of an object leaves, for a part of the picture."""
-        return self._lit(self._weak.part(part), part)
-
-    def _lit(self, levels: Range, part: tuple) -> Range:
-        if self._field is None:
-            return levels
-        return Range(*(cv2.multiply(bound, factor[part], scale=1 / 128)
-                       for bound, factor in zip(levels, self._field)))
+        return self._weak.part(part)
 
 
 class _LitRange:

@@ -64,30 +64,43 @@ class Plain(NamedTuple):
     window: Box
 
 
-def find_plain(frame: np.ndarray, part: Box, reference: Reference) -> Optional[Plain]:
+def find_plain(
+    frame: np.ndarray, part: Box, reference: Reference, min_area: float
+) -> Optional[Plain]:
     """
     Find a plain object.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param part: What has changed, see `tiles`.
     :param reference: The background at the frame's light.
+    :param min_area: What shows less is noise, in px².
     :returns: None where there is something else than one plain object.
     """
     place = slices(part)
     weak = reference.limits.weak(place).outside(frame[place])
     everything = outlines_in(weak)
     outlines = [outline for outline in everything if len(outline) >= SHORTEST_OUTLINE]
-    if len(outlines) != 1:
+    if not outlines:
         return None
+    outline = max(outlines, key=cv2.contourArea)
     if len(everything) > 1:  # specks of noise
-        weak = filled(outlines[0], Box(0, 0, part.width, part.height), 255)
-    x, y, width, height = cv2.boundingRect(outlines[0])
-    if x == 0 or y == 0 or x + width == part.width or y + height == part.height:
+        weak = filled(outline, Box(0, 0, part.width, part.height), 255)
+    x, y, width, height = cv2.boundingRect(outline)
+    if (x == 0 or y == 0 or x + width == part.width or y + height == part.height
+            or len(outlines) > 1 and _shows_more(frame[place], weak, place, reference, min_area)):
         return None
     mask = weak[y - 1:y + height + 1, x - 1:x + width + 1]
     window = Box(part.x + x - 1, part.y + y - 1, width + 2, height + 2)
-    placed = place_plain(frame, window, mask, outlines[0], reference)
+    placed = place_plain(frame, window, mask, outline, reference)
     return None if placed is None else Plain(placed, window)
+
+
+def _shows_more(
+    levels: np.ndarray, weak: np.ndarray, place: tuple, reference: Reference, min_area: float
+) -> bool:
+    # JPEG leaves faint specks around an object. They are no regions, see `regions`.
+    strong = reference.limits.strong(place).outside(levels)
+    return cv2.countNonZero(cv2.subtract(strong, weak)) >= min_area / 2
 
 
 def place_plain(

@@ -19,12 +19,13 @@ Where a region may be light that comes from outside of the picture, all is looke
 with that light taken into account.
 """
 
-from typing import List, Optional, Tuple
+from typing import List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box, touches_edge
+from camera_to_base.detection.precise.bands import find_bands, without_bands
 from camera_to_base.detection.precise.foreign_light import (
-    field_of_bands, find_bands, find_field, looks_like_light)
-from camera_to_base.detection.precise.limits import Limits, Range
+    find_field, has_light, in_usual_light, looks_like_light)
+from camera_to_base.detection.precise.limits import Limits
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
@@ -33,6 +34,8 @@ from camera_to_base.detection.precise.tiles import changed_parts
 import cv2
 import numpy as np
 
+# Bands are looked for first where this part of a frame has changed, or more.
+_LEAST_BANDS = 0.05
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 # A faint region whose box covers at least this part may go on to the border; faint is a region of
@@ -42,48 +45,89 @@ _FAR, _FAINT = 0.04, 0.15
 _MOSTLY = 0.4
 # A part that is larger is no speck, in px².
 _MOST_SPECK = 1200
-# Light of a field that changes an object's place, in steps of a factor, see `Limits.use_field`.
-_LEAST_LIGHT_STEPS = 4
+
+
+class Found(NamedTuple):
+    """
+    What may be an object on a frame.
+
+    :param frame: The frame, without the bands of a lamp that flickers.
+    :param plain: The plain objects.
+    :param regions: The other regions, the largest first.
+    """
+
+    frame: np.ndarray
+    plain: List[Plain]
+    regions: List[Region]
 
 
 def search(
     frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
-) -> Tuple[List[Plain], List[Region]]:
+) -> Found:
     """
     Find what may be objects in the parts of a frame that have changed.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param parts: See :func:`tiles.changed_parts`.
     :param min_area: What shows less is noise, in px².
-    :returns: The plain objects, and the other regions, the largest first.
     """
+    are_bands_likely = _are_bands_likely(frame, parts)
+    even = _in_even_light(frame, reference) if are_bands_likely else None
+    found = _search(frame, parts, reference, min_area) if even is None else _search(
+        even, parts_of(even, reference), reference, min_area)
+    if not any(_may_reach_border(frame, region) for region in found.regions):
+        return found
+    if not are_bands_likely:
+        even = _in_even_light(frame, reference)
+        if even is not None:
+            found = _search(even, parts_of(even, reference), reference, min_area)
+    return _without_foreign_light(found, reference, min_area)
+
+
+def _search(
+    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
+) -> Found:
     plain, others = [], []
     for part in parts:
         if _is_speck(frame, part, reference.limits, min_area):
             continue
-        one = find_plain(frame, part, reference)
+        one = find_plain(frame, part, reference, min_area)
         if one is None:
             others.append(part)
         else:
             plain.append(one)
     regions = find_regions(frame, others, reference.limits, min_area)
     # A window that grew may hold a plain object of another part.
-    regions = [region for region in regions
-               if not any(region.box.is_inside(one.window) for one in plain)]
-    if not any(_may_reach_border(frame, region) for region in regions):
-        return plain, regions
-    field = _field(frame, regions, reference.lit)
+    return Found(frame, plain, [region for region in regions if not any(
+        region.box.is_inside(one.window) for one in plain)])
+
+
+def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
+    # They go from side to side, if not in one part.
+    height, width = frame.shape[:2]
+    return (any(part.x == 0 for part in parts)
+            and any(part.x + part.width == width for part in parts)
+            and sum(part.width * part.height for part in parts) > _LEAST_BANDS * height * width)
+
+
+def _in_even_light(frame: np.ndarray, reference: Reference) -> Optional[np.ndarray]:
+    bands = find_bands(frame, reference.lit)
+    return None if bands is None else without_bands(frame, reference.lit, bands)
+
+
+def _without_foreign_light(found: Found, reference: Reference, min_area: float) -> Found:
+    frame, lit = found.frame, reference.lit
+    if not any(_may_be_light(frame, region, lit) for region in found.regions):
+        return found
+    field = find_field(frame, lit)
     if field is None:
-        return plain, regions
-    reference.limits.use_field(field)
-    try:
-        regions = find_regions(
-            frame, parts_of(frame, reference), reference.limits, min_area)
-    finally:
-        reference.limits.use_field(None)
-    return [], [region._replace(in_other_light=_has_light(field, region.box))
-                for region in regions if touches_edge(region.box, frame)
-                or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)]
+        return found
+    usual = in_usual_light(frame, lit, field)
+    regions = find_regions(usual, parts_of(usual, reference), reference.limits, min_area)
+    return Found(frame, [], [
+        region._replace(in_other_light=has_light(field, region.box)) for region in regions
+        if touches_edge(region.box, frame)
+        or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)])
 
 
 def _is_speck(frame: np.ndarray, part: Box, limits: Limits, min_area: float) -> bool:
@@ -92,19 +136,6 @@ def _is_speck(frame: np.ndarray, part: Box, limits: Limits, min_area: float) -> 
         return False
     place = slices(part)
     return cv2.countNonZero(limits.strong(place).outside(frame[place])) < min_area / 2
-
-
-def _field(frame: np.ndarray, regions: List[Region], lit: np.ndarray) -> Optional[Range]:
-    bands = find_bands(frame, lit)
-    if any(_may_be_light(frame, region, lit) for region in regions):
-        return find_field(frame, lit, bands)
-    return None if bands is None else field_of_bands(bands, frame)
-
-
-def _has_light(field: Range, box: Box) -> bool:
-    part = slices(box)
-    return (field.darkest[part].min() < 128 - _LEAST_LIGHT_STEPS
-            or field.lightest[part].max() > 128 + _LEAST_LIGHT_STEPS)
 
 
 def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
@@ -125,7 +156,5 @@ def _may_be_light(frame: np.ndarray, region: Region, lit: np.ndarray) -> bool:
 
 def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
     """Find the parts of a frame that have changed."""
-    lit, limits = reference.lit, reference.limits
-    rows = ([slice(0, len(frame))] if limits.has_field
-            else Strips(frame.shape).changed(frame, lit, limits))
-    return changed_parts(frame, lit, rows, limits)
+    rows = Strips(frame.shape).changed(frame, reference.lit, reference.limits)
+    return changed_parts(frame, reference.lit, rows, reference.limits)

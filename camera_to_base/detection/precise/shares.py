@@ -21,18 +21,22 @@ inside; the share follows by projection, from all three colours. The pixels of w
 is covered make the next, better mask: three turns are enough.
 """
 
-from typing import Dict, NamedTuple, Optional
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_sum, chosen, disc, largest_part, Piece, quantile, square)
+    channel_extremes, channel_sum, chosen, disc, largest_part, outline_of, Piece, quantile,
+    square)
+from camera_to_base.detection.precise.reduced import enlarged, reduced
 import cv2
 import numpy as np
 
 # Turns at most, and which part of the object may still change in the last one.
 _TURNS, _SETTLED = 3, 0.005
+# A larger piece, in px², of an object with this many px for each px of its outline starts small.
+_MANY, _WIDE = 12_000, 8.0
 # Ratios of light that no shade has, and of the largest to the smallest colour's.
-_LIGHT, _COLOURED = 1.2, 1.8
+_LIGHT, _COLOURED = 1.15, 1.35
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
 # which part of that way is still to go.
 _STEEPEST = 0.3
@@ -71,9 +75,28 @@ class Placed(NamedTuple):
 
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
-    highlight, mask, ratio = find_highlight(piece), piece.mask, _ratio(piece)
+    highlight, mask, ratio, turns = find_highlight(piece), piece.mask, _ratio(piece), _TURNS
+    if mask.size > _MANY and _is_wide(mask):
+        # All turns but the last one at half of the size.
+        coarse, scale = reduced(piece, mask.size - 1)
+        mask, turns = enlarged(_covered(coarse, _ratio(coarse), _TURNS)[1], scale, mask), 1
+    shares, mask = _covered(piece._replace(mask=mask), ratio, turns)
+    shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
+    if highlight is not None:
+        shares = complete_shares(shares, piece.mask, highlight)
+    return Placed(shares.astype(np.float32), mask)
+
+
+def _is_wide(mask: np.ndarray) -> bool:
+    outline = outline_of(mask)
+    return outline is not None and cv2.countNonZero(mask) >= _WIDE * len(outline)
+
+
+def _covered(piece: Piece, ratio: np.ndarray, turns: int) -> Tuple[np.ndarray, np.ndarray]:
+    """Give the shares, and the mask of the pixels of which more than half is covered."""
+    mask = piece.mask
     sure = _no_shade(ratio, mask)
-    for _ in range(_TURNS):
+    for _ in range(turns):
         shares = np.maximum(_shares(piece, mask, ratio), sure)
         covered = (shares > 0.5).view(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
@@ -81,10 +104,7 @@ def place(piece: Piece) -> Placed:
         if area < _SMALLEST or cv2.countNonZero(covered ^ mask) <= _SETTLED * area:
             break
         mask = covered
-    shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
-    if highlight is not None:
-        shares = complete_shares(shares, piece.mask, highlight)
-    return Placed(shares.astype(np.float32), mask)
+    return shares, mask
 
 
 def place_whole(piece: Piece) -> Placed:
@@ -99,7 +119,7 @@ def _no_shade(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
     # whatever it looks like elsewhere.
     smallest, largest = channel_extremes(ratio)
     other = (largest > _LIGHT) | (largest > _COLOURED * smallest)
-    return cv2.morphologyEx(cv2.erode(mask, square(11)) & other.view(np.uint8),
+    return cv2.morphologyEx(cv2.erode(mask, square(9)) & other.view(np.uint8),
                             cv2.MORPH_OPEN, square(3))
 
 

@@ -94,12 +94,11 @@ def _changed_tiles(
     down = [TILE * -(-(rows.stop - rows.start) // TILE) for rows in strips]
     is_filled = across == 3 * frame.shape[1] and strips[-1].stop % TILE == 0
     levels = (np.empty if is_filled else np.zeros)((sum(down), across), np.uint8)
-    if not limits.has_field:
-        for rows, place in _places(strips, frame):
-            cv2.absdiff(_by_row(frame[rows]), _by_row(lit[rows]), dst=levels[place])
-        changed = _tiles_above(limits.least, levels)
-        if np.count_nonzero(changed) < _FEW * changed.size:
-            return changed
+    for rows, place in _places(strips, frame):
+        cv2.absdiff(_by_row(frame[rows]), _by_row(lit[rows]), dst=levels[place])
+    changed = _tiles_above(limits.least, levels)
+    if np.count_nonzero(changed) < _FEW * changed.size:
+        return changed
     # Edges of a table whose picture trembles: the limits at each place know them.
     for rows, place in _places(strips, frame):
         usual = limits.strong((rows, slice(0, frame.shape[1])))

@@ -19,7 +19,7 @@ from typing import Optional
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources.capture import is_readable, open_file
-from camera_to_base.sources.source_kind import VIDEO_FILE
+from camera_to_base.sources.source_kind import misspelt_word, VIDEO_FILE
 import cv2
 import numpy as np
 
@@ -37,8 +37,7 @@ class VideoFile:
 
     def __init__(self, path: str) -> None:
         if not os.path.isfile(path):
-            found = 'it is a folder' if os.path.isdir(path) else 'there is no such file'
-            raise FrameSourceError(f"cannot open video '{path}': {found}")
+            raise FrameSourceError(f"cannot open video '{path}': {_missing(path)}")
         self._capture = open_file(path)
         if self._capture is None:
             raise FrameSourceError(
@@ -75,3 +74,10 @@ class VideoFile:
     def release(self) -> None:
         """Close the file."""
         self._capture.release()
+
+
+def _missing(path: str) -> str:
+    if os.path.isdir(path):
+        return 'it is a folder'
+    word = misspelt_word(path)
+    return 'there is no such file' + (f"; did you mean '{word}'?" if word else '')

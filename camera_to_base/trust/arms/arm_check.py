@@ -22,6 +22,7 @@ from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.arms.left_behind import LeftBehind
 from camera_to_base.trust.arms.reaching_in import Changes, covered_share, ReachingIn
+from camera_to_base.trust.arms.remains import Remains
 from camera_to_base.trust.arms.rim import Rim, rim_of
 import cv2
 import numpy as np
@@ -49,6 +50,10 @@ _LEFT = Reason(
     'taken_away', Level.WARN, 'it cannot be told from the place that an object of the background '
     'has left: clear the surface, and call ~/capture_background', is_passing=True)
 
+_WAS_LEFT = Reason(
+    'taken_away', Level.WARN, 'it appeared where an object of the background has left less than a '
+    'second ago', is_passing=True)
+
 
 # Where something reaches in; None for nowhere.
 _Mask = Optional[np.ndarray]
@@ -70,7 +75,7 @@ class ArmCheck:
 
     def __init__(self, background: np.ndarray, unknown: Optional[np.ndarray] = None) -> None:
         self._reaching_in = ReachingIn(background, unknown)
-        self._left_behind = LeftBehind(background)
+        self._left_behind, self._remains = LeftBehind(background), Remains()
         self._fills: Deque[Tuple[float, np.ndarray]] = deque()
         self._known: List[_Known] = []
 
@@ -103,6 +108,7 @@ class ArmCheck:
         if taken_at is None:
             return _divided(found, [_TOUCHED if self._is_covered(one, fill) else None
                                     for one in found.objects])
+        found = self._without_remains(found, taken_at)
         recent = self._recent(fill, taken_at)
         found = _divided(found, [self._reason(one, frame, fill, recent, taken_at)
                                  for one in found.objects])
@@ -114,6 +120,14 @@ class ArmCheck:
             _LEFT if self._share(outline, changes.differs) < _LEAST_CHANGED
             or self._left_behind.is_part_of(frame, outline, changes.gain) else None
             for outline in outlines])
+
+    def _without_remains(self, found: Found, taken_at: float) -> Found:
+        self._remains.note(
+            (left.detection for left in found.left_out if left.reason is _LEFT), taken_at)
+        return _divided(found, [
+            _WAS_LEFT if self._remains.may_be_part(one.detection) and not any(
+                _is_same(known.found.detection, one.detection) for known in self._known) else None
+            for one in found.objects])
 
     def _recent(self, fill: _Mask, taken_at: float) -> _Mask:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:

@@ -125,9 +125,17 @@ class CellBackground(NamedTuple):
         :param means: Shape (h, w, 3), uint8.
         :returns: Of the same shape, uint8, 0 where they do not.
         """
-        lit = cv2.multiply(self.levels, light.factors, dtype=cv2.CV_8U)
+        difference = cv2.absdiff(means, self._lit(light))
         most = cv2.convertScaleAbs(self.spread, alpha=light.slack, beta=light.least)
-        return cv2.subtract(cv2.absdiff(means, lit), most)
+        return cv2.subtract(difference, most)
+
+    def differs(self, means: np.ndarray, light: Light) -> bool:
+        """Tell whether there is any excess, which takes less time where there is none."""
+        return (cv2.norm(means, self._lit(light), cv2.NORM_INF) > light.least
+                and cv2.norm(self.excess(means, light), cv2.NORM_INF) > 0)
+
+    def _lit(self, light: Light) -> np.ndarray:
+        return cv2.multiply(self.levels, light.factors, dtype=cv2.CV_8U)
 
 
 def any_channel(excess: np.ndarray) -> np.ndarray:

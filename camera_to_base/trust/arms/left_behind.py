@@ -50,15 +50,18 @@ class LeftBehind:
         left, top, width, height = cv2.boundingRect(outline)
         left, top = max(left - _RIM_PX, 0), max(top - _RIM_PX, 0)
         window = np.s_[top:top + height + 2 * _RIM_PX, left:left + width + 2 * _RIM_PX]
-        before = cv2.convertScaleAbs(self._edges[window], alpha=gain)
+        before = self._edges[window]
+        if cv2.norm(before, cv2.NORM_INF) * gain < _LEAST_LEVELS:
+            return False
+        before = cv2.convertScaleAbs(before, alpha=gain)
         rim = np.zeros(before.shape[:2], np.uint8)
         cv2.drawContours(rim, [outline], -1, 1, _RIM_PX, offset=(-left, -top))
-        rim = rim.view(bool)
-        before = before[rim]
-        least = _LEAST_SHARE * before.size
-        if np.count_nonzero(before > _LEAST_LEVELS) < least:
+        clear = cv2.threshold(before, _LEAST_LEVELS, 1, cv2.THRESH_BINARY)[1]
+        least = _LEAST_SHARE * cv2.countNonZero(rim)
+        if cv2.countNonZero(cv2.bitwise_and(clear, rim)) < least:
             return False
-        now = _edges(frame[window])[rim]
+        rim = rim.view(bool)
+        before, now = before[rim], _edges(frame[window])[rim]
         strong = max(_STRONG * _upper_tenth(np.maximum(before, now)), _LEAST_LEVELS)
         is_lost = (before > strong) & (now < _LOST * before)
         return np.count_nonzero(is_lost) >= least

@@ -17,7 +17,6 @@
 from typing import List
 
 from camera_to_base.trust.arms.cells import CellBackground, Cells, Light, medians
-import cv2
 import numpy as np
 
 # Gaps of 4 cells are closed: what reaches in differs within this many cells of the edge.
@@ -63,7 +62,7 @@ class PictureEdge:
         across = np.concatenate(
             [sampled(frame[:, :self._wide]), sampled(frame[:, -self._wide:])], axis=1)
         means = _joined(*map(self._cells.means_of_samples, (along, across)))
-        return cv2.norm(self._background.excess(means, light), cv2.NORM_INF) > 0
+        return self._background.differs(means, light)
 
 
 def _joined(*parts: np.ndarray) -> np.ndarray:

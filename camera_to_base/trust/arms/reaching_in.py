@@ -200,7 +200,7 @@ def covered_share(mask: np.ndarray, outline: np.ndarray, scale: int) -> float:
     cells = outline // scale
     left, top, width, height = cv2.boundingRect(cells)
     piece = mask[top:top + height, left:left + width]
-    if not piece.any():
+    if not piece.size or not cv2.countNonZero(piece):
         return 0.0
     inside = np.zeros(piece.shape, np.uint8)
     cv2.fillPoly(inside, [cells], 1, offset=(-left, -top))

@@ -36,7 +36,7 @@ class Rim(NamedTuple):
 
     :param corner: The window's first column and row in the picture.
     :param picture: Shape (h, w, 3), uint8, BGR, the window.
-    :param outline: Shape (n, 2), int32, columns u and v in px of the window.
+    :param outline: Shape (n, 2), int32, columns u and v in px of the picture that it is from.
     """
 
     corner: Tuple[int, int]
@@ -59,13 +59,15 @@ class Rim(NamedTuple):
         return _all_agree(before[:, channel], now[:, channel], self._sectors(band))
 
     def _band(self) -> np.ndarray:
-        inside = cv2.fillPoly(np.zeros(self.picture.shape[:2], np.uint8), [self.outline], 1)
+        left, top = self.corner
+        inside = cv2.fillPoly(np.zeros(self.picture.shape[:2], np.uint8), [self.outline], 1,
+                              offset=(-left, -top))
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _RIM_PX + 1,) * 2)
         return cv2.morphologyEx(inside, cv2.MORPH_GRADIENT, disc) > 0
 
     def _sectors(self, band: np.ndarray) -> np.ndarray:
         v, u = np.nonzero(band)
-        centre_u, centre_v = self.outline.mean(axis=0)
+        centre_u, centre_v = self.outline.mean(axis=0) - self.corner
         turn = np.arctan2(v - centre_v, u - centre_u) / (2 * np.pi) + 0.5
         return np.minimum((turn * _SECTORS).astype(int), _SECTORS - 1)
 
@@ -80,8 +82,7 @@ def rim_of(frame: np.ndarray, outline: np.ndarray) -> Rim:
     left, top, width, height = cv2.boundingRect(outline)
     right, bottom = left + width + 2 * _RIM_PX, top + height + 2 * _RIM_PX
     left, top = max(left - 2 * _RIM_PX, 0), max(top - 2 * _RIM_PX, 0)
-    return Rim((left, top), frame[top:bottom, left:right].copy(),
-               outline - np.array([left, top], np.int32))
+    return Rim((left, top), frame[top:bottom, left:right].copy(), outline)
 
 
 def _all_agree(before: np.ndarray, now: np.ndarray, sectors: np.ndarray) -> bool:

@@ -55,7 +55,8 @@ class Correction(NamedTuple):
         return Reason('view_corrected', Level.WARN, (
             f'the camera was nudged by {self.shift_px:.1f} px ({self.shift_mm:.1f} mm): positions '
             f'are corrected, to about {max(self.error_mm, 0.1):.1f} mm: move the camera back, or '
-            'calibrate anew (after a restart, only a background_file tells that it was nudged)'))
+            'keep the correction with `calibrate keep FILE` or on the dashboard (otherwise, after '
+            'a restart, only a background_file tells that it was nudged)'))
 
 
 def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction:

@@ -20,6 +20,7 @@ where the camera stands, whether to take a new background, reasons, and where ma
 Caller: `trust.pipeline`.
 """
 
-from camera_to_base.trust.markers.marker_watch import MarkerSettings, MarkerView, MarkerWatch
+from camera_to_base.trust.markers.marker_view import MarkerSettings, MarkerView
+from camera_to_base.trust.markers.marker_watch import MarkerWatch
 
 __all__ = ['MarkerSettings', 'MarkerView', 'MarkerWatch']

@@ -37,7 +37,7 @@ def disagree() -> Reason:
 
 def background_awaited(numbers: Tuple[int, ...], is_automatic: bool) -> Reason:
     """Tell that only the background is missing where the camera stands now."""
-    cure = ('uncover all markers and keep the surface still: then a new background is taken'
+    cure = ('clear the surface, uncover all markers and keep still: then a new background is taken'
             if is_automatic else f'{_CURE}, or set background_retake to auto')
     return Reason('background_awaited', Level.ERROR, (
         f'the camera was moved; the markers {_listed(numbers)} tell where it stands, but the '

@@ -13,16 +13,17 @@
 # limitations under the License.
 """Asks the markers where the camera stands: at each new background, and where the view asks."""
 
-from typing import NamedTuple, Optional
+from typing import Optional
 
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.markers import (
-    Corners, has_markers, MarkedSurface, MarkerLook, Verdict)
+from camera_to_base.markers import Corners, has_markers, MarkerLook, Verdict
 from camera_to_base.reason import Reason
 from camera_to_base.trust.background import Background
+from camera_to_base.trust.markers.clearance import is_clear
 from camera_to_base.trust.markers.marker_places import MarkerPlaces
 from camera_to_base.trust.markers.marker_reasons import (
     background_awaited, by_markers, disagree, marker_moved, unclear, without_aruco)
+from camera_to_base.trust.markers.marker_view import MarkerSettings, MarkerStep, MarkerView
 from camera_to_base.trust.markers.stillness import Stillness
 from camera_to_base.trust.sighting import Sighting
 from camera_to_base.trust.surface_in_force import SurfaceInForce
@@ -34,50 +35,6 @@ _ELSEWHERE = ('view_moved', 'view_changed', 'view_unknown')
 _PERIOD_S, _PERIOD_IN_PEACE_S = 0.5, 5.0
 # A new surface is believed in after this time, in which markers and picture stand still.
 _STILL_S = 1.5
-
-
-class MarkerSettings(NamedTuple):
-    """
-    Markers on the surface.
-
-    :param marked: The calibration with its markers.
-    :param retakes: Whether a new background may be taken without being asked for.
-    :param background_frames: It is the median of this many frames.
-    """
-
-    marked: MarkedSurface
-    retakes: bool = False
-    background_frames: int = 1
-
-
-class MarkerStep(NamedTuple):
-    """
-    What follows from a frame.
-
-    :param sighting: What may be published of it.
-    :param surface: The surface for where the background was taken; None for no change.
-    :param retakes: Whether to take a new background.
-    """
-
-    sighting: Sighting
-    surface: Optional[SurfaceInForce] = None
-    retakes: bool = False
-
-
-class MarkerView(NamedTuple):
-    """
-    What is known of a frame's view.
-
-    :param background: What the frame was compared with.
-    :param in_force: What its pixels mean.
-    :param is_corrected: Whether the camera was nudged since the background was taken.
-    :param shift_px: How far it is off, as far as that is known, in px.
-    """
-
-    background: Background
-    in_force: SurfaceInForce
-    is_corrected: bool
-    shift_px: float
 
 
 class MarkerWatch:
@@ -204,8 +161,19 @@ class MarkerWatch:
             return MarkerStep(sighting)
         numbers = verdict.in_place if verdict.fit is None else verdict.fit.numbers
         self._reason = background_awaited(numbers, self._settings.retakes)
-        are_free = set(look.seen) >= set(self._settings.marked.corners)
-        return MarkerStep(Sighting([], self._reason), retakes=self._settings.retakes and are_free)
+        return MarkerStep(Sighting([], self._reason), retakes=(
+            self._settings.retakes and self._is_safe(frame, look, view)))
+
+    def _is_safe(self, frame: np.ndarray, look: MarkerLook, view: MarkerView) -> bool:
+        """Return whether a frame can be the background: free markers, and no object."""
+        marked, fit = self._settings.marked, look.verdict.fit
+        if not set(look.seen) >= set(marked.corners):
+            return False
+        if fit is None:
+            return is_clear(frame, view.seen)
+        there, here = marked.anew(fit).frame_from_calibrated, view.in_force.frame_from_calibrated
+        return is_clear(frame, view.seen.seen_after(
+            there if here is None else there.after(here.inverse), frame))
 
     def _look(
         self, image: np.ndarray, view: MarkerView, now: float, tolerance_px: float = 0.0

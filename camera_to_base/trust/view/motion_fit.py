@@ -12,19 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The shift, rotation and scale on which the patches' shifts agree."""
+"""The shift, rotation and scale on which the patches' shifts agree, and the tilt."""
 
 from typing import NamedTuple, Tuple
 
 import cv2
 import numpy as np
 
-# A similarity has four numbers: shift along u and v, growth and turn. All are in px, the last two
-# at half of the picture's diagonal.
-_NUMBERS = 4
+# A similarity has four numbers: shift along u and v, growth and turn. A tilt has two more: growth
+# that increases along u and along v. All are in px, but for the shift at half of the diagonal.
+SIMILARITY, TILTED = 4, 6
 # The camera is taken to stand still, to this many px, as long as nothing says otherwise.
 _PRIOR_PX = 1.0
-_PRIOR = np.eye(_NUMBERS) / _PRIOR_PX ** 2
 # At most so many rounds, until a round changes the numbers by less than this.
 _ROUNDS, _SETTLED_PX = 4, 0.005
 # Squared deviation from the similarity, in variances: half the weight, and no agreement.
@@ -35,7 +34,7 @@ class Motion(NamedTuple):
     """
     What the patches agree on.
 
-    :param numbers: Shape (4,), the similarity, in px.
+    :param numbers: Shape (4,) or (6,), the similarity and the tilt, in px.
     :param agrees: Shape (n,), which patches agree on it.
     """
 
@@ -45,27 +44,35 @@ class Motion(NamedTuple):
 
 class MotionFit:
     """
-    Finds the similarity by least squares, reweighted against patches that an object covers.
+    Finds a motion by least squares, reweighted against patches that an object covers.
 
     :param places: Shape (n, 2), the patches' centres, in px.
     :param size: Width and height of the picture, in px.
     :param information: Shape (n, 2, 2), inverse covariance of each patch's shift, in 1/px².
+    :param count: How many numbers a motion has, SIMILARITY or TILTED.
     """
 
-    def __init__(self, places: np.ndarray, size: Tuple[int, int], information: np.ndarray) -> None:
-        self._size = size
-        lever = _lever(places, size)
+    def __init__(self, places: np.ndarray, size: Tuple[int, int], information: np.ndarray,
+                 count: int = SIMILARITY) -> None:
+        self._size, self._count = size, count
+        self._prior = np.eye(count) / _PRIOR_PX ** 2
+        lever = _lever(places, size)[:, :, :count]
         # In these axes the shift of a patch along each has the variance 1.
         self._axes = np.linalg.cholesky(information).transpose(0, 2, 1)
         self._u, self._v = (self._axes @ lever).transpose(1, 0, 2)
-        self._share = (lever.transpose(0, 2, 1) @ information @ lever).reshape(-1, _NUMBERS ** 2)
+        self._share = (lever.transpose(0, 2, 1) @ information @ lever).reshape(-1, count ** 2)
         width, height = size
         self._corners = _lever(np.array([
             [0, 0], [width, 0], [0, height], [width, height], [width / 2, height / 2]]), size)
+        self._corners = self._corners[:, :, :count]
 
     def total(self, weights: np.ndarray) -> np.ndarray:
-        """Give the information of some patches on the similarity, shape (4, 4), in 1/px²."""
-        return (weights @ self._share).reshape(_NUMBERS, _NUMBERS)
+        """Give the information of some patches on the numbers, shape (n, n), in 1/px²."""
+        return (weights @ self._share).reshape(self._count, self._count)
+
+    def covariance(self, weights: np.ndarray, precision: float = 1.0) -> np.ndarray:
+        """Give the covariance of the numbers by some patches, shape (n, n), in px²."""
+        return np.linalg.inv(precision * self.total(weights) + self._prior)
 
     def solve(self, shifts: np.ndarray, is_seen: np.ndarray, precision: float = 1.0) -> Motion:
         """
@@ -77,9 +84,10 @@ class MotionFit:
         """
         u, v = (self._axes @ shifts[:, :, None])[:, :, 0].T
         sides = self._u * u[:, None] + self._v * v[:, None]
-        weights, numbers = is_seen.astype(float), np.full(_NUMBERS, np.inf)
+        weights, numbers = is_seen.astype(float), np.full(self._count, np.inf)
         for _ in range(_ROUNDS):
-            before, numbers = numbers, _solution(self.total(weights) + _PRIOR, weights @ sides)
+            before, numbers = numbers, _solution(
+                self.total(weights) + self._prior, weights @ sides)
             missed_u, missed_v = u - self._u @ numbers, v - self._v @ numbers
             deviations = precision * (missed_u * missed_u + missed_v * missed_v)
             if cv2.norm(numbers, before, cv2.NORM_INF) < _SETTLED_PX:
@@ -89,18 +97,30 @@ class MotionFit:
 
     def matrix(self, numbers: np.ndarray) -> np.ndarray:
         """
-        Give a similarity as the map from the background's pixels to the frame's.
+        Give a motion as the map from the background's pixels to the frame's.
 
-        :returns: Shape (2, 3), as cv2.warpAffine takes it.
+        :returns: Shape (2, 3), as cv2.warpAffine takes it; (3, 3) with a tilt.
         """
         width, height = self._size
-        right, down, growth, turn = numbers.tolist()
+        right, down, growth, turn, *tilt = numbers.tolist()
         half = np.hypot(width, height) / 2
+        if tilt:
+            return self._tilted_matrix(numbers / half, half)
         scale, turn = 1 + growth / half, turn / half
         # About the picture's centre.
         right += (width - scale * width + turn * height) / 2
         down += (height - turn * width - scale * height) / 2
         return np.array([[scale, -turn, right], [turn, scale, down]])
+
+    def _tilted_matrix(self, numbers: np.ndarray, half: float) -> np.ndarray:
+        # Numbers in halves of the diagonal.
+        right, down, growth, turn, tilt_u, tilt_v = numbers
+        width, height = self._size
+        to_places = np.array([[1 / half, 0, -width / 2 / half], [0, 1 / half, -height / 2 / half],
+                              [0, 0, 1]])
+        warp = np.array([[1 + growth, -turn, right], [turn, 1 + growth, down],
+                         [-tilt_u, -tilt_v, 1]])
+        return np.linalg.inv(to_places) @ warp @ to_places
 
     def farthest_px(self, numbers: np.ndarray) -> float:
         """Tell how far the picture's centre or a corner moves, the farthest of them, in px."""
@@ -114,10 +134,12 @@ def _solution(matrix: np.ndarray, sides: np.ndarray) -> np.ndarray:
 
 
 def _lever(places: np.ndarray, size: Tuple[int, int]) -> np.ndarray:
-    # Shape (n, 2, 4): the shift of each place by the four numbers.
+    # Shape (n, 2, 6): the shift of each place by the numbers.
     x, y = ((places - np.array(size) / 2) / (np.hypot(*size) / 2)).T
-    lever = np.zeros((len(places), 2, _NUMBERS))
+    lever = np.zeros((len(places), 2, TILTED))
     lever[:, 0, 0] = lever[:, 1, 1] = 1
     lever[:, 0, 2], lever[:, 0, 3] = x, -y
     lever[:, 1, 2], lever[:, 1, 3] = y, x
+    lever[:, 0, 4], lever[:, 0, 5] = x * x, x * y
+    lever[:, 1, 4], lever[:, 1, 5] = x * y, y * y
     return lever

@@ -50,11 +50,10 @@ class Patches:
         :returns: Shape (n, 256), float32.
         """
         u, v = self._first.T
-        rows = _pieces(picture, self._step)[v, u].reshape(self.count * 2 * SIDE, -1, 3)
-        grey = cv2.cvtColor(rows, cv2.COLOR_BGR2GRAY)
-        means = cv2.resize(grey, (grey.shape[1] // 2, grey.shape[0] // 2),
-                           interpolation=cv2.INTER_AREA)
-        return self._without_mean(means[:, ::self._step // 2].astype(np.float32))
+        pairs = _pieces(picture, self._step)[v, u].view(np.uint8)
+        grey = cv2.cvtColor(pairs.reshape(-1, 2 * SIDE, 3), cv2.COLOR_BGR2GRAY)
+        means = cv2.resize(grey, (SIDE, SIDE * self.count), interpolation=cv2.INTER_AREA)
+        return self._without_mean(means.astype(np.float32))
 
     def slopes(self, grey: np.ndarray, half_px: float) -> np.ndarray:
         """
@@ -83,13 +82,13 @@ class Patches:
 
 
 def _pieces(picture: np.ndarray, step: int) -> np.ndarray:
-    # A view of the rows of every patch that a picture can have: shape (v, u, 16, 2, bytes).
+    # A view of every patch that a picture can have: shape (v, u, 16, 2, 16), of pairs of pixels.
     picture, length = np.ascontiguousarray(picture), (SIDE - 1) * step + 2
     height, width = picture.shape[:2]
     row, pixel, _ = picture.strides
     return np.ndarray(
-        (height - length + 1, width - length + 1, SIDE, 2, 3 * length), np.uint8, picture,
-        strides=(row, pixel, step * row, row, 1))
+        (height - length + 1, width - length + 1, SIDE, 2, SIDE), np.dtype('V6'), picture,
+        strides=(row, pixel, step * row, row, step * pixel))
 
 
 def step_for(size: tuple) -> int:

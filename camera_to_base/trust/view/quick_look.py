@@ -16,8 +16,8 @@
 
 from typing import NamedTuple, Optional
 
-from camera_to_base.trust.view.motion_fit import MotionFit
-from camera_to_base.trust.view.patch_fit import PatchFit
+from camera_to_base.trust.view.motion_fit import Motion, MotionFit, SIMILARITY, TILTED
+from camera_to_base.trust.view.patch_fit import PatchFit, PatchShifts
 from camera_to_base.trust.view.patches import find_places, Patches, step_for
 import cv2
 import numpy as np
@@ -34,6 +34,9 @@ _LEAST_AT_REST = 0.5
 # The surface's are told from noise by this: half of the patches tell a shift to 1.4 px or better,
 # in 1/px², along both axes together.
 _TELLING = 1.0
+# A tilt counts where it moves a corner by this many px and by so many of its deviations, and where
+# so many patches agree on it.
+_LEAST_TILT_PX, _TILT_DEVIATIONS, _TILT_PATCHES = 0.8, 5.0, 12
 # In a darker frame the same noise is more of a shift.
 _DARKEST_GAIN = 0.1
 
@@ -45,7 +48,7 @@ class Look(NamedTuple):
     :param share: How much of the structure agrees on a motion: of that which tells the least
         certain direction, 0..1.
     :param shift_px: How far the picture's centre or a corner has moved, the farthest of them.
-    :param matrix: Shape (2, 3), maps the background's pixels to the frame's.
+    :param matrix: Shape (2, 3), maps the background's pixels to the frame's; (3, 3) with a tilt.
     """
 
     share: float
@@ -99,12 +102,31 @@ class QuickLook:
         if not self.has_structure:
             return None
         seen = self._fit.measure(frame)
-        motion = self._motion_fit.solve(
-            seen.shifts, seen.is_seen, min(max(seen.gain, _DARKEST_GAIN), 1.0) ** 2)
-        part = self._whitening @ self._motion_fit.total(motion.agrees) @ self._whitening.T
+        precision = min(max(seen.gain, _DARKEST_GAIN), 1.0) ** 2
+        tilted = self._tilted(seen, precision)
+        if tilted is not None:
+            return Look(self._share(tilted.agrees), self._tilt_fit.farthest_px(tilted.numbers),
+                        self._tilt_fit.matrix(tilted.numbers))
+        motion = self._motion_fit.solve(seen.shifts, seen.is_seen, precision)
         numbers = self._told_part @ motion.numbers
-        return Look(max(0.0, float(cv2.eigen(part)[1][-1, 0])),
-                    self._motion_fit.farthest_px(numbers), self._motion_fit.matrix(numbers))
+        return Look(self._share(motion.agrees), self._motion_fit.farthest_px(numbers),
+                    self._motion_fit.matrix(numbers))
+
+    def _share(self, agrees: np.ndarray) -> float:
+        part = self._whitening @ self._motion_fit.total(agrees) @ self._whitening.T
+        return max(0.0, float(cv2.eigen(part)[1][-1, 0]))
+
+    def _tilted(self, seen: PatchShifts, precision: float) -> Optional[Motion]:
+        # The motion with a tilt, where that is certain.
+        if not self.tells_all:
+            return None
+        motion = self._tilt_fit.solve(seen.shifts, seen.is_seen, precision)
+        tilt = motion.numbers[SIMILARITY:]
+        if np.hypot(*tilt) < _LEAST_TILT_PX or motion.agrees.sum() < _TILT_PATCHES:
+            return None
+        covariance = self._tilt_fit.covariance(motion.agrees, precision)[SIMILARITY:, SIMILARITY:]
+        is_certain = tilt @ np.linalg.solve(covariance, tilt) > _TILT_DEVIATIONS ** 2
+        return motion if is_certain else None
 
     def _make_fit(self, places: np.ndarray) -> PatchFit:
         return PatchFit(Patches(places, step_for(self._size)), self._background, self._grey,
@@ -133,6 +155,7 @@ class QuickLook:
     def _use(self, places: np.ndarray) -> None:
         self._fit = self._make_fit(places)
         self._motion_fit = MotionFit(places, self._size, self._fit.information)
+        self._tilt_fit = MotionFit(places, self._size, self._fit.information, TILTED)
         total = self._motion_fit.total(np.ones(len(places)))
         values, vectors = np.linalg.eigh(total)
         is_told = values > _TOLD_PX ** -2

@@ -14,7 +14,7 @@
 
 """Asks of every frame whether its view is that of the background."""
 
-from typing import Optional
+from typing import Optional, Tuple
 
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
@@ -78,9 +78,7 @@ class ViewWatch:
         """
         if self._matrix is None or self.shift_px < _LEAST_MOVED_PX:
             return frame
-        return cv2.warpAffine(frame, self._matrix, frame.shape[1::-1],
-                              flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-                              borderMode=cv2.BORDER_REPLICATE)
+        return _moved_back(frame, self._matrix)
 
     def configure(self, limits: Limits) -> None:
         """Use other limits from the next frame on."""
@@ -123,6 +121,12 @@ class ViewWatch:
         if not self._look.tells_all:
             # The full comparison takes a step from line to line for none.
             view = view._replace(shift_px=None, matrix=None)
+        matrix = look.matrix if view.matrix is None else np.array(view.matrix)
+        if view.shift_px is not None and view.shift_px <= limits.max_shift_px:
+            tilted = self._tilted(frame, matrix)
+            if tilted is not None:
+                matrix = tilted
+                view = view._replace(shift_px=_farthest_px(matrix, frame.shape[1::-1]))
         self.view = view
         reason = view_reason(view, limits.max_shift_px, limits.max_changed_share)
         if reason is not None:
@@ -131,14 +135,35 @@ class ViewWatch:
                       else self._is_likely(look, view.changed_share))
         if not is_cleared:
             return _unknown(look)
-        self._matrix = look.matrix if view.matrix is None else np.array(view.matrix)
+        self._matrix = matrix
         return None
+
+    def _tilted(self, frame: np.ndarray, matrix: np.ndarray) -> Optional[np.ndarray]:
+        # The full comparison tells no tilt: what is left of the motion is small enough to look at.
+        left = self._look.look(_moved_back(frame, matrix))
+        if left is None or left.share < _LEAST_SHARE or len(left.matrix) == 2:
+            return None
+        return np.vstack([matrix, (0.0, 0.0, 1.0)]) @ left.matrix
 
     def _is_likely(self, look: Look, changed_share: float) -> bool:
         return any(
             look.share >= share and changed_share <= most_changed
             and look.shift_px <= motion * self._limits.max_shift_px
             for share, motion, most_changed in _LESS)
+
+
+def _moved_back(frame: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    warp = cv2.warpAffine if len(matrix) == 2 else cv2.warpPerspective
+    return warp(frame, matrix, frame.shape[1::-1],
+                flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _farthest_px(matrix: np.ndarray, size: Tuple[int, int]) -> float:
+    # Of the picture's corners and its centre, shape (3, 3).
+    width, height = size
+    places = np.array([[[0, 0], [width, 0], [0, height], [width, height],
+                        [width / 2, height / 2]]], float)
+    return float(np.linalg.norm(cv2.perspectiveTransform(places, matrix) - places, axis=2).max())
 
 
 def _unknown(look: Look) -> Reason:

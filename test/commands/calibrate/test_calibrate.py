@@ -332,8 +332,16 @@ BAD_INPUTS = {
                              "--corners must be two counts as in 9x6, got '54'"),
     'square of no size': (lambda: ('board', board_picture(), '--corners', '9x6',
                                    '--square-mm', 0), 'square_mm must be'),
-    'square that is no number': (lambda: ('board', 'a.png', '--corners', '9x6', '--square-mm',
-                                          'wide'), "--square-mm: invalid float value: 'wide'"),
+    'square that is no number': (
+        lambda: ('board', 'a.png', '--corners', '9x6', '--square-mm', 'wide'),
+        "--square-mm: expected a number such as 25.4, got 'wide'"),
+    'square with a decimal comma of no size': (
+        lambda: ('board', board_picture(), '--corners', '9x6', '--square-mm', '0,0'),
+        'square_mm must be'),
+    'base before the board': (lambda: ('base', '--live', 'none.yaml'),
+                              "there is no file 'none.yaml': calibrate board comes first"),
+    'markers before the board': (lambda: ('base', '--markers', 'none.yaml'),
+                                 "there is no file 'none.yaml': calibrate board comes first"),
     'no such corner': (lambda: ('board', board_picture(), *BOARD, '--origin-corner', 4),
                        'origin_corner must be 0..3, got 4'),
     'missing picture': (lambda: ('board', 'none.png', *BOARD), "picture 'none.png': No such file"),
@@ -385,7 +393,7 @@ BAD_INPUTS = {
     'no column of pairs': (lambda: ('base', table()), 'no column x_cam_cm'),
     'surface that is no file': (
         lambda: ('base', written('a.csv', PAIRS), '--surface', 'none.yaml'),
-        "cannot read the parameter file 'none.yaml'"),
+        "there is no file 'none.yaml'"),
     'no such folder': (lambda: ('points', table(), '-o', 'none/surface.yaml'),
                        "cannot write picture 'none/surface_report.png': there is no folder"),
     'output over the input': (lambda: ('points', table(), '-o', 'points.csv', '--force'),

@@ -53,3 +53,17 @@ def open_page(browser):
 
     yield open_one
     assert not [error for page in pages for error in page.errors()]
+
+
+@pytest.fixture(scope='module')
+def cell(start_cell):
+    """Start a simulated cell."""
+    return start_cell()
+
+
+@pytest.fixture
+def page(open_page, cell):
+    """Open the cell's page, and wait until it tells that positions are published."""
+    page = open_page(cell)
+    page.wait_for('published', '#banner')
+    return page

@@ -24,18 +24,6 @@ import pytest
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope='module')
-def cell(start_cell):
-    return start_cell()
-
-
-@pytest.fixture
-def page(open_page, cell):
-    page = open_page(cell)
-    page.wait_for('published', '#banner')
-    return page
-
-
 def test_dead_camera_node_is_told_and_its_return(page, cell):
     cell.kill('camera_publisher')
     page.wait_for('camera_publisher', '#banner')

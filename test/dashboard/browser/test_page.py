@@ -22,18 +22,6 @@ pytestmark = pytest.mark.slow
 PARTS = ('watch', 'detect', 'calibrate', 'robot', 'health', 'save')
 
 
-@pytest.fixture(scope='module')
-def cell(start_cell):
-    return start_cell()
-
-
-@pytest.fixture
-def page(open_page, cell):
-    page = open_page(cell)
-    page.wait_for('published', '#banner')
-    return page
-
-
 def has_picture(page, selector):
     """Tell whether a picture has come."""
     return page.run('return document.querySelector(arguments[0]).naturalWidth', selector) > 0

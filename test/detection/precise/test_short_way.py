@@ -61,7 +61,7 @@ def test_calm_frame_has_no_parts():
 def plain_on(frame, background=None):
     reference = reference_of(frame, background)
     part, = parts_of(frame, reference)
-    return find_plain(frame, part, reference)
+    return find_plain(frame, part, reference, min_area=50)
 
 
 def test_plain_object_takes_the_short_way():
@@ -78,6 +78,24 @@ def test_plain_object_takes_the_short_way():
     lambda frame: with_disc(table(seed=2), (150, 120), 4)])  # small
 def test_anything_else_takes_the_long_way(change):
     assert plain_on(change(with_disc(table(seed=2), (150, 120)))) is None
+
+
+def test_faint_specks_beside_an_object_do_not_matter():
+    frame = with_disc(table(seed=2), (150, 120))
+    specks = with_disc(with_disc(frame, (175, 120), 5, 168), (150, 146), 5, 168)
+    with_specks, alone = plain_on(specks), plain_on(frame)
+    assert with_specks.window == alone.window
+    np.testing.assert_array_equal(with_specks.placed.outline, alone.placed.outline)
+
+
+def test_object_on_a_jpeg_takes_the_short_way():
+    def sent(frame):
+        jpeg = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, 85])[1]
+        return cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
+    size = 480, 640
+    background = sent(table(size))
+    frames = (with_disc(table(size, seed=2), (240 + u, 320), 60) for u in range(8))
+    assert all(plain_on(sent(frame), background) is not None for frame in frames)
 
 
 def test_object_at_the_edge_takes_the_long_way():

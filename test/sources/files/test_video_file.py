@@ -95,6 +95,11 @@ def test_video_that_does_not_exist_is_refused(tmp_path):
         open_frame_source(path)
 
 
+def test_misspelt_word_for_a_source_is_told_with_the_word_that_was_meant():
+    with pytest.raises(FrameSourceError, match="no such file; did you mean 'simulated'?"):
+        open_frame_source('simulatd')
+
+
 @pytest.mark.parametrize(
     'content', [b'', b'hello\n', bytes(range(256)) * 20], ids=['empty', 'text', 'bytes'])
 @pytest.mark.parametrize('name', ['text.txt', 'video.avi', 'video'])

@@ -69,6 +69,23 @@ def test_slow_drift_below_the_limit_is_corrected(watched):
     assert watched.pipeline.standpoint.correction.shift_px > 1.5
 
 
+@pytest.mark.parametrize('tilt', [(2.4, 0), (0, -2.4), (-2, 2)])
+def test_tilt_below_the_limit_is_mended_in_the_first_frame_and_corrected(watched, tilt):
+    corner = 440, 320
+    watched.see(None, [corner], 3)
+    for _ in range(10):
+        sighting = watched.see(nudge(tilt=tilt), [corner])
+        assert max(point_errors_mm(sighting, corner)) < 0.25  # without: up to 1 mm
+    assert watched.pipeline.standpoint.correction is not None
+
+
+def test_tilt_of_a_corner_by_more_than_the_limit_is_held_back(watched):
+    watched.see(None, [COIN], 3)
+    matrix = nudge(tilt=(4.5, 3))
+    assert watched.see(matrix, [COIN]).reason.kind == 'view_moved'
+    assert max(point_errors_mm(watched.see(matrix, [COIN], 4), COIN)) < 0.2
+
+
 def test_one_nudge_after_another_is_measured_from_the_background(watched):
     for share in (0.4, 0.8, 0.1, 0.6):
         matrix = nudge(10 * share, -9 * share, 6 * share)

@@ -145,6 +145,16 @@ def test_background_is_not_taken_while_a_marker_is_covered():
     assert cell.pipeline.counts['frames held back: background_missing'] <= 2
 
 
+def test_background_is_not_taken_while_an_object_lies_there():
+    cell = Cell(background_retake='auto')
+    cell.start()
+    sightings = cell.look(THERE, WITH_COIN, 30)
+    assert sightings[-1].reason.kind == 'background_awaited'
+    assert 'clear the surface' in sightings[-1].reason.sentence
+    cell.look(THERE, EMPTY, 30)
+    assert_at_the_coin(published(cell.look(THERE, WITH_COIN, 4)))
+
+
 def test_camera_that_is_put_back_has_its_calibrated_surface_again():
     cell = Cell(background_retake='auto')
     cell.start(THERE)

@@ -22,12 +22,27 @@ import {address} from '../base/state.js';
 
 const NODES = {camera: 'camera_publisher', transform: 'robot_base_publisher', both: 'both'};
 const LONGEST_TEXT = 60;
+// Reasons of a surface that is not the calibrated one.
+const CORRECTIONS = ['view_corrected', 'surface_by_markers'];
 
 /** Make the part. */
 export function createSave(store) {
   const path = element('input', {type: 'text', id: 'path', autocomplete: 'off', class: 'long'});
   const write = button('Save', () => attempt(
     () => act('/api/save', path.value ? {path: path.value} : {}), () => null), {class: 'primary'});
+  const keep = button('Keep the correction', () => attempt(
+    () => act('/api/correction', path.value ? {path: path.value} : {}), () => null));
+  const corrected = element('p');
+  const nudged = card('The camera was nudged', corrected,
+    element('p', {class: 'lead'}, 'To keep the correction writes the corrected surface into the file below. ' +
+      'The base frame, the markers and the areas stay, and the old file is kept.'),
+    element('p', {class: 'buttons'}, keep));
+  show(nudged, false);
+  store.on('health', ({nodes}) => {
+    const one = nodes.find(({reason}) => CORRECTIONS.includes(reason));
+    show(nudged, Boolean(one));
+    if (one) setText(corrected, asSentence(one.sentence));
+  });
   const sentence = element('p', {class: 'verdict', role: 'status'});
   const loaded = element('p', {class: 'quiet'});
   const calibration = element('p');
@@ -51,7 +66,7 @@ export function createSave(store) {
       (node, {name, old, new: now, nodes}) => fillRow(node, [
         name, short(old) ?? '–', short(now) ?? '–', NODES[nodes] ?? nodes]));
   });
-  return {node: element('div', {},
+  return {node: element('div', {}, nudged,
     card('File for both nodes',
       element('p', {class: 'lead'}, 'The file holds all parameters of both nodes. Start them with ' +
         'it, and everything is as it is now. The old file is kept.'),

@@ -29,7 +29,6 @@ export function createMap(choose) {
     setAttribute(drawing, 'viewBox', `${box.left} ${-box.top} ${box.width} ${box.height}`);
     setAttribute(drawing, 'aria-label', summary(watch));
     drawing.replaceChildren(...grid(box), ...areas(watch.map), base(box),
-      ...(watch.truth ?? []).map(([x, y]) => truth(x, y, box)),
       ...watch.objects.filter((object) => object.base).map(
         (object) => mark(object, box, selection.is(object), choose)));
     setText(note, legend(watch, box));
@@ -44,10 +43,9 @@ function summary({objects, map}) {
   return `Map in the base frame: ${list || 'no object'}${map?.view ? '; the view of the camera' : ''}.`;
 }
 
-function legend({map, truth: places}, box) {
+function legend({map}, box) {
   return ['Base frame, in cm.', map?.view && 'Blue: what the camera sees.',
     isInside(map, box) && 'Dashed: the reach of the robot.', map?.work_area && 'Green: the work area.',
-    places?.length && 'Rings: where the simulated objects really are.',
   ].filter(Boolean).join(' ');
 }
 
@@ -129,8 +127,4 @@ function mark(object, box, isChosen, choose) {
   node.append(svg('circle', {r: unit}), svg('text', {
     'font-size': unit * 1.3, 'text-anchor': 'middle', dy: '0.36em'}, String(object.number)));
   return node;
-}
-
-function truth(x, y, box) {
-  return svg('circle', {class: 'truth', cx: x, cy: -y, r: box.size * 0.042});
 }
