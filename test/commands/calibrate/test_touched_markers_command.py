@@ -74,7 +74,7 @@ def test_wrong_touch_is_named_and_touched_again(run_main, monkeypatch):
     code, output, error = run_main(main, *COMMAND, '--json')
     assert code == 0, error
     assert 'the touches of markers 1 and 2 are swapped' in error
-    assert json.loads(output)['max_mm'] < 0.1
+    assert json.loads(output)['max_mm'] < 0.3
 
 
 def test_pictures_and_a_robot_in_any_place(run_main, monkeypatch):
@@ -155,4 +155,4 @@ def test_nodes_with_the_file_publish_true_positions(ros, run_main, monkeypatch):
     for pose in found[-1].poses:
         here = 100 * pose.position.x, 100 * pose.position.y
         assert min(math.dist(here, point[:2]) for point in there) < 0.12
-    assert any('lens not measured' in line for line in log)
+    assert ros.spin_until(lambda: any('lens not measured' in str(line) for line in log))
