@@ -134,7 +134,9 @@ def start_browser():
                      '--hide-scrollbars'):
         options.add_argument(argument)
     options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
-    return webdriver.Chrome(options=options, service=Service(_found(DRIVERS)))
+    driver = webdriver.Chrome(options=options, service=Service(_found(DRIVERS)))
+    driver.set_script_timeout(120)  # axe-core, on a busy computer
+    return driver
 
 
 class Page:

@@ -22,6 +22,7 @@ from camera_to_base.calibration.figures import ErrorFigures
 from camera_to_base.calibration.report_drawing import Panel
 from camera_to_base.calibration.report_text import Report
 from camera_to_base.errors import CalibrationError
+from camera_to_base.surface import MatchedPoints, sees_y_clockwise, Surface
 import numpy as np
 
 # The fit is repeated without each point: a thousand points take a minute, ten thousand hours.
@@ -66,3 +67,15 @@ def origin_fields(model: str, source: str) -> Report:
 def figure_fields(figures: ErrorFigures, points_are: str) -> Report:
     """Return a report's fields of the errors."""
     return {**asdict(figures), 'points_are': points_are}
+
+
+def axis_fields(surface: Surface, matched: MatchedPoints) -> Report:
+    """Return a report's fields that say where the picture shows the camera frame, if it does."""
+    length = float(np.ptp(matched.points, axis=0).max())
+    pixels = surface.pixels([[0, 0], [length, 0], [0, length]])
+    if not np.isfinite(pixels).all():
+        return {}
+    origin, x_end, y_end = pixels.round(1).tolist()
+    clockwise = sees_y_clockwise(matched)
+    return {'origin_px': origin, 'x_towards_px': x_end, 'y_towards_px': y_end,
+            'z_points': 'into the surface' if clockwise else 'towards the camera'}

@@ -15,7 +15,7 @@
 """Computes the parameters of a surface from matched points, and reports the errors."""
 
 from dataclasses import replace
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, List, Mapping, Optional, Sequence
 
 from camera_to_base.calibration.checks.surface_checks import (
     check_fit, check_placements, refuse_outlier)
@@ -28,13 +28,13 @@ from camera_to_base.calibration.fits.polynomial_fit import fit_polynomial
 from camera_to_base.calibration.report_drawing import report_panels, report_picture
 from camera_to_base.calibration.report_text import figure_lines, Report
 from camera_to_base.calibration.result import (
-    Calibration, figure_fields, origin_fields, refuse_too_many)
+    axis_fields, Calibration, figure_fields, origin_fields, refuse_too_many)
 from camera_to_base.calibration.tables import refuse_other_size
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values
 from camera_to_base.surface import (
     camera_pose, CameraIntrinsics, Hull, ImageSize, make_hull, make_surface, MatchedPoints,
-    sees_y_clockwise, Surface, SURFACE_SPECS, surface_values)
+    SURFACE_SPECS, surface_values)
 from camera_to_base.uncertainty import SURFACE_COVARIANCE, triangle_of
 import numpy as np
 
@@ -82,7 +82,7 @@ def calibrate_surface(
     figures = error_figures(surface_errors(fit.surface, matched), matched.rows,
                             left_out_errors(fit.without, matched))
     report = {**origin_fields(model, source), 'image_size': list(image_size), **found,
-              **_axes(fit.surface, matched), **figure_fields(figures, points_are),
+              **axis_fields(fit.surface, matched), **figure_fields(figures, points_are),
               'coverage': covered, 'warnings': [*warnings(figures, covered), *doubts]}
     error = surface_error(fit.surface, matched, image_size, points_are, counts)
     values = {**surface_values(fit.surface, hull),
@@ -165,15 +165,3 @@ def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]
         raise InvalidValueError(
             'the intrinsics are for pictures of {} x {} px, but this one has {} x {} px: use '
             'those of its size'.format(*intrinsics_size, *image_size))
-
-
-def _axes(surface: Surface, matched: MatchedPoints) -> Dict[str, Any]:
-    """Describe where the picture shows the camera frame's origin and axes, if it does."""
-    length = float(np.ptp(matched.points, axis=0).max())
-    pixels = surface.pixels([[0, 0], [length, 0], [0, length]])
-    if not np.isfinite(pixels).all():
-        return {}
-    origin, x_end, y_end = pixels.round(1).tolist()
-    clockwise = sees_y_clockwise(matched)
-    return {'origin_px': origin, 'x_towards_px': x_end, 'y_towards_px': y_end,
-            'z_points': 'into the surface' if clockwise else 'towards the camera'}

@@ -39,7 +39,7 @@ from camera_to_base.uncertainty.scatter import pooled_variance
 from camera_to_base.uncertainty.specs import (
     CENTRE_FLOOR, checked_covariance, HEIGHT_TOLERANCE, SURFACE_COVARIANCE, surface_covariance,
     UNCERTAINTY_SPECS)
-from camera_to_base.uncertainty.surface_fit import fit_error, FitError
+from camera_to_base.uncertainty.surface_fit import fit_error, FitError, LENS_DEVIATIONS
 from camera_to_base.uncertainty.transform import (
     uncertain_transform, uncertain_transform_of, UncertainTransform)
 from camera_to_base.uncertainty.triangle import symmetric, triangle_length, triangle_of
@@ -49,10 +49,10 @@ __all__ = [
     'base_covariance', 'base_error', 'BaseError', 'CameraPlace', 'centre_covariance',
     'CENTRE_FLOOR', 'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse',
     'fit_error', 'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE',
-    'HOMOGRAPHY_NUMBERS', 'Lens', 'likely_place', 'plain_lens', 'pooled_variance', 'pose_design',
-    'POSE_NUMBERS', 'position_uncertainty', 'PositionCovariance', 'PositionUncertainty',
-    'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread', 'surface_covariance',
-    'SURFACE_COVARIANCE', 'symmetric', 'triangle_length', 'triangle_of', 'uncertain_transform',
-    'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE',
-    'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
+    'HOMOGRAPHY_NUMBERS', 'Lens', 'LENS_DEVIATIONS', 'likely_place', 'plain_lens',
+    'pooled_variance', 'pose_design', 'POSE_NUMBERS', 'position_uncertainty', 'PositionCovariance',
+    'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread',
+    'surface_covariance', 'SURFACE_COVARIANCE', 'symmetric', 'triangle_length', 'triangle_of',
+    'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS',
+    'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
 ]

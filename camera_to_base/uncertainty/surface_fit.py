@@ -30,7 +30,7 @@ import numpy as np
 
 # Standard deviations of the lens's numbers before anything is measured: of the first three as in
 # the fit; of the others so that the ellipses hold on pictures of real boards, see the benchmark.
-_LENS_DEVIATIONS = np.array([0.3, 0.03, 0.03, 0.1, 0.01, 0.01])
+LENS_DEVIATIONS = np.array([0.3, 0.03, 0.03, 0.1, 0.01, 0.01])
 # Of so many points, one row of one side is left out.
 _SHARE_OF_A_SIDE = 9
 # Projections that differ by less than this share of the extent are one row.
@@ -81,7 +81,7 @@ def fit_error(
 def _precision(size: int, variance: float) -> np.ndarray:
     precision = np.zeros((size, size))
     lens = slice(HOMOGRAPHY_NUMBERS, WARP_NUMBERS)
-    precision[lens, lens] = np.diag(variance / _LENS_DEVIATIONS ** 2)
+    precision[lens, lens] = np.diag(variance / LENS_DEVIATIONS ** 2)
     return precision
 
 

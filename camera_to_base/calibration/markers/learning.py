@@ -52,7 +52,7 @@ def learned_markers(
     corners = {number: surface.locate(pixels) for number, pixels in steady_corners(frames).items()}
     edges_mm = {number: _edge_mm(found) for number, found in corners.items()}
     report = {**origin_fields('markers', source),
-              'markers': [[number, *corners[number].mean(axis=0).round(3).tolist(),
+              'markers': [[number, *(corners[number].mean(axis=0).round(3) + 0.0).tolist(),
                            round(edges_mm[number], 2)] for number in sorted(corners)],
               'warnings': _doubts(edges_mm, marker_mm)}
     return Calibration(report, marker_values(corners))

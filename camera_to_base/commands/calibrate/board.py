@@ -20,12 +20,12 @@ from typing import Any, Dict, List, Tuple
 from camera_to_base.calibration import (
     calibrate_placements, make_placement, map_lines, Placement, PrintedBoard, read_camera_info,
     refuse_unlike, Report, shares_of, SURFACE, uncovered)
-from camera_to_base.commands.calibrate.files import check_outputs, write_part
+from camera_to_base.commands.calibrate.files import camera_values, check_outputs, write_part
 from camera_to_base.commands.calibrate.prompts import ask, tell, until_right
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.simulation import SimulatedChessboard
 from camera_to_base.sources import (
-    DEVICE, FrameSource, kind_of, lasting_name, median_frame, open_frame_source, read_picture)
+    FrameSource, median_frame, open_frame_source, read_picture)
 
 
 def run_board(options: argparse.Namespace) -> Report:
@@ -106,11 +106,7 @@ def _guide(placements: List[Placement], wanted: int, source: FrameSource) -> Non
 def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, Any]]:
     size = options.image_size or DEFAULT_IMAGE_SIZE
     if options.camera != 'simulated':
-        device = lasting_name(options.camera)
-        values: Dict[str, Any] = {'calibration.device': device}
-        if kind_of(options.camera).is_live:
-            values['source'] = device if kind_of(device) == DEVICE else options.camera
-        return open_frame_source(options.camera, size), values
+        return open_frame_source(options.camera, size), camera_values(options.camera)
     chessboard = SimulatedChessboard(
         *options.corners, options.square_mm / 10, image_size=size,
         tilt_deg=options.simulated_tilt_deg)

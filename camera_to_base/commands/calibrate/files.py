@@ -16,7 +16,7 @@
 
 import argparse
 import os
-from typing import Any, Iterable, Mapping, NamedTuple, Optional
+from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
     Calibration, cell_text, grown, part_values, parts_to_lose, Report, report_lines, SURFACE,
@@ -26,6 +26,7 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections
+from camera_to_base.sources import DEVICE, kind_of, lasting_name
 
 
 class Outputs(NamedTuple):
@@ -119,6 +120,15 @@ def write_part(
     backups = write_files(contents, keep_old=True)
     names = {'file': outputs.file, 'picture': outputs.picture}
     return {**report, **{name: path for name, path in names.items() if path}, 'kept': backups}
+
+
+def camera_values(camera: str) -> Dict[str, Any]:
+    """Return the parameters that say which camera a surface was calibrated with."""
+    device = lasting_name(camera)
+    values: Dict[str, Any] = {'calibration.device': device}
+    if kind_of(camera).is_live:
+        values['source'] = device if kind_of(device) == DEVICE else camera
+    return values
 
 
 def _old_file(path: str) -> Optional[ParameterFile]:

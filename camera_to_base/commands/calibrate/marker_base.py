@@ -55,10 +55,11 @@ def run_marker_base(options: argparse.Namespace) -> Report:
 
 def touch_markers(numbers: List[int], robot: Robot) -> Dict[int, _Point]:
     """Ask for the touch of each marker; return x and y by its number, in cm, in the base frame."""
-    return {number: _touched(number, robot) for number in numbers}
+    return {number: touch_marker(number, robot) for number in numbers}
 
 
-def _touched(number: int, robot: Robot) -> _Point:
+def touch_marker(number: int, robot: Robot) -> _Point:
+    """Ask for the touch of a marker; return x and y, in cm, in the base frame."""
     tell(f'Marker {number}: the small cross in its middle')
     point = until_right(robot.touch, 'Press Enter to try again, q to stop:')
     tell(f'  touched at ({point[0]:.2f}, {point[1]:.2f}) cm in the base frame')
@@ -71,7 +72,7 @@ def _agreed(
 ) -> Calibration:
     """Fit the pairs; where they do not fit, let single markers be touched again."""
     def touch_again(number: int) -> None:
-        touched[number] = _touched(number, robot)
+        touched[number] = touch_marker(number, robot)
 
     return until_it_fits(
         lambda: marker_base(middles, touched, values, options.base_z),

@@ -24,6 +24,10 @@ of the working area. Once the surface is calibrated, and before the camera is mo
   calibrate markers --camera 0 -o cell.yaml
   calibrate base --markers cell.yaml
 
+Without a board, the robot touches the markers, and the file holds all. It is less exact:
+
+  calibrate markers --camera 0 --marker-mm 40 --base -o cell.yaml
+
 The running node then computes the surface anew from three or four markers wherever the camera
 stands."""
 
@@ -37,9 +41,25 @@ def add_markers(markers: argparse.ArgumentParser) -> None:
                               'simulated (default: the source that FILE names)')
     markers.add_argument('--marker-mm', type=decimal, metavar='40',
                          help='edge of the black square as printed: measure it')
+    markers.add_argument('--base', action='store_true',
+                         help='no board was used: the robot touches the middle of four markers or '
+                              'more, and the surface and the base frame come from them; needs '
+                              '--marker-mm')
+    add_base_z(markers)
+    add_robot_topic(markers, '--base')
+    markers.add_argument('--image-size', metavar='640x480',
+                         help='width and height requested from --camera, in px, for --base')
     markers.add_argument('-o', '--output', required=True, metavar='FILE',
-                         help='the parameter file with the surface; the markers are added to it')
+                         help='the parameter file with the surface, to which the markers are '
+                              'added; with --base a new file, too')
     markers.add_argument('--force', action='store_true', help='replace what is in the file')
+
+
+def add_base_z(command: argparse.ArgumentParser) -> None:
+    """Add the option that says how the base frame's z points."""
+    command.add_argument('--base-z', choices=('up', 'down'), default='up',
+                         help="direction of the base frame's z at the table: up, away from it, or "
+                              'down, as for a hanging robot (default: %(default)s)')
 
 
 def add_robot_topic(command: argparse.ArgumentParser, purpose: str) -> None:

@@ -14,58 +14,38 @@
 """`calibrate markers`: where the markers of a table lie, on a surface that is calibrated."""
 
 import argparse
-from dataclasses import replace
-from typing import List, Tuple
+from typing import Tuple
 
 from camera_to_base.calibration import learned_markers, MARKERS, parts_of, Report, SURFACE
 from camera_to_base.commands.calibrate.files import check_outputs, write_part
+from camera_to_base.commands.calibrate.marker_frames import marker_frames, markers_in
+from camera_to_base.commands.calibrate.touched_markers import run_touched_markers
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.markers import Corners, lens_of_values, see_markers
+from camera_to_base.markers import lens_of_values
 from camera_to_base.parameters import checked_values
-from camera_to_base.settings import CAMERA_SPECS, open_named_source, read_node_settings
-from camera_to_base.sources import read_picture, still_frames
-from camera_to_base.surface import RadialDistortion
+from camera_to_base.settings import CAMERA_SPECS, read_node_settings
 import numpy as np
 
 
 def run_markers(options: argparse.Namespace) -> Report:
     """Learn the markers, and write the file."""
+    if options.base:
+        return run_touched_markers(options)
+    for name, value in (('--robot-topic', options.robot_topic),
+                        ('--image-size', options.image_size)):
+        if value is not None:
+            raise InvalidValueError(f'{name} is for calibrate markers --base')
     outputs = check_outputs(options, MARKERS, *options.pictures, may_picture=False)
     if outputs.old is None or SURFACE not in parts_of(outputs.old.values):
         raise InvalidValueError(
             f"'{options.output}' holds no surface: calibrate board comes first")
     values = checked_values(CAMERA_SPECS, outputs.old.values)
-    frames, name = _frames(options)
+    frames, name = marker_frames(options, read_node_settings(options.output).camera)
     _refuse_other_size(frames[0], values['surface.image_size'])
     calibration = learned_markers(
         markers_in(frames, lens_of_values(values)), values, source=name,
         marker_mm=options.marker_mm)
     return write_part(calibration, outputs, MARKERS)
-
-
-def markers_in(frames: List[np.ndarray], lens: RadialDistortion) -> List[Corners]:
-    """Find the markers in each frame."""
-    return [see_markers(frame, lens).corners for frame in frames]
-
-
-def _frames(options: argparse.Namespace) -> Tuple[List[np.ndarray], str]:
-    """Return frames that show the markers, and where they come from."""
-    if options.pictures:
-        return ([read_picture(path).frame for path in options.pictures],
-                ', '.join(options.pictures))
-    settings = read_node_settings(options.output).camera
-    scene = settings.simulated.scene._replace(markers=True, shows='empty')
-    source = open_named_source(replace(
-        settings, source=options.camera or settings.source,
-        simulated=replace(settings.simulated, scene=scene)), may_be_random=False)
-    if source.frames is None:
-        raise InvalidValueError(
-            f"'{source.name}' is no camera that can be opened here: give --camera with a device "
-            'or a stream, or pictures of the markers')
-    try:
-        return still_frames(source.frames), f'camera {source.name}'
-    finally:
-        source.frames.release()
 
 
 def _refuse_other_size(frame: np.ndarray, image_size: Tuple[int, int]) -> None:

@@ -22,7 +22,7 @@ from typing import Any, List, Optional, Tuple
 from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.calibrate.examples import DESCRIPTION, EXAMPLES
 from camera_to_base.commands.calibrate.marker_options import (
-    add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
+    add_base_z, add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
 from camera_to_base.commands.parser import CommandParser, decimal
 from camera_to_base.errors import InvalidValueError
 
@@ -184,9 +184,7 @@ def _add_base(base: argparse.ArgumentParser) -> None:
                       help='a parameter file whose parameters and comments are copied into the '
                            'output, so that one file serves both nodes; the pairs are checked '
                            'against it')
-    base.add_argument('--base-z', choices=('up', 'down'), default='up',
-                      help="direction of the base frame's z at the table: up, away from it, or "
-                      'down, as for a hanging robot (default: %(default)s)')
+    add_base_z(base)
     base.add_argument('-o', '--output', metavar='FILE',
                       help='the parameter file to write (with --live and --markers: that file)')
     base.add_argument('--force', action='store_true', help='overwrite files')

@@ -88,6 +88,7 @@ class SavedFile(Action):
 
 
 SESSION_ACTIONS = [
-    ('/api/(board|robot|simulated)/([a-z_0-9]+)', SessionStep), ('/api/(save|areas)', WholePart),
-    ('/api/correction', KeepCorrection), ('/api/report/([a-z]+[.](?:png|txt))', ReportPart),
-    ('/api/sheet', Sheet), ('/api/file', SavedFile)]
+    ('/api/(board|markers|robot|simulated)/([a-z_0-9]+)', SessionStep),
+    ('/api/(save|areas)', WholePart), ('/api/correction', KeepCorrection),
+    ('/api/report/([a-z]+[.](?:png|txt))', ReportPart), ('/api/sheet', Sheet),
+    ('/api/file', SavedFile)]

@@ -21,6 +21,7 @@ from camera_to_base.calibration import marker_sheet_content, OfferedCorrection, 
 from camera_to_base.dashboard.sessions.areas import area_changes, areas_data
 from camera_to_base.dashboard.sessions.board import BoardSession, PANEL_NAMES
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.markers import MarkerSession
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save_session import SaveSession
 from camera_to_base.dashboard.sessions.simulated_cell import (
@@ -33,7 +34,7 @@ import numpy as np
 
 # The edge of a printed marker, in mm; the command `calibrate sheet --markers` has others.
 _MARKER_MM = 40.0
-PARTS = ('board', 'robot', 'save', 'areas', 'simulated')
+PARTS = ('board', 'markers', 'robot', 'save', 'areas', 'simulated')
 Action = Callable[[Mapping[str, Any]], Optional[Changes]]
 
 
@@ -58,6 +59,7 @@ class CellSessions:
         self._worker = Worker(self._lock)
         self._board = BoardSession(
             self._values, self._worker, lambda: on_change('board'), on_picture)
+        self._markers = MarkerSession(self._values, lambda: on_change('markers'))
         self._robot = RobotSession(self._values, lambda: on_change('robot'))
         self._save = SaveSession(
             self._values, lambda: (self._robot.accepted_calibration,
@@ -68,7 +70,7 @@ class CellSessions:
     @property
     def wants_frames(self) -> bool:
         """Whether :meth:`see_frame` is to be called."""
-        return self._board.wants_frames
+        return self._board.wants_frames or self._markers.wants_frames
 
     @property
     def wants_objects(self) -> bool:
@@ -86,6 +88,7 @@ class CellSessions:
         """Take the newest frame, shape (h, w, 3), uint8, BGR."""
         with self._lock:
             self._board.see_frame(image)
+            self._markers.see_frame(image)
 
     def see_objects(self, points: Sequence[Tuple[float, float]]) -> None:
         """Take all objects of a frame, x and y, in cm, in the camera frame."""
@@ -125,7 +128,8 @@ class CellSessions:
         with self._lock:
             if part in ('areas', 'simulated'):
                 return (areas_data if part == 'areas' else simulated_data)(self._values)
-            return {'board': self._board, 'robot': self._robot, 'save': self._save}[part].state
+            return {'board': self._board, 'markers': self._markers, 'robot': self._robot,
+                    'save': self._save}[part].state
 
     def act(self, part: str, name: str, body: Mapping[str, Any]) -> Optional[Changes]:
         """
@@ -144,6 +148,8 @@ class CellSessions:
         with self._lock:
             if part == 'simulated':
                 self._robot.tool.forget()
+            if part == 'markers':
+                self._markers.set_learned()
             if name == 'accept':
                 (self._board if part == 'board' else self._robot).set_accepted(changes)
             for changed in PARTS:
@@ -204,13 +210,17 @@ class CellSessions:
         self._worker.close()
 
     def _list_actions(self) -> Dict[Tuple[str, str], Action]:
-        board, robot, values = self._board, self._robot, self._values
+        board, markers, robot, values = (
+            self._board, self._markers, self._robot, self._values)
         return {
             ('board', 'start'): board.start, ('board', 'take'): lambda body: board.take(),
             ('board', 'remove'): board.remove, ('board', 'fit'): lambda body: board.fit(),
             ('board', 'accept'): lambda body: board.acceptance(),
             ('board', 'cancel'): lambda body: board.cancel(),
+            ('markers', 'start'): markers.start, ('markers', 'learn'): markers.learn,
+            ('markers', 'cancel'): markers.cancel,
             ('robot', 'start'): robot.start, ('robot', 'see'): robot.see,
+            ('robot', 'marker'): robot.marker,
             ('robot', 'touch'): robot.touch, ('robot', 'from_topic'): robot.from_topic,
             ('robot', 'again'): robot.again, ('robot', 'remove'): robot.remove,
             ('robot', 'base_z'): robot.set_base_z,

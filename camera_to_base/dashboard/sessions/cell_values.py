@@ -16,7 +16,7 @@
 
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
-from camera_to_base.calibration import BASE, grown, SURFACE
+from camera_to_base.calibration import BASE, grown, parts_of, SURFACE
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values, ParameterSpec, TRANSFORM_SPECS, Values
 from camera_to_base.settings import camera_settings, CAMERA_SPECS, CameraSettings
@@ -70,6 +70,15 @@ class CellValues:
             self._settings = camera_settings(checked_values(CAMERA_SPECS, self.camera))
         return self._settings
 
+    @property
+    def needs_surface(self) -> Optional[str]:
+        """Say why points on the surface are not known; None if they are."""
+        if self.camera is None:
+            return 'camera_publisher does not run: start it.'
+        if SURFACE not in parts_of(self.given):
+            return 'There is no surface yet: calibrate it with the board first.'
+        return None
+
     def pixel_of(self, point: Sequence[float]) -> Optional[List[float]]:
         """Return the pixel that shows a point of the surface, in cm; None if there is none."""
         if self.camera is None:
@@ -88,7 +97,7 @@ class CellValues:
         Add a part of the calibration: what depends on a part that it replaces is dropped.
 
         :param new: The part's values by full name.
-        :param part: SURFACE or BASE.
+        :param part: SURFACE, MARKERS or BASE.
         """
         old = self.given
         growth = grown(old, new, part)

@@ -26,7 +26,7 @@ class OpenPair:
     """
     Follows the object until its place is known.
 
-    `place` is None until then.
+    `place` is None until then; `marker` is its number in place of an object.
 
     :param number: The pair's.
     :param point: Where the object is looked for, in cm, in the camera frame.
@@ -37,6 +37,16 @@ class OpenPair:
         self.number, self.measured_with = number, measured_with
         self._object = FollowedObject(point)
         self.place: Optional[Place] = None
+        self.marker: Optional[int] = None
+
+    @classmethod
+    def of_marker(
+        cls, number: int, marker: int, place: Place, measured_with: MeasuredWith
+    ) -> 'OpenPair':
+        """Make the pair of a marker, whose place is known already."""
+        pair = cls(number, (place.x, place.y), measured_with)
+        pair.place, pair.marker = place, marker
+        return pair
 
     def see(self, points: Sequence[Point]) -> bool:
         """
@@ -67,6 +77,11 @@ class OpenPair:
         if place is None:
             return {**data, 'camera': None, 'pixel': pixel_of(self._object.point),
                     'spread_mm': None, 'sentence': f'{count} of {FRAMES} frames'}
+        if self.marker is not None:
+            return {**data, 'frames': FRAMES, 'camera': point_data((place.x, place.y)),
+                    'pixel': pixel_of((place.x, place.y)), 'spread_mm': None,
+                    'sentence': f'marker {self.marker} lies at ({place.x:.2f}, {place.y:.2f}) cm '
+                                'in the camera frame: touch the cross in its middle'}
         spread_mm = 10 * place.spread_cm
         return {**data, 'camera': point_data((place.x, place.y)),
                 'pixel': pixel_of((place.x, place.y)), 'spread_mm': round(spread_mm, 2),

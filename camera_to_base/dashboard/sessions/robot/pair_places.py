@@ -12,31 +12,41 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a pair needs of a cell: a surface, and a place that is worth measuring."""
+"""What a pair depends on, and where its object is worth measuring."""
 
 from itertools import islice
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List
 
-from camera_to_base.calibration import parts_of, suggested_places, Suggestion, SURFACE
+from camera_to_base.calibration import Place, suggested_places, Suggestion
 from camera_to_base.dashboard.sessions.cell_values import CellValues
 from camera_to_base.dashboard.sessions.robot.data import point_data
 from camera_to_base.dashboard.sessions.robot.pair_list import MeasuredWith
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.markers import known_markers
 
 _OF_POSITIONS = ('surface.', 'object_height_cm', 'uncertainty.', 'detector.method')
-
-
-def needs(values: CellValues) -> Optional[str]:
-    """Say why pairs cannot be measured; None if they can."""
-    if values.camera is None:
-        return 'camera_publisher does not run: start it.'
-    if SURFACE not in parts_of(values.given):
-        return 'There is no surface yet: calibrate it with the board first.'
-    return None
 
 
 def surface_values(values: CellValues) -> Dict[str, Any]:
     """Return the parameters that the error of a position depends on, without the base frame."""
     return {name: value for name, value in values.given.items() if name.startswith(_OF_POSITIONS)}
+
+
+def marker_numbers(values: CellValues) -> List[int]:
+    """Return the numbers of the markers that the camera node knows."""
+    return [] if values.camera is None else sorted(known_markers(values.camera))
+
+
+def marker_place(values: CellValues, number: Any) -> Place:
+    """
+    Return where the middle of a marker lies.
+
+    :raises InvalidValueError: If the camera node does not know it.
+    """
+    if number not in marker_numbers(values):
+        raise InvalidValueError(f'there is no marker {number!r:.40}: learn the markers first')
+    x, y = known_markers(values.camera)[number].mean(axis=0).tolist()
+    return Place(x, y, 0.0, 1)
 
 
 def measured_with(values: CellValues, background: Any) -> MeasuredWith:

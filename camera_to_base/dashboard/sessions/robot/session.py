@@ -28,7 +28,7 @@ from camera_to_base.dashboard.sessions.robot.open_pair import OpenPair
 from camera_to_base.dashboard.sessions.robot.pair_book import PairBook
 from camera_to_base.dashboard.sessions.robot.pair_list import MeasuredWith, Pair
 from camera_to_base.dashboard.sessions.robot.pair_places import (
-    measured_with, needs, suggested, suggestion_data, surface_values)
+    marker_numbers, marker_place, measured_with, suggested, suggestion_data, surface_values)
 from camera_to_base.dashboard.sessions.robot.tool_place import ToolPlace
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 
@@ -67,8 +67,9 @@ class RobotSession:
         """The state as JSON."""
         return {
             'step': 'measuring' if self._is_on else 'off', 'hint': self._hint(),
-            'needs': needs(self._values), 'suggestion': self._suggestion_data(),
+            'needs': self._values.needs_surface, 'suggestion': self._suggestion_data(),
             'open': self._open and self._open.data(self._values.pixel_of),
+            'markers': marker_numbers(self._values),
             'pairs': self._pairs.data(self._now(), self._values.pixel_of),
             'fit': self._pairs.fit and fit_data(self._pairs.fit), 'base_z': self._base_z,
             'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
@@ -79,7 +80,7 @@ class RobotSession:
 
         :raises InvalidValueError: If that is not possible now.
         """
-        reason = needs(self._values)
+        reason = self._values.needs_surface
         if reason:
             raise InvalidValueError(reason)
         self._is_on, self._error = True, None
@@ -104,6 +105,20 @@ class RobotSession:
         self._close()
         point, = self._values.settings.surface.locate([pixel]).tolist()
         self._open = OpenPair(self._number, tuple(point), self._now())
+        self._on_change()
+
+    def marker(self, body: Mapping[str, Any]) -> None:
+        """
+        Take a marker in place of an object: it is known where it lies.
+
+        :param body: {'number'}, the marker's.
+        :raises InvalidValueError: If the camera node does not know it.
+        """
+        self.start({})
+        place = marker_place(self._values, body.get('number'))
+        self._close()
+        self._open = OpenPair.of_marker(
+            self._number, body['number'], place, self._now())
         self._on_change()
 
     def see_objects(self, points: Sequence[Point]) -> None:
@@ -236,8 +251,10 @@ class RobotSession:
 
     def _add(self, base_point: Point) -> None:
         number, place = self._open.number, self._open.place
-        touched = TouchedPair(
-            suggested(self._values, number), (place.x, place.y), base_point)
+        suggestion = suggested(self._values, number)
+        if self._open.marker is not None:
+            suggestion = suggestion._replace(name=f'marker {self._open.marker}')
+        touched = TouchedPair(suggestion, (place.x, place.y), base_point)
         self._pairs.put(Pair(number, touched, self._open.measured_with))
         self._again = None
         self._close()
@@ -252,13 +269,13 @@ class RobotSession:
                                     'measured')
 
     def _suggestion_data(self) -> Optional[Dict[str, Any]]:
-        if not self._is_on or self._open is not None or needs(self._values):
+        if not self._is_on or self._open is not None or self._values.needs_surface:
             return None
         return suggestion_data(suggested(self._values, self._number))
 
     def _hint(self) -> str:
         if not self._is_on:
-            return hint_at_rest(needs(self._values))
+            return hint_at_rest(self._values.needs_surface)
         if self._open is not None:
             return hint_for_open(self._open)
         return hint_for_pairs(len(self._pairs), self._number, bool(self._accepted))

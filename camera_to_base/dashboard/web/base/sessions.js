@@ -25,4 +25,5 @@ function session(name) {
 }
 
 export const board = session('board');
+export const markers = session('markers');
 export const robot = session('robot');

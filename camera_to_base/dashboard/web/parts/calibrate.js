@@ -16,6 +16,7 @@
 
 import {createBoardLook} from './board_look.js';
 import {createBoardReport} from './board_report.js';
+import {createMarkers} from './markers.js';
 import {button, card, element, setText, show} from '../base/dom.js';
 import {read} from '../base/numbers.js';
 import {board} from '../base/sessions.js';
@@ -30,11 +31,14 @@ export function createCalibrate(store) {
   const options = createOptions();
   const look = createBoardLook(store);
   const report = createBoardReport();
+  const table = createMarkers();
   let isShown = false;
   const follow = () => {
     const isLooking = Boolean(store.get('board')) && store.get('board').step !== 'off';
     if (isShown && isLooking) look.start();
     else look.stop();
+    if (isShown && store.get('markers')?.step === 'looking') table.start();
+    else table.stop();
   };
   store.on('board', (state) => {
     setText(hint, state.error ?? state.busy ?? state.hint ?? '');
@@ -45,8 +49,12 @@ export function createCalibrate(store) {
     report.update(state);
     follow();
   });
+  store.on('markers', (state) => {
+    table.update(state);
+    follow();
+  });
   const node = element('div', {class: 'calibrate'},
-    lead, sheets, options.node, hint, look.node, report.node);
+    lead, sheets, options.node, hint, look.node, report.node, table.node);
   return {
     node,
     shown: () => { isShown = true; follow(); },

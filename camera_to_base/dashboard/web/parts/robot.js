@@ -62,6 +62,8 @@ function createSee(store) {
   const picture = new LivePicture('annotated', 'The live picture with the number of each object.');
   const buttons = element('div', {class: 'buttons', role: 'group',
     'aria-label': 'Objects in the picture'});
+  const markers = element('div', {class: 'buttons', role: 'group',
+    'aria-label': 'Markers on the table'});
   const suggestion = element('p');
   picture.node.addEventListener('click', (event) => {
     const pixel = picture.pixelAt(event);
@@ -75,12 +77,15 @@ function createSee(store) {
   const update = (state) => {
     const isDone = state.open || state.accepted;
     setText(suggestion, isDone ? '' : state.suggestion?.sentence ?? '');
+    sync(markers, state.markers, (number) => number, (number) => button(`Marker ${number}`,
+      () => robot('marker', {number})), () => {});
     drawPairs(picture, state);
   };
   return {update, start: () => picture.start(), stop: () => picture.stop(),
     node: card('1. Choose the object', picture.node, suggestion,
-      element('p', {class: 'quiet'}, 'Click the object that the robot will touch, or choose it here:'),
-      buttons)};
+      element('p', {class: 'quiet'}, 'Click the object that the robot will touch, or choose it here. ' +
+        'In place of an object, it can touch the middle of a learned marker:'),
+      buttons, markers)};
 }
 
 function drawPairs(picture, {pairs, suggestion, open, accepted}) {
