@@ -114,7 +114,7 @@ def test_calibrated_on_the_simulated_camera_the_coin_arrives_within_2_mm(ros, st
 def test_calibrate_says_what_is_wrong_in_one_line_and_ends_with_1(tmp_path):
     calibrate = run_calibrate('check', tmp_path / 'missing.yaml', tmp_path / 'points.csv')
     assert calibrate.returncode == 1 and calibrate.stdout == ''
-    assert re.fullmatch('calibrate: cannot read .*missing.yaml.*\n', calibrate.stderr)
+    assert re.fullmatch('calibrate: there is no file .*missing.yaml.*\n', calibrate.stderr)
 
 
 @pytest.mark.slow

@@ -165,7 +165,7 @@ def test_table_of_pairs_uses_the_surface_that_the_file_holds(run):
 @pytest.mark.parametrize('arguments, said', [
     (('base', '-o', 'a.yaml'), 'expected a table and a file to write'),
     (('base', 'a.csv', '--live', 'cell.yaml'), 'alone, not a table'),
-    (('base', '--live', 'none.yaml'), "cannot read the parameter file 'none.yaml'"),
+    (('base', '--live', 'none.yaml'), "there is no file 'none.yaml': calibrate board comes first"),
     (('base', '--live', 'empty.yaml'), "'empty.yaml' holds no surface: calibrate board comes"),
     (('base', '--live', 'cell.yaml', '--places', '2'), '--places must be 3 or more, got 2'),
     (('base', '--live', 'cell.yaml', '--camera', 'random'), 'is no camera that can be opened'),
