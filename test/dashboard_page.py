@@ -23,7 +23,7 @@ import time
 from urllib.error import URLError
 from urllib.request import urlopen
 
-from ros_helpers import Process
+from ros_helpers import NotInTime, Process
 
 DRIVERS = ('/usr/bin/chromedriver', 'chromedriver')
 BROWSERS = ('/usr/bin/chromium', 'chromium', 'chromium-browser', 'google-chrome')
@@ -51,13 +51,14 @@ def _found(names):
 
 
 def wait_until(condition, what, patience=PATIENCE_S):
-    """Wait until a condition is true, and return what it gives."""
+    """Wait until a condition is true, and return what it gives, or raise NotInTime."""
     until = time.monotonic() + patience
     while True:
         result = condition()
         if result:
             return result
-        assert time.monotonic() < until, f'waited {patience:.0f} s: {what()}'
+        if time.monotonic() > until:
+            raise NotInTime(f'waited {patience:.0f} s: {what()}')
         time.sleep(0.1)
 
 
