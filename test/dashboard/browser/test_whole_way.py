@@ -106,10 +106,11 @@ def display(page, number):
 
 
 def listed(page):
-    """Return the base positions in the list, shape (n, 2), in cm."""
+    """Return the base positions in the list, in cm; None while they are not all there."""
     texts = page.run("return [...document.querySelectorAll('#part-watch .numbers tbody tr')]"
                      '.map((row) => row.cells[1].textContent.replaceAll("−", "-"))')
-    return np.array([[float(number) for number in text.split(', ')] for text in texts])
+    pairs = [[float(number) for number in text.split(', ')] for text in texts if ', ' in text]
+    return pairs if len(pairs) == PAIRS else None
 
 
 def true_positions(ros):
@@ -124,8 +125,8 @@ def true_positions(ros):
 def largest_error_mm(page, ros):
     """Return how far the listed objects are from the nearest true ones, at most."""
     page.go_to('watch')
-    wait_until(lambda: len(listed(page)) == PAIRS, lambda: page.read('#part-watch'))
-    found, true = listed(page), true_positions(ros)
+    found = np.array(wait_until(lambda: listed(page), lambda: page.read('#part-watch')))
+    true = true_positions(ros)
     away = np.linalg.norm(found[:, None] - true[None], axis=2)
     assert len(set(away.argmin(axis=1))) == PAIRS
     return 10 * away.min(axis=1).max()
