@@ -20,7 +20,7 @@ They are taken out of the frame, as exactly as a gain is: whatever follows sees 
 
 from typing import Optional
 
-from camera_to_base.detection.precise.light import log_light
+from camera_to_base.detection.precise.light import grey_factors, log_light
 import cv2
 import numpy as np
 
@@ -35,8 +35,6 @@ _SMOOTH = 8
 _LIGHTEST, _UNKNOWN = 250, 99.0
 # A parabola through seven rows (Savitzky and Golay): it keeps a wave's height.
 _PARABOLA = np.float32([-2, 3, 6, 7, 6, 3, -2])[:, None] / 21
-# Grey levels grow with about this power of the light.
-_POWER = 1 / 2.2
 
 
 def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray]:
@@ -72,9 +70,8 @@ def without_bands(frame: np.ndarray, background: np.ndarray, bands: np.ndarray) 
     Levels that the sensor has cut off may stand for more light: they look like the background
     where that is possible.
     """
-    factors = np.clip(np.rint(128 * np.exp(-_POWER * bands)), 1, 255).astype(np.uint8)
     rows, usual = (picture.reshape(len(frame), -1) for picture in (frame, background))
-    factors = np.repeat(factors[:, None], rows.shape[1], axis=1)
+    factors = np.repeat(grey_factors(-bands)[:, None], rows.shape[1], axis=1)
     even = cv2.multiply(rows, factors, scale=1 / 128)
     cut_off = _above(rows, _LIGHTEST - 1)
     even = cv2.max(even, cv2.min(cut_off, usual))

@@ -22,7 +22,7 @@ one factor for all colours. What is small beside a median filter's window is no 
 from typing import Optional
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LINEAR, log_light
+from camera_to_base.detection.precise.light import grey_factors, LINEAR, log_light
 from camera_to_base.detection.precise.limits import Range
 from camera_to_base.detection.precise.piece import channel_extremes
 import cv2
@@ -35,8 +35,6 @@ _LEAST_CHANGE = 0.03
 _STEPS = 64
 # The median rounds the corners of an edge: beside one, either light counts, in shrunk px.
 _EDGE = np.ones((9, 9), np.uint8)
-# Grey levels grow with about this power of the light.
-_POWER = 1 / 2.2
 # Shade takes this much light at most, and colours it little.
 _DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
 _LEAST_MARKED, _LEAST_LIGHT = 0.1, 1e-3
@@ -89,7 +87,7 @@ def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
     field[~_reaches_border(np.abs(field) > _LEAST_CHANGE)] = 0
     if not field.any():
         return None
-    return Range(_factors(cv2.erode(field, _EDGE)), _factors(cv2.dilate(field, _EDGE)))
+    return Range(grey_factors(cv2.erode(field, _EDGE)), grey_factors(cv2.dilate(field, _EDGE)))
 
 
 def has_light(field: Range, box: Box) -> bool:
@@ -122,7 +120,3 @@ def _reaches_border(changed: np.ndarray) -> np.ndarray:
     _, labels = cv2.connectedComponents(changed.astype(np.uint8))
     border = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
     return np.isin(labels, np.unique(border[border > 0]))
-
-
-def _factors(field: np.ndarray) -> np.ndarray:
-    return np.clip(np.rint(128 * np.exp(_POWER * field)), 1, 255).astype(np.uint8)

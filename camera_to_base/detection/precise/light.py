@@ -28,6 +28,8 @@ _DARKEST, _LIGHTEST = 8, 247
 _LEAST_LIGHT = 1e-3
 _LEAST_USABLE = 1 / 12
 _DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
+# Grey levels grow with about this power of the light.
+_POWER = 1 / 2.2
 
 
 def _linear_levels() -> np.ndarray:
@@ -50,6 +52,11 @@ def log_light(picture: np.ndarray) -> np.ndarray:
     """Give the logarithm of all channels' light: shape (h, w, 3), uint8, to (h, w), float32."""
     light = cv2.transform(cv2.LUT(picture, LINEAR), np.ones((1, 3), np.float32))
     return cv2.log(cv2.max(light, _LEAST_LIGHT))
+
+
+def grey_factors(light: np.ndarray) -> np.ndarray:
+    """Give the factors on grey levels, times 128, uint8, of the logarithms of factors on light."""
+    return np.clip(np.rint(128 * np.exp(_POWER * light)), 1, 255).astype(np.uint8)
 
 
 class Gain(NamedTuple):

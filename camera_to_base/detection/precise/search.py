@@ -72,15 +72,13 @@ def search(
     :param min_area: What shows less is noise, in px².
     """
     are_bands_likely = _are_bands_likely(frame, parts)
-    even = _in_even_light(frame, reference) if are_bands_likely else None
-    found = _search(frame, parts, reference, min_area) if even is None else _search(
-        even, parts_of(even, reference), reference, min_area)
+    found = _without_bands(frame, reference, min_area) if are_bands_likely else None
+    if found is None:
+        found = _search(frame, parts, reference, min_area)
     if not any(_may_reach_border(frame, region) for region in found.regions):
         return found
     if not are_bands_likely:
-        even = _in_even_light(frame, reference)
-        if even is not None:
-            found = _search(even, parts_of(even, reference), reference, min_area)
+        found = _without_bands(frame, reference, min_area) or found
     return _without_foreign_light(found, reference, min_area)
 
 
@@ -110,9 +108,15 @@ def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
             and sum(part.width * part.height for part in parts) > _LEAST_BANDS * height * width)
 
 
-def _in_even_light(frame: np.ndarray, reference: Reference) -> Optional[np.ndarray]:
+def _without_bands(
+    frame: np.ndarray, reference: Reference, min_area: float
+) -> Optional[Found]:
+    # What is found where the bands were taken out; None without bands.
     bands = find_bands(frame, reference.lit)
-    return None if bands is None else without_bands(frame, reference.lit, bands)
+    if bands is None:
+        return None
+    even = without_bands(frame, reference.lit, bands)
+    return _search(even, parts_of(even, reference), reference, min_area)
 
 
 def _without_foreign_light(found: Found, reference: Reference, min_area: float) -> Found:
