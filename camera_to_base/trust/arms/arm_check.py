@@ -115,8 +115,9 @@ class ArmCheck:
                                     for one in found.objects])
         found = self._without_remains(found, taken_at)
         recent = self._recent(fill, taken_at)
-        found = _divided(found, [self._reason(one, frame, fill, recent, taken_at)
-                                 for one in found.objects])
+        found = _divided(found, [
+            self._reason(one, _is_among(one, doubtful), frame, fill, recent, taken_at)
+            for one in found.objects])
         return _with(found, self._shaded(frame, recent, taken_at))
 
     def _is_unchanged(self, one: LocatedObject, frame: np.ndarray) -> bool:
@@ -128,7 +129,7 @@ class ArmCheck:
                       changes: Changes) -> Found:
         left = [one for one in doubtful if self._is_left(one.detection.outline, frame, changes)]
         return _divided(found, [
-            _LEFT if any(one is other for other in left) else None for one in found.objects])
+            _LEFT if _is_among(one, left) else None for one in found.objects])
 
     def _is_left(self, outline: np.ndarray, frame: np.ndarray, changes: Changes) -> bool:
         return (self._share(outline, changes.differs) < _LEAST_CHANGED
@@ -138,9 +139,8 @@ class ArmCheck:
         self._remains.note(
             (left.detection for left in found.left_out if left.reason is _LEFT), taken_at)
         return _divided(found, [
-            _WAS_LEFT if self._remains.may_be_part(one.detection) and not any(
-                _is_same(known.found.detection, one.detection) for known in self._known) else None
-            for one in found.objects])
+            _WAS_LEFT if self._remains.may_be_part(one.detection) and self._known_as(one) is None
+            else None for one in found.objects])
 
     def _recent(self, fill: _Mask, taken_at: float) -> _Mask:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
@@ -152,14 +152,13 @@ class ArmCheck:
                        if 0 <= taken_at - known.seen_at <= _KNOWN_S]
         return recent
 
-    def _reason(self, one: LocatedObject, frame: np.ndarray, fill: _Mask,
+    def _reason(self, one: LocatedObject, is_doubtful: bool, frame: np.ndarray, fill: _Mask,
                 recent: _Mask, taken_at: float) -> Optional[Reason]:
         known = self._known_as(one)
         if not self._is_covered(one, recent):
             # An unchanged rim is kept, so that slow changes add up.
-            rim = (known.rim if known is not None
-                   and known.rim.is_unchanged(frame, self._most_noise)
-                   else rim_of(frame, one.detection.outline))
+            rim = (rim_of(frame, one.detection.outline) if known is None or is_doubtful
+                   else known.rim)
             self._know(known, _Known(one, rim, taken_at))
             return None
         if known is not None:
@@ -199,6 +198,10 @@ def _is_same(one: Detection, other: Detection) -> bool:
     moved = max(abs(one.centre.u - other.centre.u), abs(one.centre.v - other.centre.v))
     return (moved <= _SAME_CENTRE_PX
             and abs(one.area - other.area) <= _SAME_AREA * one.area)
+
+
+def _is_among(one: LocatedObject, others: Sequence[LocatedObject]) -> bool:
+    return any(one is other for other in others)
 
 
 def _divided(found: Found, reasons: Sequence[Optional[Reason]]) -> Found:
