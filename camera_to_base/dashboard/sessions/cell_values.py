@@ -18,6 +18,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 from camera_to_base.calibration import BASE, grown, parts_of, SURFACE
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.markers import Corners, known_markers
 from camera_to_base.parameters import checked_values, ParameterSpec, TRANSFORM_SPECS, Values
 from camera_to_base.settings import camera_settings, CAMERA_SPECS, CameraSettings
 import numpy as np
@@ -78,6 +79,11 @@ class CellValues:
         if SURFACE not in parts_of(self.given):
             return 'There is no surface yet: calibrate it with the board first.'
         return None
+
+    @property
+    def markers(self) -> Corners:
+        """The markers that the camera node knows."""
+        return {} if self.camera is None else known_markers(self.camera)
 
     def pixel_of(self, point: Sequence[float]) -> Optional[List[float]]:
         """Return the pixel that shows a point of the surface, in cm; None if there is none."""

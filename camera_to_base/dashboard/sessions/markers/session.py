@@ -20,7 +20,7 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, Optional
 from camera_to_base.calibration import learned_markers, MARKERS
 from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.markers import Corners, known_markers, lens_of_values, see_markers
+from camera_to_base.markers import Corners, lens_of_values, see_markers
 import numpy as np
 
 # The sheet has these.
@@ -53,19 +53,13 @@ class MarkerSession:
     @property
     def state(self) -> Dict[str, Any]:
         """The state as JSON."""
-        seen = self._looks[-1] if self._looks else {}
         return {
             'step': 'looking' if self._is_on else 'off', 'needs': self._values.needs_surface,
             'seen': [{'number': number, 'pixel': np.round(corners.mean(axis=0), 1).tolist()}
-                     for number, corners in sorted(seen.items())],
-            'missing': [number for number in _PRINTED if number not in seen],
-            'can_learn': self._can_learn, 'known': sorted(self.known), 'error': self._error,
+                     for number, corners in sorted(self._seen.items())],
+            'missing': self._missing, 'can_learn': self._can_learn,
+            'known': sorted(self._values.markers), 'error': self._error,
             'hint': self._hint() if self._is_on else ''}
-
-    @property
-    def known(self) -> Corners:
-        """The markers that the camera node knows."""
-        return {} if self._values.camera is None else known_markers(self._values.camera)
 
     def start(self, body: Mapping[str, Any]) -> None:
         """
@@ -113,14 +107,21 @@ class MarkerSession:
         self._on_change()
 
     @property
+    def _seen(self) -> Corners:
+        return self._looks[-1] if self._looks else {}
+
+    @property
+    def _missing(self) -> List[int]:
+        return [number for number in _PRINTED if number not in self._seen]
+
+    @property
     def _can_learn(self) -> bool:
         return self._is_on and len(self._looks) == _LOOKS
 
     def _hint(self) -> str:
         if not self._looks:
             return 'Waiting for a picture.'
-        seen: List[int] = sorted(self._looks[-1])
-        missing = [number for number in _PRINTED if number not in seen]
+        seen, missing = sorted(self._seen), self._missing
         sentence = f'Seen: {_names(seen)}.' if seen else 'No marker is seen.'
         return sentence + (f' Not seen: {_names(missing)}.' if missing else '')
 

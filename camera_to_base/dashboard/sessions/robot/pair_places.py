@@ -15,14 +15,13 @@
 """What a pair depends on, and where its object is worth measuring."""
 
 from itertools import islice
-from typing import Any, Dict, List
+from typing import Any, Dict
 
 from camera_to_base.calibration import Place, suggested_places, Suggestion
 from camera_to_base.dashboard.sessions.cell_values import CellValues
 from camera_to_base.dashboard.sessions.robot.data import point_data
 from camera_to_base.dashboard.sessions.robot.pair_list import MeasuredWith
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.markers import known_markers
 
 _OF_POSITIONS = ('surface.', 'object_height_cm', 'uncertainty.', 'detector.method')
 
@@ -32,20 +31,15 @@ def surface_values(values: CellValues) -> Dict[str, Any]:
     return {name: value for name, value in values.given.items() if name.startswith(_OF_POSITIONS)}
 
 
-def marker_numbers(values: CellValues) -> List[int]:
-    """Return the numbers of the markers that the camera node knows."""
-    return [] if values.camera is None else sorted(known_markers(values.camera))
-
-
 def marker_place(values: CellValues, number: Any) -> Place:
     """
     Return where the middle of a marker lies.
 
     :raises InvalidValueError: If the camera node does not know it.
     """
-    if number not in marker_numbers(values):
+    if number not in list(values.markers):
         raise InvalidValueError(f'there is no marker {number!r:.40}: learn the markers first')
-    x, y = known_markers(values.camera)[number].mean(axis=0).tolist()
+    x, y = values.markers[number].mean(axis=0).tolist()
     return Place(x, y, 0.0, 1)
 
 

@@ -28,7 +28,7 @@ from camera_to_base.dashboard.sessions.robot.open_pair import OpenPair
 from camera_to_base.dashboard.sessions.robot.pair_book import PairBook
 from camera_to_base.dashboard.sessions.robot.pair_list import MeasuredWith, Pair
 from camera_to_base.dashboard.sessions.robot.pair_places import (
-    marker_numbers, marker_place, measured_with, suggested, suggestion_data, surface_values)
+    marker_place, measured_with, suggested, suggestion_data, surface_values)
 from camera_to_base.dashboard.sessions.robot.tool_place import ToolPlace
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 
@@ -69,7 +69,7 @@ class RobotSession:
             'step': 'measuring' if self._is_on else 'off', 'hint': self._hint(),
             'needs': self._values.needs_surface, 'suggestion': self._suggestion_data(),
             'open': self._open and self._open.data(self._values.pixel_of),
-            'markers': marker_numbers(self._values),
+            'markers': sorted(self._values.markers),
             'pairs': self._pairs.data(self._now(), self._values.pixel_of),
             'fit': self._pairs.fit and fit_data(self._pairs.fit), 'base_z': self._base_z,
             'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
