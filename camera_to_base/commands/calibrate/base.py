@@ -21,7 +21,7 @@ from camera_to_base.calibration import (
     BASE, calibrate_base, calibrate_touches, Calibration, parts_of, point_pairs, read_pairs,
     Report, SURFACE, TouchedPair)
 from camera_to_base.commands.calibrate.files import (
-    check_outputs, Outputs, read_cell_file, write_part)
+    base_outputs, check_outputs, Outputs, read_cell_file, write_part)
 from camera_to_base.commands.calibrate.live import (
     collect, measure_again, open_positions, open_robot, Positions, Robot)
 from camera_to_base.commands.calibrate.marker_base import run_marker_base
@@ -65,15 +65,8 @@ def _write(calibration: Calibration, outputs: Outputs, thumbnail: str = '') -> R
 
 
 def _run_live(options: argparse.Namespace) -> Report:
-    for name, value in (('a table', options.table), ('--surface', options.surface)):
-        if value is not None:
-            raise InvalidValueError(f'--live takes the file with the surface alone, not {name}')
-    options.output = options.output or options.live
-    file = read_cell_file(options.live)
-    if SURFACE not in parts_of(file.values):
-        raise InvalidValueError(
-            f"'{options.live}' holds no surface: calibrate board comes first")
-    outputs = check_outputs(options, BASE, may_picture=False)._replace(old=file)
+    outputs = base_outputs(
+        options, '--live', SURFACE, {'a table': options.table, '--surface': options.surface})
     if options.places < 3:
         raise InvalidValueError(f'--places must be 3 or more, got {options.places}')
     robot = open_robot(options.robot_topic)

@@ -19,14 +19,18 @@ import os
 from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
-    Calibration, cell_text, grown, part_values, parts_to_lose, Report, report_lines, SURFACE,
-    TITLE, without_report)
+    BASE, Calibration, cell_text, grown, MARKERS, part_values, parts_of, parts_to_lose, Report,
+    report_lines, SURFACE, TITLE, without_report)
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections
 from camera_to_base.sources import DEVICE, kind_of, lasting_name
+
+
+# Name of a part, and the step that gives it.
+_EARLIER = {SURFACE: ('surface', 'calibrate board'), MARKERS: ('markers', 'calibrate markers')}
 
 
 class Outputs(NamedTuple):
@@ -53,6 +57,39 @@ def read_cell_file(path: str) -> ParameterFile:
         raise InvalidValueError(
             f"there is no file '{path}': calibrate board comes first, with -o {path}")
     return read_parameter_file(path)
+
+
+def refuse_without(part: str, path: str, values: Mapping[str, Any]) -> None:
+    """
+    Refuse the parameters of a file without a part that an earlier step gives.
+
+    :param part: SURFACE or MARKERS.
+    :raises InvalidValueError: If it is not there.
+    """
+    if part not in parts_of(values):
+        name, command = _EARLIER[part]
+        raise InvalidValueError(f"'{path}' holds no {name}: {command} comes first")
+
+
+def base_outputs(
+    options: argparse.Namespace, option: str, part: str, others: Mapping[str, Optional[str]]
+) -> Outputs:
+    """
+    Check the file with a surface or with markers that gets the base frame, and that is read.
+
+    :param option: The option that names it, such as --live.
+    :param part: What it must hold, SURFACE or MARKERS.
+    :param others: By name, what cannot be given, too.
+    :raises InvalidValueError: If something else is given, or the file cannot be read or written.
+    """
+    for name, value in others.items():
+        if value is not None:
+            raise InvalidValueError(f'{option} takes the file with {part} alone, not {name}')
+    path = getattr(options, option.lstrip('-'))
+    options.output = options.output or path
+    file = read_cell_file(path)
+    refuse_without(part, path, file.values)
+    return check_outputs(options, BASE, may_picture=False)._replace(old=file)
 
 
 def sheet_output(options: argparse.Namespace) -> str:

@@ -17,11 +17,10 @@ import argparse
 from typing import Any, Dict, List, Tuple
 
 from camera_to_base.calibration import (
-    BASE, calibrate_base, Calibration, MARKERS, parts_of, Report)
-from camera_to_base.commands.calibrate.files import check_outputs, read_cell_file, write_part
+    BASE, calibrate_base, Calibration, MARKERS, Report)
+from camera_to_base.commands.calibrate.files import base_outputs, write_part
 from camera_to_base.commands.calibrate.live import open_robot, Robot
 from camera_to_base.commands.calibrate.prompts import tell, until_it_fits, until_right
-from camera_to_base.errors import InvalidValueError
 from camera_to_base.markers import known_markers, MARKER_SPECS
 from camera_to_base.parameters import checked_values
 from camera_to_base.surface import PointPairs, SURFACE_SPECS
@@ -32,23 +31,15 @@ _Point = Tuple[float, float]
 
 def run_marker_base(options: argparse.Namespace) -> Report:
     """Calibrate the base frame by touched markers, and write the file."""
-    for name, value in (('a table', options.table), ('--surface', options.surface),
-                        ('--camera', options.camera)):
-        if value is not None:
-            raise InvalidValueError(f'--markers takes the file with the markers alone, not {name}')
-    options.output = options.output or options.markers
-    file = read_cell_file(options.markers)
-    if MARKERS not in parts_of(file.values):
-        raise InvalidValueError(
-            f"'{options.markers}' holds no markers: calibrate markers comes first")
-    outputs = check_outputs(options, BASE, may_picture=False)._replace(old=file)
+    outputs = base_outputs(options, '--markers', MARKERS, {
+        'a table': options.table, '--surface': options.surface, '--camera': options.camera})
+    values = outputs.old.values
     middles = {number: tuple(corners.mean(axis=0).tolist()) for number, corners in known_markers(
-        checked_values(
-            [*MARKER_SPECS, *SURFACE_SPECS], file.values)).items()}
+        checked_values([*MARKER_SPECS, *SURFACE_SPECS], values)).items()}
     robot = open_robot(options.robot_topic)
     try:
         touched = touch_markers(sorted(middles), robot)
-        return write_part(_agreed(middles, touched, robot, file.values, options), outputs, BASE)
+        return write_part(_agreed(middles, touched, robot, values, options), outputs, BASE)
     finally:
         robot.close()
 

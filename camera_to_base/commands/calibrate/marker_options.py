@@ -11,10 +11,13 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """Command-line options of `calibrate` that are about markers."""
 
 import argparse
 
+from camera_to_base.commands.calibrate.shared_options import (
+    add_base_z, add_image_size, add_robot_topic)
 from camera_to_base.commands.parser import decimal
 
 MARKERS_EXAMPLES = """
@@ -47,27 +50,11 @@ def add_markers(markers: argparse.ArgumentParser) -> None:
                               '--marker-mm')
     add_base_z(markers)
     add_robot_topic(markers, '--base')
-    markers.add_argument('--image-size', metavar='640x480',
-                         help='width and height requested from --camera, in px, for --base')
+    add_image_size(markers, 'requested from --camera, for --base')
     markers.add_argument('-o', '--output', required=True, metavar='FILE',
                          help='the parameter file with the surface, to which the markers are '
                               'added; with --base a new file, too')
     markers.add_argument('--force', action='store_true', help='replace what is in the file')
-
-
-def add_base_z(command: argparse.ArgumentParser) -> None:
-    """Add the option that says how the base frame's z points."""
-    command.add_argument('--base-z', choices=('up', 'down'), default='up',
-                         help="direction of the base frame's z at the table: up, away from it, or "
-                              'down, as for a hanging robot (default: %(default)s)')
-
-
-def add_robot_topic(command: argparse.ArgumentParser, purpose: str) -> None:
-    """Add the option that names the robot's topic."""
-    command.add_argument('--robot-topic', metavar='TOPIC',
-                         help=f"take the robot's position for {purpose} from "
-                              'geometry_msgs/PoseStamped, in m, in the base frame, instead of '
-                              'asking for it')
 
 
 def add_sheet_markers(sheet: argparse.ArgumentParser) -> None:

@@ -16,8 +16,8 @@
 import argparse
 from typing import Tuple
 
-from camera_to_base.calibration import learned_markers, MARKERS, parts_of, Report, SURFACE
-from camera_to_base.commands.calibrate.files import check_outputs, write_part
+from camera_to_base.calibration import learned_markers, MARKERS, Report, SURFACE
+from camera_to_base.commands.calibrate.files import check_outputs, refuse_without, write_part
 from camera_to_base.commands.calibrate.marker_frames import marker_frames, markers_in
 from camera_to_base.commands.calibrate.touched_markers import run_touched_markers
 from camera_to_base.errors import InvalidValueError
@@ -36,10 +36,9 @@ def run_markers(options: argparse.Namespace) -> Report:
         if value is not None:
             raise InvalidValueError(f'{name} is for calibrate markers --base')
     outputs = check_outputs(options, MARKERS, *options.pictures, may_picture=False)
-    if outputs.old is None or SURFACE not in parts_of(outputs.old.values):
-        raise InvalidValueError(
-            f"'{options.output}' holds no surface: calibrate board comes first")
-    values = checked_values(CAMERA_SPECS, outputs.old.values)
+    old = outputs.old.values if outputs.old else {}
+    refuse_without(SURFACE, options.output, old)
+    values = checked_values(CAMERA_SPECS, old)
     frames, name = marker_frames(options, read_node_settings(options.output).camera)
     _refuse_other_size(frames[0], values['surface.image_size'])
     calibration = learned_markers(

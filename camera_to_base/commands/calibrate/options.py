@@ -22,7 +22,9 @@ from typing import Any, List, Optional, Tuple
 from camera_to_base.calibration import PAPERS
 from camera_to_base.commands.calibrate.examples import DESCRIPTION, EXAMPLES
 from camera_to_base.commands.calibrate.marker_options import (
-    add_base_z, add_markers, add_robot_topic, add_sheet_markers, MARKERS_EXAMPLES)
+    add_markers, add_sheet_markers, MARKERS_EXAMPLES)
+from camera_to_base.commands.calibrate.shared_options import (
+    add_base_z, add_image_size, add_robot_topic)
 from camera_to_base.commands.parser import CommandParser, decimal
 from camera_to_base.errors import InvalidValueError
 
@@ -77,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     points.add_argument('table', metavar='TABLE.csv')
     points.add_argument('--model', choices=('homography', 'polynomial'), default='homography',
                         help="homography, or the tutorial's two quadratics (default: %(default)s)")
-    _add_image_size(points, 'of the picture that the points were measured in')
+    add_image_size(points, 'of the picture that the points were measured in')
     _add_output(points)
     _add_base(_command(commands, 'base',
                        'the pose of the camera frame in the base frame, from pairs of points'))
@@ -159,7 +161,7 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--intrinsics', metavar='CAMERA_INFO.yaml',
                        help="the lens as ROS's camera_calibration writes it: gives the camera's "
                        'height and foot point, which object_height_cm needs')
-    _add_image_size(board, 'requested from --camera')
+    add_image_size(board, 'requested from --camera')
     board.add_argument('--simulated-tilt-deg', type=decimal, default=0.0, metavar='DEG',
                        help='tilt of --camera simulated (default: %(default)s)')
     _add_output(board)
@@ -188,11 +190,6 @@ def _add_base(base: argparse.ArgumentParser) -> None:
     base.add_argument('-o', '--output', metavar='FILE',
                       help='the parameter file to write (with --live and --markers: that file)')
     base.add_argument('--force', action='store_true', help='overwrite files')
-
-
-def _add_image_size(command: argparse.ArgumentParser, which: str) -> None:
-    command.add_argument('--image-size', metavar='640x480',
-                         help=f'width and height {which}, in px')
 
 
 def _add_output(command: argparse.ArgumentParser) -> None:
