@@ -24,7 +24,6 @@ The error is that of 42 points in the area between the four.
 """
 
 import argparse
-import json
 from pathlib import Path
 import sys
 import time
@@ -40,6 +39,7 @@ from camera_to_base.uncertainty import (
     Lens, scales_at, SURFACE_COVARIANCE, triangle_of, warp_design)
 import cv2
 import numpy as np
+from rows import print_rows
 
 sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
 from rendered_markers import random_camera, Table  # noqa: E402, I100
@@ -47,8 +47,8 @@ from rendered_markers import random_camera, Table  # noqa: E402, I100
 SIZE = (1280, 720)
 AREA = np.stack(np.meshgrid(np.linspace(2, 38, 7), np.linspace(2, 28, 6)), axis=-1).reshape(-1, 2)
 BOARD = np.stack(np.meshgrid(np.linspace(6, 34, 9), np.linspace(5, 25, 6)), axis=-1).reshape(-1, 2)
-# Of the squared distance in units of the covariance, two dimensions.
 OFF_AXIS_PX = 12
+# Of the squared distance in units of the covariance, two dimensions.
 SHARES = {'50 %': 1.386, '90 %': 4.605, '99 %': 9.210}
 
 
@@ -59,17 +59,14 @@ def main():
     cases = [case(rng, table) for _ in range(3 if options.quick else options.cases)]
     rows = [summary(4, [every for every, _ in cases]),
             summary(3, [one for _, without in cases for one in without]), *costs(rng, table)]
-    for row in rows:
-        print(', '.join(f'{name} {value}' for name, value in row.items()))
-    if options.json:
-        Path(options.json).write_text(json.dumps(rows))
+    print_rows(rows, options.json)
 
 
-def parse():
-    parser = argparse.ArgumentParser(description=__doc__)
+def parse(description=__doc__, cases=60):
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument('--quick', action='store_true')
     parser.add_argument('--json')
-    parser.add_argument('--cases', type=int, default=60)
+    parser.add_argument('--cases', type=int, default=cases)
     parser.add_argument('--seed', type=int, default=1)
     return parser.parse_args()
 

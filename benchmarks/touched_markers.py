@@ -23,8 +23,6 @@ points in the area between the markers, and of 54 points over the whole picture.
     scripts/benchmark touched_markers [--quick] [--json FILE] [--cases 100] [--seed 1]
 """
 
-import argparse
-import json
 from pathlib import Path
 import sys
 
@@ -36,41 +34,27 @@ from camera_to_base.surface import make_surface, SURFACE_SPECS
 from camera_to_base.uncertainty import (
     position_uncertainty, uncertain_transform_of, UNCERTAINTY_SPECS)
 import cv2
+from markers import AREA, parse, SHARES, SIZE
 import numpy as np
+from rows import print_rows
 
 sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
 from rendered_markers import marker_corners, random_camera, Table  # noqa: E402, I100
 
-SIZE = (1280, 720)
-AREA = np.stack(np.meshgrid(np.linspace(2, 38, 7), np.linspace(2, 28, 6)), axis=-1).reshape(-1, 2)
 PICTURE = np.stack(np.meshgrid(np.linspace(20, 1260, 9), np.linspace(20, 700, 6)),
                    axis=-1).reshape(-1, 2)
 # The base frame's z points up, the table's y is seen clockwise from x: where the robot stands.
 TURN, PLACE = np.array([[0.8, 0.6], [0.6, -0.8]]), np.array([12.0, -31.0])
-# Of the squared distance in units of the covariance, two dimensions.
-SHARES = {'50 %': 1.386, '90 %': 4.605, '99 %': 9.210}
 
 
 def main():
-    options = parse()
+    options = parse(__doc__, 100)
     rng = np.random.default_rng(options.seed)
     table = Table(seed=options.seed)
     cases = [case(rng, table) for _ in range(3 if options.quick else options.cases)]
     rows = [summary(name, [one[index] for one in cases if one is not None], len(cases))
             for index, name in enumerate(('between the markers', 'whole picture'))]
-    for row in rows:
-        print(', '.join(f'{name} {value}' for name, value in row.items()))
-    if options.json:
-        Path(options.json).write_text(json.dumps(rows))
-
-
-def parse():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--quick', action='store_true')
-    parser.add_argument('--json')
-    parser.add_argument('--cases', type=int, default=100)
-    parser.add_argument('--seed', type=int, default=1)
-    return parser.parse_args()
+    print_rows(rows, options.json)
 
 
 def case(rng, table):

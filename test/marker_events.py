@@ -160,7 +160,6 @@ def _carried(world, there, frames):
     here = world.camera
     for share in np.linspace(0, 1, frames + 2)[1:-1]:
         world.camera = between(here, there, share)
-        world.is_moving = True
         yield
     world.camera = there
     yield

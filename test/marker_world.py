@@ -15,7 +15,7 @@
 A table with markers, its camera, and what happens on it: the renderer of the days with markers.
 
 It knows nothing of the checks. Lengths are in cm of the table. A frame's events set what lasts for
-one frame: `hands`, `is_moving`.
+one frame: `hands`.
 """
 
 import cv2
@@ -69,7 +69,7 @@ class World:
 
     def begin_frame(self):
         """Forget what lasts for one frame."""
-        self.hands, self.is_moving = [], False
+        self.hands = []
 
     @property
     def things(self):
