@@ -18,7 +18,8 @@ from typing import Optional, Tuple
 
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.view.quick_look import Look, QuickLook
+from camera_to_base.trust.view.look import Look
+from camera_to_base.trust.view.quick_look import QuickLook
 from camera_to_base.trust.view.view_check import View, view_reason, ViewCheck
 import cv2
 import numpy as np
@@ -91,7 +92,7 @@ class ViewWatch:
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         """
         self._matrix = None
-        look = self._look.look(frame)
+        look = self._looked(frame)
         if not self._limits.max_shift_px:
             self.view = None
             self.is_in_place = not self._look.surface_moves and (look is None or (
@@ -109,6 +110,12 @@ class ViewWatch:
             self.view, self._matrix = View(look.shift_px, 1 - look.share), look.matrix
             return None
         return self._full_reason(frame, look)
+
+    def _looked(self, frame: np.ndarray) -> Optional[Look]:
+        glance = self._look.glance(frame)
+        is_enough = glance is not None and (
+            not self._limits.max_shift_px or self._is_sure(glance))
+        return glance if is_enough else self._look.look(frame)
 
     def _is_sure(self, look: Look) -> bool:
         limits = self._limits
