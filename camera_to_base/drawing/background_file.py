@@ -24,6 +24,9 @@ from camera_to_base.sources import decode_compressed
 import cv2
 import numpy as np
 
+# Where the header of a PNG file says what a pixel holds, and what it says of four channels.
+_PNG_COLOUR_TYPE, _PNG_RGBA = 25, 6
+
 
 class KeptBackground(NamedTuple):
     """
@@ -113,6 +116,8 @@ def _content(picture: np.ndarray, unknown: Optional[np.ndarray]) -> bytes:
 
 
 def _transparent(content: bytes) -> Optional[np.ndarray]:
+    if content[_PNG_COLOUR_TYPE] != _PNG_RGBA:
+        return None
     picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     has_alpha = picture.ndim == 3 and picture.shape[2] == 4
     return cv2.bitwise_not(picture[:, :, 3]) if has_alpha else None

@@ -179,13 +179,16 @@ class CameraPipeline:
                 return Sighting([], reason)
             self.standpoint.scene.prepare(self._detector)
             check_same_size(frame, self.background)
-            reason = self.standpoint.reason(frame)
-            found = self.standpoint.scene.find(frame, self._detector, self._time_of(taken_at))
+            now = self._time_of(taken_at)
+            reason = self.standpoint.reason(frame, now)
+            if reason is not None:
+                return Sighting([], reason)
+            found = self.standpoint.scene.find(frame, self._detector, now)
         except CameraToBaseError as error:
             # A new background does not change the picture size of the surface's calibration.
             may_retake = self.standpoint.scene is not None and self.standpoint.scene.is_prepared
             return Sighting([], unusable_reason(error, may_retake))
-        seen = Sighting(found.objects, reason, found.left_out)
+        seen = Sighting(found.objects, left_out=found.left_out)
         return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
 
     def _by_markers(

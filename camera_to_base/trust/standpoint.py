@@ -26,6 +26,7 @@ from camera_to_base.trust.correction.seen_background import SeenBackground
 from camera_to_base.trust.limits import Limits
 from camera_to_base.trust.scene import Scene
 from camera_to_base.trust.surface_in_force import SurfaceInForce
+from camera_to_base.trust.view.pace import Pace
 from camera_to_base.trust.view.view_check import View
 import numpy as np
 
@@ -49,6 +50,7 @@ class Standpoint:
         self.background_as_calibrated: Optional[SeenBackground] = None
         self._corrector: Optional[Corrector] = None
         self._reason: Optional[Reason] = None
+        self._pace = Pace()
         self.scene: Optional[Scene] = None
         self._uncorrected: Optional[Scene] = None
 
@@ -80,6 +82,7 @@ class Standpoint:
             else:
                 self._recalibrate(surface)
         self._limits = limits
+        self._pace.reset()
         if self.scene is not None:
             self.scene.view.configure(limits)
             self._uncorrected.view.configure(limits)
@@ -95,7 +98,8 @@ class Standpoint:
         self._base, self.background = self.surface, background
         self._corrector = Corrector(
             background.picture, self._base.surface) if may_correct else None
-        self._note_as_calibrated()
+        self.background_as_calibrated = self._taken.as_calibrated(
+            self._base.frame_from_calibrated, self.background_as_calibrated)
         self._begin()
 
     def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
@@ -117,23 +121,40 @@ class Standpoint:
         self.use_surface(surface)
         self.use_background(self.background)
 
-    def reason(self, frame: np.ndarray) -> Optional[Reason]:
+    def reason(self, frame: np.ndarray, now: Optional[float]) -> Optional[Reason]:
         """
         Tell why the view of a frame cannot be believed, and correct a nudge.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        :param now: The frame's time, in s; None for a recording, of which each frame stands for
+            itself.
         """
-        self._reason = self.scene.view.reason(frame)
-        if self._corrector is None or not self._limits.may_correct:
-            return self._reason
-        if self._reason is not None and self._is_back(frame):
-            self._reason = None
+        self._reason = self._judged(frame, self._pace.begin(now))
+        may_correct = self._may_correct
+        self._pace.end(
+            is_held_back=self._reason is not None,
+            may_be_corrected=may_correct and self._corrector.may_correct(
+                self.view.shift_px, self._limits))
+        return self._corrector.explained(self._reason) if may_correct else self._reason
+
+    @property
+    def _may_correct(self) -> bool:
+        return self._corrector is not None and self._limits.may_correct
+
+    def _judged(self, frame: np.ndarray, in_full: bool) -> Optional[Reason]:
+        reason = self.scene.view.reason(frame, in_full)
+        if not self._may_correct:
+            return reason
+        if reason is not None and self._is_back(frame, in_full):
+            reason = None
+        if reason is not None and not in_full:
+            return reason
         if self._corrector.has_changed(
-                frame, self._limits, is_held_back=self._reason is not None,
+                frame, self._limits, is_held_back=reason is not None,
                 shift_px=self.scene.view.shift_px):
             self._correct(frame)
-            self._reason = self.scene.view.reason(frame)
-        return self._corrector.explained(self._reason)
+            return self.scene.view.reason(frame)
+        return reason
 
     def _end_correction(self) -> None:
         # A surface by markers is measured, not corrected.
@@ -171,18 +192,9 @@ class Standpoint:
         self.use_background(self.background._replace(**before.background._asdict()))
         self.scene.remember_arms(before)
 
-    def _note_as_calibrated(self) -> None:
-        seen = self._taken
-        moved, before = self._base.frame_from_calibrated, self.background_as_calibrated
-        if moved is not None:
-            if before is None or before.picture.shape != seen.picture.shape:
-                before = seen
-            seen = seen.seen_after(moved.inverse, before.picture)
-            seen = seen._replace(unknown=before.unknown)
-        self.background_as_calibrated = seen
-
     def _begin(self) -> None:
         self.scene = self._uncorrected = Scene(self._taken, self._base, self._limits)
+        self._pace.reset()
 
     @property
     def _taken(self) -> SeenBackground:
@@ -202,9 +214,9 @@ class Standpoint:
         self.scene = Scene(seen, self._surface_here(), self._limits)
         self.scene.remember_arms(before)
 
-    def _is_back(self, frame: np.ndarray) -> bool:
+    def _is_back(self, frame: np.ndarray, in_full: bool) -> bool:
         # Whether a camera that was nudged stands where it stood before.
-        if self.correction is None or self._uncorrected.view.reason(frame) is not None:
+        if self.correction is None or self._uncorrected.view.reason(frame, in_full) is not None:
             return False
         self._corrector.forget()
         self._correct(frame)

@@ -34,6 +34,16 @@ def test_background_is_read_as_it_was_written_with_its_age(tmp_path):
     assert kept.age_s == pytest.approx(60, abs=5)
 
 
+def test_what_a_background_does_not_show_is_kept_with_it(tmp_path):
+    path, unknown = str(tmp_path / 'background.png'), np.zeros((48, 64), np.uint8)
+    unknown[:, :9] = 255
+    BackgroundFile(path).keep(picture(), unknown)
+    kept = BackgroundFile(path).read()
+    assert (kept.picture == picture()).all() and (kept.unknown == unknown).all()
+    BackgroundFile(path).keep(picture())
+    assert BackgroundFile(path).read().unknown is None
+
+
 def test_new_background_replaces_the_old_one_and_none_replaces_nothing(tmp_path):
     file = BackgroundFile(str(tmp_path / 'background.png'))
     for background in (picture(1), None, picture(2), None):

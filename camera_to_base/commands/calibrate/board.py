@@ -15,15 +15,17 @@
 """`calibrate board`: the surface from pictures of a chessboard that lies on it."""
 
 import argparse
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 from camera_to_base.calibration import (
     calibrate_placements, make_placement, map_lines, Placement, PrintedBoard, read_camera_info,
     refuse_unlike, Report, shares_of, SURFACE, uncovered)
 from camera_to_base.commands.calibrate.files import camera_values, check_outputs, write_part
 from camera_to_base.commands.calibrate.prompts import ask, tell, until_right
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
-from camera_to_base.simulation import SimulatedChessboard
+from camera_to_base.parameters import ParameterFile, Values
+from camera_to_base.simulation import CameraMove, move_parameters, SimulatedChessboard
 from camera_to_base.sources import (
     FrameSource, median_frame, open_frame_source, read_picture)
 
@@ -38,7 +40,7 @@ def run_board(options: argparse.Namespace) -> Report:
                       for number, path in enumerate(options.pictures)]
         refuse_unlike(placements)
     else:
-        placements, source_values = _from_camera(board, options)
+        placements, source_values = _from_camera(board, options, outputs.old)
     calibration = calibrate_placements(board, placements, intrinsics)
     return write_part(calibration, outputs, SURFACE, source_values)
 
@@ -63,10 +65,10 @@ def _from_file(
 
 
 def _from_camera(
-    board: PrintedBoard, options: argparse.Namespace
+    board: PrintedBoard, options: argparse.Namespace, old: Optional[ParameterFile]
 ) -> Tuple[List[Placement], Dict[str, Any]]:
     """Take the pictures, guided from one placement to the next; return the source's values."""
-    source, values = _open_camera(options)
+    source, values = _open_camera(options, old)
     placements: List[Placement] = []
     try:
         while len(placements) < options.placements:
@@ -103,12 +105,26 @@ def _guide(placements: List[Placement], wanted: int, source: FrameSource) -> Non
             'little. Then press Enter:')
 
 
-def _open_camera(options: argparse.Namespace) -> Tuple[FrameSource, Dict[str, Any]]:
+def _open_camera(
+    options: argparse.Namespace, old: Optional[ParameterFile]
+) -> Tuple[FrameSource, Dict[str, Any]]:
     size = options.image_size or DEFAULT_IMAGE_SIZE
     if options.camera != 'simulated':
         return open_frame_source(options.camera, size), camera_values(options.camera)
+    _refuse_moved_camera(options.output, {} if old is None else old.values)
     chessboard = SimulatedChessboard(
         *options.corners, options.square_mm / 10, image_size=size,
         tilt_deg=options.simulated_tilt_deg)
     return chessboard, {'source': 'simulated', 'calibration.device': 'simulated',
                         'simulated.tilt_deg': options.simulated_tilt_deg}
+
+
+def _refuse_moved_camera(path: str, values: Values) -> None:
+    # The surface would be that of another pose than the one from which the node then looks.
+    moved = [name for name, still in move_parameters(CameraMove()).items()
+             if values.get(name, still) != still]
+    if moved:
+        raise InvalidValueError(
+            f"'{path}' moves the simulated camera ({', '.join(moved)}), and calibrate board "
+            '--camera simulated looks from where it was not moved: take these lines out, or '
+            'calibrate on the dashboard, which sees what the node sees')

@@ -31,7 +31,7 @@ _SAME_PX, _USUAL_LENGTH, _SAME_DEVIATIONS = 0.3, 960, 1.5
 _LEAST_NUDGE_PX = 0.5
 # A shift that is not held back is measured where it stays above this, in px, for so many frames.
 _DRIFT_PX, _DRIFT_FRAMES = 0.8, 4
-# So many frames are measured in a row; from then on two of each so many.
+# Of frames that are not held back so many are measured in a row; from then on two of each so many.
 _AT_ONCE, _PERIOD = 8, 8
 
 
@@ -58,7 +58,7 @@ class Corrector:
     def has_changed(self, frame: np.ndarray, limits: Limits, *, is_held_back: bool,
                     shift_px: float) -> bool:
         """
-        Measure a frame's nudge where that is due.
+        Measure a frame's nudge: of each frame that is held back, of others where that is due.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         :param is_held_back: Whether its view cannot be believed.
@@ -71,6 +71,15 @@ class Corrector:
         if self._last is None or before is None or not self._is_same(before, self._last):
             return False
         return self._use(self._last)
+
+    def may_correct(self, shift_px: Optional[float], limits: Limits) -> bool:
+        """
+        Tell whether the next frame may give a correction.
+
+        :param shift_px: How far the view has moved since the background; None for not known.
+        """
+        return self._last is not None or (
+            shift_px is not None and shift_px <= limits.correct_up_to_px)
 
     def use_surface(self, surface: Surface) -> None:
         """Use another surface from the next measurement on: objects of another height."""
@@ -93,7 +102,9 @@ class Corrector:
         if not is_off:
             self._failures, self._last, self.doubt = 0, None, None
             return False
-        if not is_held_back and self._drift_count < _DRIFT_FRAMES:
+        if is_held_back:
+            return True
+        if self._drift_count < _DRIFT_FRAMES:
             return False
         self._failures += 1
         is_turn = self._failures <= _AT_ONCE or self._failures % _PERIOD < 2

@@ -67,11 +67,6 @@ class NudgeMeter:
         self._even = even_picture(self._grey)
         self._corners = find_corners(self._even)
 
-    @property
-    def has_corners(self) -> bool:
-        """Whether the background shows enough of them."""
-        return len(self._corners) >= _LEAST_AGREEING
-
     def measure(self, frame: np.ndarray) -> Union[Nudge, str]:
         """
         Measure the nudge of a frame.

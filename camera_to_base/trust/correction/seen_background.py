@@ -65,6 +65,22 @@ class SeenBackground(NamedTuple):
         witness = None if self.witness is None else _moved(self.witness, maps, known, frame)
         return SeenBackground(picture, witness, cv2.bitwise_not(known))
 
+    def as_calibrated(
+        self, frame_from_calibrated: Optional[PictureMap], before: Optional['SeenBackground']
+    ) -> 'SeenBackground':
+        """
+        Give it as the camera sees it from where it was calibrated.
+
+        :param frame_from_calibrated: Maps the pixels of the calibration; None for no movement.
+        :param before: The same of the background before it; None for none.
+        """
+        if frame_from_calibrated is None:
+            return self
+        if before is None or before.picture.shape != self.picture.shape:
+            before = self
+        seen = self.seen_after(frame_from_calibrated.inverse, before.picture)
+        return seen._replace(unknown=before.unknown)
+
     def without_unknown(self, found: Found) -> Found:
         """Leave out the objects that touch what the background does not show."""
         if self.unknown is None or not found.objects:

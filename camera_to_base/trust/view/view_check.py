@@ -77,10 +77,11 @@ class ViewCheck:
         small = self._small(background)
         self._faintest = max(_FAINTEST_LEVELS, _NOISE_DEVIATIONS * _noise_in_detail(small))
         self._detail = _detail(small)
-        self._picture = self._with_equal_contrast(self._detail)
+        self._energy = _around(self._detail ** 2)
+        self._picture = self._with_equal_contrast(self._detail, self._energy)
         # In a place of less energy noise alone would make a frame differ.
         self._structure = _without_edge((np.abs(self._detail) > self._faintest) & (
-            _around(self._detail ** 2) > self._faintest ** 2 / 2))
+            self._energy > self._faintest ** 2 / 2))
         self._has_structure = bool(
             self._structure.mean() >= _LEAST_STRUCTURE
             and np.ptp(np.argwhere(self._structure), axis=0).max()
@@ -96,11 +97,12 @@ class ViewCheck:
         if min(self._size) < _SMALLEST:
             return View(None, 0.0, False)
         detail = _detail(self._small(frame))
-        picture = self._with_equal_contrast(detail)
+        energy = _around(detail ** 2)
+        picture = self._with_equal_contrast(detail, energy)
         # Lazy: the higher pyramid is for what the lower one cannot find.
         warps = (self._find_warp(picture, level) for level in _PYRAMID_LEVELS)
         warp = next((warp for warp in warps if warp is not None), None)
-        changed_share = self._changed_share(detail, warp)
+        changed_share = self._changed_share(detail, energy, warp)
         if warp is None:
             return View(None, changed_share, self._has_structure)
         return View(self._shift(warp), changed_share, self._has_structure,
@@ -110,8 +112,8 @@ class ViewCheck:
         grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
         return cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA).astype(np.float32)
 
-    def _with_equal_contrast(self, detail: np.ndarray) -> np.ndarray:
-        contrast = np.sqrt(_around(detail ** 2)) + self._faintest
+    def _with_equal_contrast(self, detail: np.ndarray, energy: np.ndarray) -> np.ndarray:
+        contrast = np.sqrt(energy) + self._faintest
         return np.clip(128 + _GREY_LEVELS * detail / contrast, 0, 255).astype(np.uint8)
 
     def _find_warp(self, picture: np.ndarray, level: int) -> Optional[np.ndarray]:
@@ -127,18 +129,19 @@ class ViewCheck:
         least_extent = _LEAST_EXTENT * max(self._size)
         return _consensus(self._corners[followed], there[followed], least_extent)
 
-    def _changed_share(self, detail: np.ndarray, warp: Optional[np.ndarray]) -> float:
-        least_correlation = _OTHER_PLACE if warp is None else _SAME_PLACE
+    def _changed_share(
+        self, detail: np.ndarray, energy: np.ndarray, warp: Optional[np.ndarray]
+    ) -> float:
         if not self._has_structure:
             return 0.0
         if warp is not None:
             detail = cv2.warpAffine(detail, warp, self._size,
                                     flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
+            energy = _around(detail ** 2)
         # A correlation, as the light may have made the structure stronger or weaker.
-        product, frame, background = (
-            _around(factors) for factors in (
-                detail * self._detail, detail ** 2, self._detail ** 2))
-        is_there = product > least_correlation * np.sqrt(frame * background)
+        product = _around(detail * self._detail)
+        least_correlation = _OTHER_PLACE if warp is None else _SAME_PLACE
+        is_there = product > least_correlation * np.sqrt(energy * self._energy)
         # Of the background's own structure: elsewhere there is nothing that could be missed.
         return 1.0 - float(is_there[self._structure].mean())
 

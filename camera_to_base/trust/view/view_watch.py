@@ -59,6 +59,7 @@ class ViewWatch:
         self.view: Optional[View] = None
         self.is_in_place = True
         self._matrix: Optional[np.ndarray] = None
+        self._held_back: Optional[Reason] = None
         self._look = QuickLook(background, witness)
         self._check = ViewCheck(background)
         self._limits = limits
@@ -85,11 +86,13 @@ class ViewWatch:
         """Use other limits from the next frame on."""
         self._limits = limits
 
-    def reason(self, frame: np.ndarray) -> Optional[Reason]:
+    def reason(self, frame: np.ndarray, in_full: bool = True) -> Optional[Reason]:
         """
         Tell why the view of a frame cannot be believed.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        :param in_full: Whether to compare all of it where the look is not sure. Otherwise it is
+            held back for the same reason as the frame before it, if that was held back.
         """
         self._matrix = None
         look = self._looked(frame)
@@ -98,17 +101,21 @@ class ViewWatch:
             self.is_in_place = not self._look.surface_moves and (look is None or (
                 look.share >= _LEAST_SHARE and look.shift_px <= _IN_PLACE_PX))
             return None
-        reason = self._checked(frame, look)
+        reason = self._held_back = self._checked(frame, look, in_full)
         self.is_in_place = reason is None and not self._look.surface_moves
         return reason
 
-    def _checked(self, frame: np.ndarray, look: Optional[Look]) -> Optional[Reason]:
+    def _checked(
+        self, frame: np.ndarray, look: Optional[Look], in_full: bool
+    ) -> Optional[Reason]:
         if look is None:
             self.view = View(None, 0.0, has_structure=False)
             return None
         if self._is_sure(look):
             self.view, self._matrix = View(look.shift_px, 1 - look.share), look.matrix
             return None
+        if self._held_back is not None and not in_full:
+            return self._held_back
         return self._full_reason(frame, look)
 
     def _looked(self, frame: np.ndarray) -> Optional[Look]:

@@ -203,6 +203,13 @@ def test_simulated_camera_is_calibrated_with_the_tilt_that_the_file_then_sets(re
     assert settings.simulated.tilt_deg == 20
 
 
+@pytest.mark.parametrize('line', ['camera_zoom: 1.2', 'camera_shift_px: [4.0, 0.0]'])
+def test_file_that_moves_the_simulated_camera_is_refused(run, line):
+    Path('a.yaml').write_text(f'/**:\n  ros__parameters:\n    simulated.{line}\n')
+    code, _, error = run('board', '--camera', 'simulated', *BOARD, '-o', 'a.yaml')
+    assert code == 1 and f"(simulated.{line.split(':')[0]})" in error and 'dashboard' in error
+
+
 def test_table_gives_a_homography_whatever_the_order_of_its_columns(report):
     name = table()
     rows = [line.split(',') for line in Path(name).read_text().split()]
