@@ -56,7 +56,7 @@ from camera_to_base.detection.tutorial.changed_rows import changed_rows
 from camera_to_base.detection.tutorial.dark_objects import DarkObjects
 from camera_to_base.detection.tutorial.dark_squares import DarkSquares
 from camera_to_base.detection.tutorial.light_blocks import LightBlocks
-from camera_to_base.detection.tutorial.median import median_blur
+from camera_to_base.detection.tutorial.median import Median
 from camera_to_base.detection.tutorial.region import grow, Region, round_up, within
 from camera_to_base.errors import InvalidValueError
 import cv2
@@ -91,16 +91,17 @@ class AbsoluteDifferenceDetector:
         self._background_grey = cv2.cvtColor(self._background, cv2.COLOR_BGR2GRAY)
         self._threshold = threshold
         self._kernel = np.ones((closing_size, closing_size), np.uint8)
-        self._median_size, reach = median_size, median_size // 2
+        self._median = Median(median_size)
+        reach = self._median.reach
         self._before = 2 * (closing_size // 2) + reach
         self._after = 2 * (closing_size - 1 - closing_size // 2) + reach
         # Memory for each frame, so that none is allocated.
         self._grey = np.empty_like(self._background_grey)
-        self._smooth = cv2.medianBlur(self._close(self._background_grey.copy()), median_size)
+        self._smooth = self._median.blur(self._close(self._background_grey.copy())).copy()
         darkest = np.maximum(self._smooth.astype(int) - threshold, 0).astype(np.uint8)
         lightest = np.minimum(self._smooth.astype(int) + threshold, 255).astype(np.uint8)
         self._dark_squares = DarkSquares(darkest, closing_size, reach)
-        self._dark_objects = DarkObjects(darkest, closing_size, median_size)
+        self._dark_objects = DarkObjects(darkest, closing_size, self._median)
         self._light_blocks = LightBlocks(lightest, self._before)
         self._least_lightest = int(lightest.min())
         self._has_contrast = bool(self._has_light_pixels(self._background)
@@ -171,11 +172,11 @@ class AbsoluteDifferenceDetector:
         # The closing is up to twice as fast on a width that is a multiple of 64.
         read = read._replace(columns=round_up(read.columns, 64, self._grey.shape[1]))
         found = self._grow(region, self._after, self._before)
-        place = self._grow(found, self._median_size // 2, self._median_size // 2)
+        place = self._grow(found, self._median.reach, self._median.reach)
         closed = self._close(self._grey[read])[within(place, read)]
-        median_blur(closed, self._median_size)
-        difference = cv2.absdiff(closed, self._smooth[place])[within(found, place)]
-        _, mask = cv2.threshold(difference, self._threshold, 255, cv2.THRESH_BINARY)
+        difference = cv2.absdiff(self._median.blur(closed), self._smooth[place])
+        _, mask = cv2.threshold(
+            difference[within(found, place)], self._threshold, 255, cv2.THRESH_BINARY)
         return find_outlines(mask, found.columns.start, found.rows.start)
 
     def _changed_columns(self, rows: slice) -> Optional[slice]:

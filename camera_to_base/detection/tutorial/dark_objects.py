@@ -21,7 +21,7 @@ white. Boxes that do not reach the picture's edge are processed together, side b
 
 from typing import List, NamedTuple
 
-from camera_to_base.detection.tutorial.median import median_blur
+from camera_to_base.detection.tutorial.median import Median
 from camera_to_base.detection.tutorial.region import grow, Region, within
 from camera_to_base.detection.tutorial.strip import Strip
 import cv2
@@ -39,17 +39,17 @@ class DarkObjects:
 
     :param limits: Shape (h, w), uint8: an object is where the median is below.
     :param closing_size: Edge of the closing kernel, in px.
-    :param median_size: Edge of the median's window, in px, odd.
+    :param median: The median filter.
     """
 
-    def __init__(self, limits: np.ndarray, closing_size: int, median_size: int) -> None:
+    def __init__(self, limits: np.ndarray, closing_size: int, median: Median) -> None:
         self._limits = limits
         self._highest_limit = int(limits.max())
         self._kernel = np.ones((closing_size, closing_size), np.uint8)
-        self._median_size = median_size
+        self._median = median
         # The even kernel moves the closed picture by 1 px to the lower right, and the median looks
         # further by its reach. A box needs a white rim, except where the picture ends.
-        self._before, self._after = max(median_size // 2, 1), median_size // 2 + 1
+        self._before, self._after = max(median.reach, 1), median.reach + 1
         # Memory for each frame, so that none is allocated.
         self._grey = np.empty(limits.size, np.uint8)
 
@@ -96,6 +96,6 @@ class DarkObjects:
         closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, self._kernel, dst=grey)
         if closed.min() >= self._highest_limit:
             return []
-        median_blur(closed, self._median_size)
-        dark = np.less(closed, strip.cut(self._limits), out=closed.view(bool))
+        smooth = self._median.blur(closed)
+        dark = np.less(smooth, strip.cut(self._limits), out=smooth.view(bool))
         return strip.outlines(dark.view(np.uint8))

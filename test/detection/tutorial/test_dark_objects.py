@@ -14,6 +14,7 @@
 
 from camera_to_base.detection.tutorial.dark_objects import DarkObjects
 from camera_to_base.detection.tutorial.dark_squares import DarkSquares
+from camera_to_base.detection.tutorial.median import Median
 import cv2
 import equality
 import numpy as np
@@ -38,7 +39,7 @@ def frame_with(*centres):
     [(500, 100), (100, 100), (480, 380), (120, 400)],
 ], ids=['one', 'within', 'at two edges', 'in the corners', 'other sizes'])
 def test_outlines_and_their_order_are_those_of_the_whole_picture(centres):
-    frame, objects = frame_with(*centres), DarkObjects(LIMITS, 20, 5)
+    frame, objects = frame_with(*centres), DarkObjects(LIMITS, 20, Median(5))
     boxes = DarkSquares(LIMITS, 20, 2).boxes(frame)
     assert len(boxes) == len(centres)
     outlines = objects.outlines(frame, boxes)
@@ -53,4 +54,4 @@ def test_a_box_without_an_object_has_no_outline():
     frame = TABLE.copy()
     frame[100:115, 200:400] = 20  # Less high than the closing kernel.
     boxes = DarkSquares(LIMITS, 20, 2).boxes(frame)
-    assert len(boxes) == 1 and DarkObjects(LIMITS, 20, 5).outlines(frame, boxes) == []
+    assert len(boxes) == 1 and DarkObjects(LIMITS, 20, Median(5)).outlines(frame, boxes) == []
