@@ -28,8 +28,10 @@ class Look(NamedTuple):
     :param shift_px: How far the picture's centre or a corner has moved, the farthest of them.
     :param matrix: Shape (2, 3), maps the background's pixels to the frame's; (3, 3) with a tilt;
         None where the camera stands still.
+    :param patch_share: How many of the patches agree, 0..1.
     """
 
     share: float
     shift_px: float
     matrix: Optional[np.ndarray] = None
+    patch_share: float = 1.0

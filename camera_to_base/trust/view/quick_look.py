@@ -96,15 +96,13 @@ class QuickLook:
         seen = self._fit.measure(frame)
         tilted = self._tilted(seen)
         if tilted is not None:
-            return Look(self._share(tilted.agrees), self._tilt_fit.farthest_px(tilted.numbers),
-                        self._tilt_fit.matrix(tilted.numbers))
+            return self._told_by(tilted.agrees, self._tilt_fit, tilted.numbers)
         motion = self._motion_fit.solve(seen.shifts, seen.is_seen, seen.precision)
-        numbers = self._told_part @ motion.numbers
-        return Look(self._share(motion.agrees), self._motion_fit.farthest_px(numbers),
-                    self._motion_fit.matrix(numbers))
+        return self._told_by(motion.agrees, self._motion_fit, self._told_part @ motion.numbers)
 
-    def _share(self, agrees: np.ndarray) -> float:
-        return self._structure.share(self._motion_fit.total(agrees))
+    def _told_by(self, agrees: np.ndarray, fit: MotionFit, numbers: np.ndarray) -> Look:
+        share = self._structure.share(self._motion_fit.total(agrees))
+        return Look(share, fit.farthest_px(numbers), fit.matrix(numbers), agrees.mean())
 
     def _tilted(self, seen: PatchShifts) -> Optional[Motion]:
         # The motion with a tilt, where that is certain.
