@@ -44,7 +44,6 @@ class DarkObjects:
 
     def __init__(self, limits: np.ndarray, closing_size: int, median: Median) -> None:
         self._limits = limits
-        self._highest_limit = int(limits.max())
         self._kernel = np.ones((closing_size, closing_size), np.uint8)
         self._median = median
         # The even kernel moves the closed picture by 1 px to the lower right, and the median looks
@@ -94,8 +93,6 @@ class DarkObjects:
             cv2.cvtColor(frame[piece.box], cv2.COLOR_BGR2GRAY,
                          dst=grey[part][within(piece.box, piece.place)])
         closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, self._kernel, dst=grey)
-        if closed.min() >= self._highest_limit:
-            return []
         smooth = self._median.blur(closed)
         dark = np.less(smooth, strip.cut(self._limits), out=smooth.view(bool))
         return strip.outlines(dark.view(np.uint8))
