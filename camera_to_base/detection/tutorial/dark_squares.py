@@ -81,7 +81,7 @@ class DarkSquares:
         groups, _ = cv2.findContours(blocks, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
         if not groups:
             return []
-        whole = self._box(*cv2.boundingRect(blocks), first)
+        whole = self._box(*cv2.boundingRect(np.concatenate(groups)), first)
         if len(groups) * _BOX_PX > whole.px:
             return [whole]
         boxes = [self._box(*cv2.boundingRect(group), first) for group in groups]
