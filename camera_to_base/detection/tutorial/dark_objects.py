@@ -44,7 +44,7 @@ class DarkObjects:
 
     def __init__(self, limits: np.ndarray, closing_size: int, median: Median) -> None:
         self._limits = limits
-        self._highest_limit = int(limits.max())
+        self._lowest_limit = int(limits.min())
         self._kernel = np.ones((closing_size, closing_size), np.uint8)
         self._median = median
         # The even kernel moves the closed picture by 1 px to the lower right, and the median looks
@@ -64,7 +64,9 @@ class DarkObjects:
         """
         outlines = [outline for pieces in self._together(boxes)
                     for outline in self._outlines_of(frame, pieces)]
-        return sorted(outlines, key=lambda outline: outline[0, 0, ::-1].tolist(), reverse=True)
+        if len(boxes) > 1:
+            outlines.sort(key=lambda outline: outline[0, 0, ::-1].tolist(), reverse=True)
+        return outlines
 
     def _together(self, boxes: List[Region]) -> List[List[_Piece]]:
         """Return the pieces that are processed together."""
@@ -93,9 +95,13 @@ class DarkObjects:
         for piece, part in zip(pieces, strip.parts):
             cv2.cvtColor(frame[piece.box], cv2.COLOR_BGR2GRAY,
                          dst=grey[part][within(piece.box, piece.place)])
+        if strip.shape == self._limits.shape and self._is_dark(grey):
+            return strip.outlines(np.ones_like(grey))
         closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, self._kernel, dst=grey)
-        if closed.min() >= self._highest_limit:
-            return []
         smooth = self._median.blur(closed)
         dark = np.less(smooth, strip.cut(self._limits), out=smooth.view(bool))
         return strip.outlines(dark.view(np.uint8))
+
+    def _is_dark(self, grey: np.ndarray) -> bool:
+        """Tell whether no step can make a pixel light, as none makes one lighter than all are."""
+        return all(part.max() < self._lowest_limit for part in (grey[::16], grey))

@@ -25,7 +25,7 @@ Only these rows are read. Salt, thin lines and noise have no such blocks.
 
 from typing import List, Optional
 
-from camera_to_base.detection.tutorial.region import apart, around, grow, Region
+from camera_to_base.detection.tutorial.region import apart, grow, Region
 import cv2
 import numpy as np
 
@@ -76,16 +76,18 @@ class DarkSquares:
     def _boxes_of(self, dark: np.ndarray, first: int) -> List[Region]:
         # 1 at a block's first column if all of it is dark, as what lies beyond the picture is.
         blocks = cv2.erode(dark, self._block, anchor=(0, 0),
-                           borderType=cv2.BORDER_CONSTANT, borderValue=1)[:, ::self._step]
+                           borderType=cv2.BORDER_CONSTANT, borderValue=1)
+        blocks = np.ascontiguousarray(blocks[:, ::self._step])
         groups, _ = cv2.findContours(blocks, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
         if not groups:
             return []
-        boxes = [self._box(*cv2.boundingRect(group), first) for group in groups]
-        whole = around(boxes)
-        if len(boxes) * _BOX_PX > whole.px:
+        whole = self._box(*cv2.boundingRect(np.concatenate(groups)), first)
+        if len(groups) * _BOX_PX > whole.px:
             return [whole]
-        boxes = apart(boxes, self._gap)
-        return boxes if sum(_BOX_PX + box.px for box in boxes) < whole.px else [whole]
+        boxes = [self._box(*cv2.boundingRect(group), first) for group in groups]
+        if sum(_BOX_PX + box.px for box in boxes) > whole.px:
+            return [whole]
+        return apart(boxes, self._gap)
 
     def _box(self, left: int, top: int, width: int, height: int, first: int) -> Region:
         """Return what the squares with some of these blocks, and no others, can cover."""

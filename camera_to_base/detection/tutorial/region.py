@@ -36,8 +36,10 @@ class Region(NamedTuple):
 
     def is_near(self, other: 'Region', gap: int) -> bool:
         """Tell whether fewer than `gap` rows and fewer than `gap` columns lie between two."""
-        return all(part.start < that.stop + gap and that.start < part.stop + gap
-                   for part, that in zip(self, other))
+        return (self.rows.start < other.rows.stop + gap
+                and other.rows.start < self.rows.stop + gap
+                and self.columns.start < other.columns.stop + gap
+                and other.columns.start < self.columns.stop + gap)
 
 
 def grow(part: slice, before: int, after: int, length: int) -> slice:

@@ -64,9 +64,13 @@ class Strip:
         :param mask: Nothing in it touches the next piece.
         :returns: One array of shape (n, 1, 2), int32, for each object, in px of the picture.
         """
+        if len(self._places) == 1:
+            rows, columns = self._places[0]
+            return find_outlines(mask, columns.start, rows.start)
         outlines = find_outlines(mask, 0, 0)
         for outline in outlines:
             index = bisect_right(self._ends, outline[0, 0, 0])
             place, part = self._places[index], self.parts[index]
-            outline += (place.columns.start - part.columns.start, place.rows.start)
+            outline[:, 0, 0] += place.columns.start - part.columns.start
+            outline[:, 0, 1] += place.rows.start
         return outlines

@@ -30,7 +30,6 @@ def test_every_pixel_is_opencvs_at_every_shape(size):
     assert different == []
 
 
-
 def test_a_piece_of_a_picture_has_a_rim_of_its_own():
     rng = np.random.default_rng(3)
     picture = rng.integers(0, 256, (90, 80), dtype=np.uint8)
