@@ -27,8 +27,8 @@ import numpy as np
 # The look clears a frame where this share of the structure agrees, on a motion of this share of
 # view.max_shift_px: beyond, the look is not exact.
 _LEAST_SHARE, _LARGEST_MOTION = 0.35, 0.65
-# The full comparison counts where the look agrees with it once the frame is moved back: this share of
-# the structure, and of the patches that have not changed, on so many px at most.
+# The full comparison counts where the look agrees with it once the frame is moved back: this share
+# of the structure, and of the patches that have not changed, on so many px at most.
 _LEAST_SHARE_OF_FULL, _LEAST_PATCHES, _LEFT_PX = 0.1, 0.6, 1.5
 # Where the full comparison finds no shift, less structure counts if it agrees on less motion, and
 # the less the more of the picture is as it was: share, share of view.max_shift_px, changed share.
