@@ -93,6 +93,6 @@ def _is_crescent(outline: np.ndarray) -> bool:
 def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
     # At a sharp step, a small window shows as large a step as a larger window does.
     x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
-    near, far = (np.float32(cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)).max(axis=2))
-                 for size in _WINDOWS)
+    near, far = (np.float32(channel_extremes(
+        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1]) for size in _WINDOWS)
     return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)
