@@ -53,6 +53,15 @@ def test_parts_contain_all_that_changed(size, place):
     assert part.width <= 24 and part.height <= 24
 
 
+@pytest.mark.parametrize('size', [(400, 1304), (411, 1301)])
+def test_part_goes_on_through_all_rows_of_a_large_frame(size):
+    frame = table(size)
+    frame[:, 700:703] = 60
+    part, = parts_of(frame, reference_of(frame, table(size)))
+    assert (part.y, part.height) == (0, size[0])
+    assert part.x <= 700 and 703 <= part.x + part.width <= 720
+
+
 def test_calm_frame_has_no_parts():
     frame = table(seed=2)
     assert parts_of(frame, reference_of(frame)) == []
