@@ -156,6 +156,14 @@ def test_hand_over_half_of_the_table_leaves_the_objects_beside_it():
     assert sorted(one.cut_off for one in found) == [False, True]
 
 
+def test_gain_is_between_two_halves_of_which_one_is_lighter_and_one_is_darker():
+    frame = np.float32(table(level=150))
+    frame[:120] *= 1.06
+    frame[120:] *= 0.94
+    gain = GainMeter(table(level=150)).follow(np.uint8(frame))
+    assert all(abs(steps) < 10 for steps in gain)
+
+
 def test_gain_holds_within_a_level_and_follows_a_change():
     background = table()
     meter = GainMeter(background)
