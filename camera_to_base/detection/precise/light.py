@@ -146,7 +146,7 @@ class GainMeter:
                 return NO_GAIN
             # Whole levels make the median jump; the mean around it does not.
             near = chosen[np.abs(chosen - median) < _NEAR * median]
-            steps.append(round(_STEPS * math.log(near.mean())))
+            steps.append(round(_STEPS * math.log(near.mean() if len(near) else median)))
         return Gain(*steps)
 
 
