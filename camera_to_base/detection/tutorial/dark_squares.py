@@ -18,9 +18,10 @@ Where a frame can be darker than the background after closing and median: a look
 The closed picture is dark only where a whole square of the closing kernel's size is dark, or the
 part of it that lies within the picture. As the kernel's centre always lies within the picture, no
 such part has fewer rows or columns than `step`, the kernel's larger half (or all, if the picture
-has fewer). So each square contains a row whose number is a multiple of `step`, and all of a block
-of `step` columns that starts at a multiple of `step` (the picture's last block may be narrower).
-Only these rows are read. Salt, thin lines and noise have no such blocks.
+has fewer). A whole square has 2 * `step` - 1 columns or more. So each square contains a row whose
+number is a multiple of `step`, and all of a block of `step` columns that starts at a multiple of
+`step` (the picture's last block may be narrower). Only these rows are read. Salt, thin lines and
+noise have no such blocks.
 """
 
 from typing import List, Optional
@@ -44,7 +45,7 @@ class DarkSquares:
 
     def __init__(self, limits: np.ndarray, closing_size: int, median_reach: int) -> None:
         self._shape = limits.shape
-        # No pixel is marked that touches one marked because of another box.
+        # The rims in which two boxes can have objects do not touch.
         self._gap = 2 * median_reach + 3
         self._step = step = closing_size - closing_size // 2
         # A square can make a median dark whose limit is as far away as this from its pixels.
