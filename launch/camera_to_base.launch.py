@@ -29,9 +29,10 @@ from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
-    argument_warnings, Camera, check_frames, choose_cameras, driver_environment, driver_parameters,
-    DRIVERS, frames, image_input, is_wanted, kept_background, make_params_file, not_installed,
-    plays_recording, recording_failure, transform_arguments)
+    argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
+    image_input, is_wanted, kept_background, make_params_file, not_installed, plays_recording,
+    recording_failure, transform_arguments)
+from camera_to_base.shared_memory import shared_memory_environment
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown
@@ -145,7 +146,7 @@ def _camera_actions(camera, playing, background_file):
         actions.append(_node(
             camera, camera.camera_driver, DRIVERS[camera.camera_driver], camera.camera_driver,
             parameters=[driver_parameters(camera)],
-            additional_env=driver_environment(LARGE_PICTURES, os.environ)))
+            additional_env=shared_memory_environment(LARGE_PICTURES, os.environ)))
     return actions
 
 

@@ -103,9 +103,7 @@ def pytest_collection_modifyitems(config, items):
     of a thousand.
     """
     for item in items:
-        fixtures = set(getattr(item, 'fixturenames', ()))
-        has_own_cell = 'start_cell' in fixtures and 'cell' not in fixtures
-        if {'ros', 'start'} & fixtures or has_own_cell:
+        if {'ros', 'start'} & set(getattr(item, 'fixturenames', ())):
             item.add_marker(pytest.mark.flaky(reruns=2, only_rerun=['NotInTime']))
     if not config.getoption('all') and 'slow' not in config.getoption('markexpr'):
         slow = [item for item in items if item.get_closest_marker('slow')]

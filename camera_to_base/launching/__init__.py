@@ -28,11 +28,9 @@ from camera_to_base.launching.coordinate_frames import (
     check_frames, frames, transform_arguments)
 from camera_to_base.launching.inputs import (
     driver_parameters, image_input, kept_background, plays_recording, recording_failure)
-from camera_to_base.launching.middleware import driver_environment
 
 __all__ = [
-    'argument_warnings', 'Camera', 'check_frames', 'choose_cameras', 'driver_environment',
-    'driver_parameters', 'DRIVERS', 'frames', 'image_input', 'is_wanted', 'kept_background',
-    'make_params_file', 'not_installed', 'plays_recording', 'recording_failure',
-    'transform_arguments',
+    'argument_warnings', 'Camera', 'check_frames', 'choose_cameras', 'driver_parameters',
+    'DRIVERS', 'frames', 'image_input', 'is_wanted', 'kept_background', 'make_params_file',
+    'not_installed', 'plays_recording', 'recording_failure', 'transform_arguments',
 ]

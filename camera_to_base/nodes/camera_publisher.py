@@ -29,6 +29,7 @@ from camera_to_base.nodes.camera_watch import CameraWatch
 from camera_to_base.nodes.correction_service import CorrectionService
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
 from camera_to_base.nodes.freed_memory import keep_freed_memory
+from camera_to_base.nodes.picture_memory import use_picture_memory
 from camera_to_base.nodes.pictures import CameraPictures, DebugImages
 from camera_to_base.nodes.positions import CameraPositions
 from camera_to_base.nodes.process import run, whole_or_gone
@@ -194,6 +195,7 @@ class CameraPublisher(Node):
 def main(args: Optional[List[str]] = None) -> int:
     """Run the node until a signal arrives or its recording ends."""
     keep_freed_memory()
+    use_picture_memory()
     code = run('camera_publisher', CameraPublisher, args)
     if is_reader_hanging():
         os._exit(code)

@@ -14,7 +14,6 @@
 
 """Bad days: what a person reads on the page when something is broken, and what is lost."""
 
-from contextlib import closing
 import resource
 
 from dashboard_page import wait_until
@@ -73,17 +72,16 @@ def test_camera_that_is_unplugged_is_told_and_its_return(cell, start_cell, open_
         other.close()
 
 
-def test_reload_in_the_middle_of_a_calibration_loses_nothing(start_cell, open_page):
-    with closing(start_cell(namespace='/reload')) as cell:
-        page = open_page(cell)
-        page.wait_for('published', '#banner')
-        page.go_to('calibrate')
-        page.click('Board', '#simulated')
-        page.click('Start', '#part-calibrate')
-        page.click('Keep this placement', '#part-calibrate')
-        page.wait_for('54 corners', '#part-calibrate .placements')
-        page.driver.refresh()
-        page.wait_for('54 corners', '#part-calibrate .placements')
+def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
+    page.go_to('calibrate')
+    page.click('Board', '#simulated')
+    page.click('Start', '#part-calibrate')
+    page.click('Keep this placement', '#part-calibrate')
+    page.wait_for('54 corners', '#part-calibrate .placements')
+    page.driver.refresh()
+    page.wait_for('54 corners', '#part-calibrate .placements')
+    page.click('Stop, and drop the placements', '#part-calibrate')
+    page.click('Moving objects', '#simulated')
 
 
 def test_full_disk_is_told_on_save_and_the_old_file_stays(page, cell, tmp_path):

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Settings of the middleware for the camera drivers that the launch file starts."""
+"""Which profile of Fast DDS gives a process enough of its shared memory."""
 
 from typing import Dict, Mapping
 
@@ -21,12 +21,14 @@ _PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 _CHOICES = {_PROFILES, 'FASTDDS_DEFAULT_PROFILES_FILE', 'FASTDDS_BUILTIN_TRANSPORTS'}
 
 
-def driver_environment(profiles_file: str, environment: Mapping[str, str]) -> Dict[str, str]:
+def shared_memory_environment(
+    profiles_file: str, environment: Mapping[str, str]
+) -> Dict[str, str]:
     """
-    Give a driver enough shared memory for raw pictures; other middleware ignores the variable.
+    Give a process the shared memory of a profile; other middleware ignores the variable.
 
     :param profiles_file: Path of the profile for Fast DDS.
-    :param environment: The environment of the launch.
+    :param environment: The environment of the process.
     :returns: The variables to add; none where the user has chosen.
     """
     return {} if _CHOICES & set(environment) else {_PROFILES: profiles_file}

@@ -12,13 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.launching import driver_environment
+from camera_to_base.shared_memory import shared_memory_environment
 import pytest
 
 
-def test_driver_uses_the_profile_of_the_package():
+def test_process_uses_the_profile_of_the_package():
     environment = {'PATH': '/usr/bin', 'ROS_DOMAIN_ID': '3'}
-    assert driver_environment('/opt/large.xml', environment) == {
+    assert shared_memory_environment('/opt/large.xml', environment) == {
         'FASTRTPS_DEFAULT_PROFILES_FILE': '/opt/large.xml'}
 
 
@@ -26,4 +26,4 @@ def test_driver_uses_the_profile_of_the_package():
     'FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE',
     'FASTDDS_BUILTIN_TRANSPORTS'])
 def test_users_own_choice_is_left_alone(variable):
-    assert driver_environment('/opt/large.xml', {variable: 'chosen'}) == {}
+    assert shared_memory_environment('/opt/large.xml', {variable: 'chosen'}) == {}
