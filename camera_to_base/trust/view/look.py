@@ -26,12 +26,13 @@ class Look(NamedTuple):
     :param share: How much of the structure agrees on a motion: of that which tells the least
         certain direction, 0..1.
     :param shift_px: How far the picture's centre or a corner has moved, the farthest of them.
-    :param matrix: Shape (2, 3), maps the background's pixels to the frame's; (3, 3) with a tilt;
-        None where the camera stands still.
+    :param matrix: Shape (2, 3), maps the background's pixels to the frame's; (3, 3) with a tilt.
     :param patch_share: How many of the patches agree, 0..1.
+
+    A glance gives neither of the last two: it tells that the camera stands still.
     """
 
     share: float
     shift_px: float
     matrix: Optional[np.ndarray] = None
-    patch_share: float = 1.0
+    patch_share: Optional[float] = None

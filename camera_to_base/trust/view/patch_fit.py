@@ -49,13 +49,14 @@ class PatchShifts(NamedTuple):
 
     :param shifts: Shape (n, 2), along u and v in px.
     :param is_seen: Shape (n,), whether a patch looks like the background's at all.
-    :param residuals: Shape (n,), mean square of what the model does not explain, in levels².
+    :param residuals: Shape (n,), mean square of what the model does not explain, in levels²; None
+        where it was not asked.
     :param gain: How much brighter the frame is, by the median of the patches that are seen.
     """
 
     shifts: np.ndarray
     is_seen: np.ndarray
-    residuals: np.ndarray
+    residuals: Optional[np.ndarray]
     gain: float
 
     @property
