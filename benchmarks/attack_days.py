@@ -49,11 +49,16 @@ class Watcher:
             self.see(table.shoot())
 
     def see(self, frame):
-        """Give the pixels that are published of a frame, and the reason why none is."""
+        """
+        Give the positions that are published of a frame, and the reason why none is.
+
+        They are in px of the camera before it was bumped.
+        """
         self._now += 1 / FRAMES_PER_S
         sighting = self._pipeline.process(frame, self._now)
-        pixels = [] if sighting.reason else [one.detection.centre for one in sighting.objects]
-        return pixels, sighting.reason
+        places = [] if sighting.reason else [
+            np.multiply(one.point, 10 / MM_PER_PX) for one in sighting.objects]
+        return places, sighting.reason
 
 
 def bump(random):
@@ -79,11 +84,11 @@ def course(random, count):
     return 'wobble', ((frames % 18 < 5) & (frames > 6)).astype(float)
 
 
-def wrong_count(pixels, truth):
-    """Count the pixels that are too far from the true one; all where there is none."""
-    if not pixels:
+def wrong_count(places, truth):
+    """Count the positions that are too far from the true one; all where there is none."""
+    if not places:
         return 0
-    off = np.hypot(*np.subtract(pixels, (np.inf, np.inf) if truth is None else truth).T)
+    off = np.hypot(*np.subtract(places, (np.inf, np.inf) if truth is None else truth).T)
     return int((off > WRONG_MM / MM_PER_PX).sum())
 
 
@@ -122,9 +127,9 @@ def day_with_bumps(table, random, count=48):
             cover = scenes.arm_cover(edge, edge + reach * (tip - edge), width, spread)
             draw.append(scenes.arm(cover, colour))
         frame = table.shoot(most * share[number], draw, light if number > count // 2 else 1.0)
-        pixels, reason = watcher.see(frame)
+        places, reason = watcher.see(frame)
         row['frames'] += 1
-        row['wrong'] += wrong_count(pixels, at)
+        row['wrong'] += wrong_count(places, at)
         if not share[number]:
             row['at rest'] += 1
             row['stopped'] += reason is not None and reason.kind in VIEW_KINDS
@@ -166,11 +171,11 @@ def day_with_hand(table, random, mode=None, levels=None, count=48):
             draw += [scenes.shadow(cover)] if has_shadow else []
             draw.append(scenes.arm(cover, colour))
             covers.append(cover)
-        pixels, _ = watcher.see(table.shoot(REST, draw))
+        places, _ = watcher.see(table.shoot(REST, draw))
         row['frames'] += 1
-        row['wrong'] += wrong_count(pixels, None if mode == 'no coin' else at)
+        row['wrong'] += wrong_count(places, None if mode == 'no coin' else at)
         if mode != 'no coin' and number > 2:
-            _count_seen(row, np.maximum.reduce(covers), near, has_shadow, bool(pixels))
+            _count_seen(row, np.maximum.reduce(covers), near, has_shadow, bool(places))
     return {'surface': table.name, 'what': f'hand {mode}', **row}
 
 

@@ -28,6 +28,8 @@ SCENES: Dict[str, List[Tuple[float, float]]] = {
 }
 _TABLE, _COIN, _NOISE = 180.0, 60, 1.5
 _SQUARE, _DARK_SQUARE = 0.075, 90
+# No coin touches the picture's edge there.
+_PLACES = 13
 
 
 def make_frames(
@@ -43,7 +45,7 @@ def make_frames(
             cells = rng.integers(0, 100, (12, 16, 1), dtype=np.uint8)
             frame[:] = cv2.resize(cells, size, interpolation=cv2.INTER_NEAREST)[:, :, None]
         for u, v in SCENES[scene]:
-            centre = int((u + 0.01 * number) % 1 * size[0]), int(v * size[1])
+            centre = int((u + 0.01 * (number % _PLACES)) * size[0]), int(v * size[1])
             cv2.circle(frame, centre, round(0.0336 * size[0]), (_COIN,) * 3, -1, cv2.LINE_AA)
         frames.append(_noisy(frame, rng))
     return _noisy(picture, rng), frames

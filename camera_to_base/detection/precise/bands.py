@@ -48,7 +48,7 @@ def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray
     """
     if min(frame.shape[:2]) < 3 * _STEP:
         return None
-    thirds = _light_of_thirds(frame[_ROWS, ::_STEP], background[_ROWS, ::_STEP])
+    thirds = _light_of_thirds(_on_grid(frame), _on_grid(background))
     bands = np.median(thirds, axis=1)
     # A band goes from side to side; an object or a shadow does not. There, the rows beside count.
     is_light = (np.abs(bands) < _STRONGEST_BAND) & (np.ptp(thirds, axis=1) < 2 * _LEAST_BAND)
@@ -83,11 +83,16 @@ def _above(levels: np.ndarray, limit: int) -> np.ndarray:
     return cv2.threshold(levels, limit, 255, cv2.THRESH_BINARY)[1]
 
 
+def _on_grid(picture: np.ndarray) -> np.ndarray:
+    # Pixels are copied much faster as one item each than as three bytes.
+    return picture.view('V3')[_ROWS, ::_STEP].copy().view(np.uint8)
+
+
 def _light_of_thirds(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
     """Give the median ratio, logarithm, of each row's thirds: shape (rows, 3)."""
     ratio = log_light(frame) - log_light(background)
-    cut_off = np.maximum(frame, background).max(axis=2) >= _LIGHTEST
-    ratio[cut_off] = _UNKNOWN
+    tells_light = cv2.inRange(cv2.max(frame, background), 0, (_LIGHTEST - 1,) * 3)
+    ratio[tells_light == 0] = _UNKNOWN
     return np.stack([_median(third) for third in np.array_split(ratio, 3, axis=1)], axis=1)
 
 

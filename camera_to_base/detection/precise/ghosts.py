@@ -29,7 +29,7 @@ surface nothing but this is asked.
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.piece import disc, largest_part, square
+from camera_to_base.detection.precise.piece import channel_extremes, disc, largest_part, square
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 import cv2
 import numpy as np
@@ -72,7 +72,7 @@ class Ghost(NamedTuple):
         :param levels: Grey levels by which an object differs.
         """
         part = slices(self.window)
-        difference = cv2.absdiff(frame[part], background[part]).max(axis=2)
+        _, difference = channel_extremes(cv2.absdiff(frame[part], background[part]))
         return bool((difference[self.mask > 0] <= levels).mean() > _SHARE)
 
 

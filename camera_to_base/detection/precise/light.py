@@ -15,6 +15,7 @@
 """The camera's curve, and the light of a frame beside the background's."""
 
 import math
+import operator
 from typing import NamedTuple, Optional
 
 import cv2
@@ -126,10 +127,12 @@ class GainMeter:
 
     def _holds(self, levels: np.ndarray) -> bool:
         # The median of whole levels, as in grouped data: half of those at a limit lie beyond it.
-        beyond = (cv2.threshold(levels_beyond, 2, 0, cv2.THRESH_TRUNC)[1] for levels_beyond in (
-            cv2.subtract(self._lowest, levels), cv2.subtract(levels, self._highest)))
-        return not any(share > two_halves for halves in beyond
-                       for share, two_halves in zip(cv2.mean(halves), self._usable_share))
+        return not (self._is_most(cv2.subtract(self._lowest, levels))
+                    or self._is_most(cv2.subtract(levels, self._highest)))
+
+    def _is_most(self, beyond: np.ndarray) -> bool:
+        halves = cv2.mean(cv2.threshold(beyond, 2, 0, cv2.THRESH_TRUNC)[1])
+        return any(map(operator.gt, halves, self._usable_share))
 
     def _measured(self, levels: np.ndarray) -> Gain:
         ratios = LINEAR[levels] / self._light
@@ -143,7 +146,7 @@ class GainMeter:
                 return NO_GAIN
             # Whole levels make the median jump; the mean around it does not.
             near = chosen[np.abs(chosen - median) < _NEAR * median]
-            steps.append(round(_STEPS * math.log(near.mean())))
+            steps.append(round(_STEPS * math.log(near.mean() if len(near) else median)))
         return Gain(*steps)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 # Places that are compared, about, and how far apart the two of a pair are, in px.
 _PLACES, _APART = 9000, 3
 _BIN, _LEAST_IN_BIN = 16, 60
+_BINS, _DIFFERENCES = 256 // _BIN, 2 * 255 + 1
 # A difference of whole numbers has a median of 0 on a quiet picture.
 _QUIETEST = 0.3
 # The median of a normal distribution's absolute values is 0.6745 of its deviation.
@@ -48,21 +49,24 @@ def measure_noise(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
 
 
 def _by_level(differences: np.ndarray, bins: np.ndarray) -> np.ndarray:
-    counts = np.bincount(bins, minlength=256 // _BIN)
-    known = np.flatnonzero(counts >= min(_LEAST_IN_BIN, len(differences)))
-    medians = [_median(differences[bins == number]) for number in known]
+    # How often each difference occurs at each level.
+    counts = np.bincount(
+        np.int16(bins) * _DIFFERENCES + differences, minlength=_BINS * _DIFFERENCES)
+    counts = counts.reshape(_BINS, _DIFFERENCES)
+    known = np.flatnonzero(counts.sum(axis=1) >= min(_LEAST_IN_BIN, len(differences)))
+    medians = [_median(counts[number]) for number in known]
     if not medians:
-        known, medians = np.array([0]), [_median(differences)]
+        known, medians = np.array([0]), [_median(counts.sum(axis=0))]
     deviations = np.interp(np.arange(256), known * _BIN + _BIN / 2, medians)
     # Two frames at two places each: four times one frame's variance.
     return (np.maximum(deviations, _QUIETEST) * _DEVIATION / 2).astype(np.float32)
 
 
-def _median(values: np.ndarray) -> float:
+def _median(counts: np.ndarray) -> float:
     # Between whole numbers: by how many values lie below, as in grouped data.
-    values = np.sort(values)
-    half = len(values) / 2
-    whole = int(values[int(half)])
-    below, upto = np.searchsorted(values, [whole, whole + 1])
+    upto = np.cumsum(counts)
+    half = upto[-1] / 2
+    whole = int(np.searchsorted(upto, int(half), side='right'))
+    below = upto[whole] - counts[whole]
     low = max(whole - 0.5, 0.0)
-    return float(low + (whole + 0.5 - low) * (half - below) / (upto - below))
+    return float(low + (whole + 0.5 - low) * (half - below) / counts[whole])

@@ -32,7 +32,7 @@ Everything else goes the long way, see `shares`. On a plain object both ways giv
 
 import math
 import operator
-from typing import List, NamedTuple, Optional
+from typing import Iterable, List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR
@@ -49,6 +49,7 @@ _COVERED, _HALF, _WIDEST_RIM = 204, 127, 2.6  # shares of 255
 _LEAST_SPAN, _SURELY_OTHER = 0.12, 0.5
 _DIAGONAL = math.sqrt(2) - 1
 _LINEAR = LINEAR.tolist()
+_STEPS = [*map(operator.sub, _LINEAR[1:], _LINEAR), 0.0]
 _CORE, _NEXT = square(2 * _DEPTH + 1), square(3)
 
 
@@ -122,18 +123,16 @@ def place_plain(
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
     # Every second row tells as much.
-    level, deviation = (values.ravel().tolist()
-                        for values in cv2.meanStdDev(seen[::2], mask=core[::2]))
-    usual = cv2.mean(table[::2])[:3]
-    if (max(deviation) > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
+    mean, deviation = cv2.meanStdDev(seen[::2], mask=core[::2])
+    level, usual = mean[:, 0].tolist(), cv2.mean(table[::2])[:3]
+    if (deviation.max() > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
             or max(map(abs, map(operator.sub, usual, level))) < _CLEAR * reference.limits.least):
         return None
-    shares = _shares(seen, table, mask, [_light(value) for value in level],
-                     [_light(value) for value in usual], reference.has_edges(place))
+    shares = _shares(seen, table, mask, _light(level), _light(usual), reference.has_edges(place))
     if shares is None:
         return None
     shares = cv2.max(shares, core)
-    between = cv2.countNonZero(mask) - np.count_nonzero(shares > _COVERED)
+    between = cv2.countNonZero(mask) - cv2.countNonZero(_above(_COVERED, shares))
     return _whole(shares, window) if between <= _WIDEST_RIM * _length(outline) else None
 
 
@@ -155,16 +154,19 @@ def _shares(
 
 
 def _whole(shares: np.ndarray, window: Box) -> Optional[Placed]:
-    covered = (shares > _HALF).view(np.uint8)
+    covered = _above(_HALF, shares)
     outlines = outlines_in(covered, window)
     if len(outlines) != 1 or has_holes(outlines[0], cv2.countNonZero(covered)):
         return None
     return Placed(shares * np.float32(1 / 255), covered, outlines[0])
 
 
-def _light(level: float) -> float:
-    lower = min(int(level), 254)
-    return _LINEAR[lower] + (level - lower) * (_LINEAR[lower + 1] - _LINEAR[lower])
+def _above(limit: int, shares: np.ndarray) -> np.ndarray:
+    return cv2.threshold(shares, limit, 1, cv2.THRESH_BINARY)[1]
+
+
+def _light(levels: Iterable[float]) -> List[float]:
+    return [_LINEAR[int(level)] + level % 1 * _STEPS[int(level)] for level in levels]
 
 
 def _length(outline: np.ndarray) -> float:

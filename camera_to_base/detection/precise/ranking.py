@@ -73,10 +73,16 @@ def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
     # Some rows tell as much as all.
     piece, table, inside = (picture[::_ROW_STEP] for picture in (piece, table, inside))
     light, usual = cv2.LUT(piece, LINEAR), cv2.LUT(table, LINEAR)
-    smallest, largest = channel_extremes(cv2.divide(light, cv2.max(usual, _LEAST_LIGHT)))
+    ratio = cv2.divide(light, cv2.max(usual, _LEAST_LIGHT))
+    least = _LEAST_SHADE * cv2.countNonZero(inside)
+    # Most objects are too dark or too light: their tint need not be looked at.
+    may_be = cv2.inRange(ratio, (_DEEPEST,) * 3, (_FAINTEST,) * 3)
+    if cv2.countNonZero(cv2.bitwise_and(may_be, inside)) <= least:
+        return False
+    smallest, largest = channel_extremes(ratio)
     shade = (smallest > _DEEPEST) & (largest < _FAINTEST) & (largest < _TINT * smallest)
     shade = cv2.bitwise_and(shade.view(np.uint8), inside)
-    return cv2.countNonZero(shade) > _LEAST_SHADE * cv2.countNonZero(inside)
+    return cv2.countNonZero(shade) > least
 
 
 def _is_crescent(outline: np.ndarray) -> bool:
@@ -87,6 +93,6 @@ def _is_crescent(outline: np.ndarray) -> bool:
 def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
     # At a sharp step, a small window shows as large a step as a larger window does.
     x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
-    near, far = (np.float32(cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)).max(axis=2))
-                 for size in _WINDOWS)
+    near, far = (np.float32(channel_extremes(
+        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1]) for size in _WINDOWS)
     return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)

@@ -86,7 +86,7 @@ def filled(outline: np.ndarray, box: Box, value: int = 1) -> np.ndarray:
 
 def slices(box: Box) -> tuple:
     """Give a box as indices of a picture."""
-    return np.s_[box.y:box.y + box.height, box.x:box.x + box.width]
+    return slice(box.y, box.y + box.height), slice(box.x, box.x + box.width)
 
 
 def grown(box: Box, margin: int, picture: np.ndarray) -> Box:

@@ -19,7 +19,7 @@ Which tiles of a frame differ from the background, in the few rows that do: see 
 All of this is done in bytes. Whatever follows works in windows around the tiles that have changed.
 """
 
-from typing import Iterator, List, Tuple
+from typing import Iterable, List, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.limits import Limits
@@ -30,6 +30,8 @@ import numpy as np
 _MARGIN, _FEW = 4, 0.15
 _MOST_CHANGED, _PLACES = 0.75, 30
 _NEXT_TILES = np.ones((3, 3), np.uint8)
+# So many levels are still in a core's cache at the next step.
+_BYTES_AT_ONCE = 300_000
 
 
 def is_all_changed(
@@ -59,15 +61,17 @@ def changed_parts(
     """
     if not strips:
         return []
-    changed = np.zeros([-(-length // TILE) for length in frame.shape[:2]], np.uint8)
     found = _changed_tiles(frame, lit, strips, limits)
+    # From the row of tiles above the first one to that below the last one.
+    top = max(strips[0].start // TILE - 1, 0)
+    changed = np.zeros((-(-strips[-1].stop // TILE) + 1 - top, found.shape[1]), np.uint8)
     start = 0
     for rows in strips:
         first, stop = rows.start // TILE, -(-rows.stop // TILE)
-        changed[first:stop] = found[start:start + stop - first]
+        changed[first - top:stop - top] = found[start:start + stop - first]
         start += stop - first
-    outlines, _ = cv2.findContours(
-        cv2.dilate(changed, _NEXT_TILES), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    outlines, _ = cv2.findContours(cv2.dilate(changed, _NEXT_TILES), cv2.RETR_EXTERNAL,
+                                   cv2.CHAIN_APPROX_SIMPLE, offset=(0, top))
     return [_part(*cv2.boundingRect(outline), frame.shape) for outline in outlines]
 
 
@@ -90,29 +94,21 @@ def _changed_tiles(
     frame: np.ndarray, lit: np.ndarray, strips: List[slice], limits: Limits
 ) -> np.ndarray:
     """Tell which tiles have changed: one row for each row of tiles in the strips."""
-    across = 3 * TILE * -(-frame.shape[1] // TILE)
-    down = [TILE * -(-(rows.stop - rows.start) // TILE) for rows in strips]
-    is_filled = across == 3 * frame.shape[1] and strips[-1].stop % TILE == 0
-    levels = (np.empty if is_filled else np.zeros)((sum(down), across), np.uint8)
-    for rows, place in _places(strips, frame):
-        cv2.absdiff(_by_row(frame[rows]), _by_row(lit[rows]), dst=levels[place])
-    changed = _tiles_above(limits.least, levels)
+    places = _cut(strips, frame.shape[1])
+    changed = _tiles_above(limits.least, (
+        cv2.absdiff(_by_row(frame[rows]), _by_row(lit[rows])) for rows in places))
     if np.count_nonzero(changed) < _FEW * changed.size:
         return changed
     # Edges of a table whose picture trembles: the limits at each place know them.
-    for rows, place in _places(strips, frame):
-        usual = limits.strong((rows, slice(0, frame.shape[1])))
-        inside = cv2.inRange(*map(_by_row, (frame[rows], *usual)))
-        cv2.bitwise_not(inside, dst=levels[place])
-    return _tiles_above(0, levels)
+    inside = (cv2.inRange(*map(_by_row, (
+        frame[rows], *limits.strong((rows, slice(0, frame.shape[1])))))) for rows in places)
+    return _tiles_above(0, map(cv2.bitwise_not, inside))
 
 
-def _places(strips: List[slice], frame: np.ndarray) -> Iterator[Tuple[slice, tuple]]:
-    start = 0
-    for rows in strips:
-        stop = start + rows.stop - rows.start
-        yield rows, np.s_[start:stop, :3 * frame.shape[1]]
-        start = stop
+def _cut(strips: List[slice], width: int) -> List[slice]:
+    step = max(_BYTES_AT_ONCE // (3 * width * TILE), 1) * TILE
+    return [slice(start, min(start + step, rows.stop))
+            for rows in strips for start in range(rows.start, rows.stop, step)]
 
 
 def _by_row(picture: np.ndarray) -> np.ndarray:
@@ -120,12 +116,18 @@ def _by_row(picture: np.ndarray) -> np.ndarray:
     return picture.reshape(len(picture), -1)
 
 
-def _tiles_above(least: float, levels: np.ndarray) -> np.ndarray:
+def _tiles_above(least: float, chunks: Iterable[np.ndarray]) -> np.ndarray:
     """Tell in which tiles a level is above a limit, shape (rows of tiles, columns)."""
-    levels = levels.reshape(len(levels) // TILE, -1)
-    for _ in range(3):  # of a tile's eight rows four are left, two, one
-        half = levels.shape[1] // 2
-        levels = cv2.max(levels[:, :half], levels[:, half:])
+    largest = np.concatenate([_largest_in_tile_rows(levels) for levels in chunks])
     # Eight bytes at a time.
-    above = (levels > int(least)).view(np.uint64).reshape(len(levels), -1, 3)
+    above = (largest > int(least)).view(np.uint64).reshape(len(largest), -1, 3)
     return (above[..., 0] | above[..., 1] | above[..., 2]) != 0
+
+
+def _largest_in_tile_rows(levels: np.ndarray) -> np.ndarray:
+    height, width = levels.shape
+    missing = -height % TILE, -width % (3 * TILE)
+    if any(missing):
+        levels = cv2.copyMakeBorder(
+            levels, 0, missing[0], 0, missing[1], cv2.BORDER_CONSTANT, value=0)
+    return levels.reshape(len(levels) // TILE, TILE, -1).max(axis=1)

@@ -31,11 +31,12 @@ where the two results differ by more than the threshold. Four facts make most of
    after], see `__init__`. So if all pixels that differ by more than the threshold lie in columns
    [x0, x1), objects can only be in [x0 - after, x1 + before). The same holds for rows.
 3. *The background's result is known.* An object is where the frame's median lies below one limit
-   (darker than the background) or above another one (lighter): `median_limit`. Nothing is above
-   255, so nothing is lighter than a light table.
+   (darker than the background) or above another one (lighter). Nothing is above 255, so nothing is
+   lighter than a light table.
 4. *A dark object contains dark squares of the kernel's size*: the closed picture is below a limit
    exactly where such a square is. If some boxes contain all dark squares, each box can be closed
-   alone, as if all around it were white. `dark_squares` finds them in few rows of the frame.
+   alone, as if all around it were white. `dark_squares` finds them in few rows of the frame, and
+   `dark_objects` processes them together.
 
 A frame that is nowhere lighter than the background (`light_blocks`) takes the short way: its
 boxes. Any other frame is processed as a whole between its first and its last change. On a
@@ -52,10 +53,11 @@ from camera_to_base.checks import whole_number
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, find_outlines, Pixel, touches_edge)
 from camera_to_base.detection.tutorial.changed_rows import changed_rows
+from camera_to_base.detection.tutorial.dark_objects import DarkObjects
 from camera_to_base.detection.tutorial.dark_squares import DarkSquares
 from camera_to_base.detection.tutorial.light_blocks import LightBlocks
-from camera_to_base.detection.tutorial.median_limit import MedianLimit
-from camera_to_base.detection.tutorial.region import grow, Region, round_up, row_bands, within
+from camera_to_base.detection.tutorial.median import Median
+from camera_to_base.detection.tutorial.region import grow, Region, round_up, within
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
@@ -89,23 +91,17 @@ class AbsoluteDifferenceDetector:
         self._background_grey = cv2.cvtColor(self._background, cv2.COLOR_BGR2GRAY)
         self._threshold = threshold
         self._kernel = np.ones((closing_size, closing_size), np.uint8)
-        self._median_reach = median_size // 2
-        self._before = 2 * (closing_size // 2) + self._median_reach
-        self._after = 2 * (closing_size - 1 - closing_size // 2) + self._median_reach
-        # Of the picture's size: a place has the same indices everywhere, and no memory is
-        # allocated for each frame.
-        self._grey, self._mask = np.empty((2, *self._background_grey.shape), np.uint8)
-        self._everywhere = Region(*(slice(0, length) for length in self._mask.shape))
-        self._set_limits(median_size)
-
-    def _set_limits(self, median_size: int) -> None:
-        smooth = cv2.medianBlur(self._close(self._background_grey.copy()), median_size).astype(int)
-        darkest = np.maximum(smooth - self._threshold, 0).astype(np.uint8)
-        lightest = np.minimum(smooth + self._threshold, 255).astype(np.uint8)
-        self._darker = MedianLimit(darkest, median_size)
-        # A picture is above a limit where the negative picture is below the negative limit.
-        self._lighter = MedianLimit(255 - lightest, median_size)
-        self._dark_squares = DarkSquares(darkest, len(self._kernel), self._median_reach)
+        self._median = Median(median_size)
+        reach = self._median.reach
+        self._before = 2 * (closing_size // 2) + reach
+        self._after = 2 * (closing_size - 1 - closing_size // 2) + reach
+        # Memory for each frame, so that none is allocated.
+        self._grey = np.empty_like(self._background_grey)
+        self._smooth = self._median.blur(self._close(self._background_grey.copy())).copy()
+        darkest = np.maximum(self._smooth.astype(int) - threshold, 0).astype(np.uint8)
+        lightest = np.minimum(self._smooth.astype(int) + threshold, 255).astype(np.uint8)
+        self._dark_squares = DarkSquares(darkest, closing_size, reach)
+        self._dark_objects = DarkObjects(darkest, closing_size, self._median)
         self._light_blocks = LightBlocks(lightest, self._before)
         self._least_lightest = int(lightest.min())
         self._has_contrast = bool(self._has_light_pixels(self._background)
@@ -133,11 +129,8 @@ class AbsoluteDifferenceDetector:
         :raises InvalidValueError: If it is not a colour picture.
         """
         check_same_size(frame, self._background)
-        bands = self._marked_bands(frame)
-        # OpenCV's order is from the bottom to the top.
-        outlines = [outline for band in reversed(bands) for outline in find_outlines(
-            self._mask[band], band.columns.start, band.rows.start)]
-        return sorted(map(self._detection, outlines), key=lambda detection: -detection.area)
+        return sorted(map(self._detection, self._outlines(frame)),
+                      key=lambda detection: -detection.area)
 
     @property
     def taken_away(self) -> List[Detection]:
@@ -148,44 +141,28 @@ class AbsoluteDifferenceDetector:
     def noise(self) -> None:
         """Not known: the tutorial does not ask."""
 
-    def _marked_bands(self, frame: np.ndarray) -> List[Region]:
-        """Mark all objects in the mask; return the bands of rows in which they are."""
+    def _outlines(self, frame: np.ndarray) -> List[np.ndarray]:
+        """Find the outer outlines of all objects, in OpenCV's order."""
         if not self._has_contrast and not self._has_light_pixels(frame):
-            return self._mark_darker(frame, self._dark_squares.boxes(frame))
+            return self._dark_objects.outlines(frame, self._dark_squares.boxes(frame))
         changed = changed_rows(frame, self._background, self._threshold)
         if changed is None:
             return []
         reach = self._before + self._after
         near = grow(changed, reach, reach, len(frame))
         boxes = self._dark_squares.boxes(frame, near)
-        if (sum(box.px for box in boxes) > self._mask.size // 2
+        if (sum(box.px for box in boxes) > self._grey.size // 2
                 or self._light_blocks.has_light(frame, near)):
-            return self._mark_changed(frame, changed, near)
-        return self._mark_darker(frame, boxes)
+            return self._changed_outlines(frame, changed, near)
+        return self._dark_objects.outlines(frame, boxes)
 
     def _has_light_pixels(self, frame: np.ndarray) -> bool:
         # Grey is not above the largest colour.
         return self._least_lightest < 255 and int(frame.max()) > self._least_lightest
 
-    def _mark_darker(self, frame: np.ndarray, boxes: List[Region]) -> List[Region]:
-        # The even kernel moves the closed picture by 1 px to the lower right, and the median looks
-        # further by its reach. A box needs a white rim, except where the picture ends.
-        places = [self._grow(box, max(self._median_reach, 1), self._median_reach + 1)
-                  for box in boxes]
-        bands = row_bands(places)
-        for band in bands:
-            self._mask[band] = 0
-        for box, place in zip(boxes, places):
-            if box != place:
-                self._grey[place] = 255
-            cv2.cvtColor(frame[box], cv2.COLOR_BGR2GRAY, dst=self._grey[box])
-            if place == self._everywhere and self._grey.max() < self._darker.least:
-                self._mask[place] = 1  # No step makes a pixel lighter than all pixels.
-            else:
-                self._mark(self._darker, self._close(self._grey[place]), place)
-        return bands
-
-    def _mark_changed(self, frame: np.ndarray, changed: slice, near: slice) -> List[Region]:
+    def _changed_outlines(
+        self, frame: np.ndarray, changed: slice, near: slice
+    ) -> List[np.ndarray]:
         cv2.cvtColor(frame[near], cv2.COLOR_BGR2GRAY, dst=self._grey[near])
         columns = self._changed_columns(changed)
         if columns is None:
@@ -193,17 +170,17 @@ class AbsoluteDifferenceDetector:
         region = Region(changed, columns)
         read = self._grow(region, self._before + self._after, self._before + self._after)
         # The closing is up to twice as fast on a width that is a multiple of 64.
-        read = read._replace(columns=round_up(read.columns, 64, self._mask.shape[1]))
+        read = read._replace(columns=round_up(read.columns, 64, self._grey.shape[1]))
         found = self._grow(region, self._after, self._before)
-        place = self._grow(found, self._median_reach, self._median_reach)
+        place = self._grow(found, self._median.reach, self._median.reach)
         closed = self._close(self._grey[read])[within(place, read)]
-        self._mask[place] = 0
-        self._mark(self._darker, closed, place)
-        self._mark(self._lighter, cv2.bitwise_not(closed), place)
-        return [found]
+        difference = cv2.absdiff(self._median.blur(closed), self._smooth[place])
+        _, mask = cv2.threshold(
+            difference[within(found, place)], self._threshold, 255, cv2.THRESH_BINARY)
+        return find_outlines(mask, found.columns.start, found.rows.start)
 
     def _changed_columns(self, rows: slice) -> Optional[slice]:
-        height, width = self._mask.shape
+        height, width = self._grey.shape
         if rows.stop - rows.start > height // 2:
             return slice(0, width)  # The steps' time depends more on the rows than on the columns.
         difference = cv2.absdiff(self._grey[rows], self._background_grey[rows])
@@ -212,18 +189,13 @@ class AbsoluteDifferenceDetector:
 
     def _grow(self, region: Region, before: int, after: int) -> Region:
         return Region(*(grow(part, before, after, length)
-                        for part, length in zip(region, self._mask.shape)))
+                        for part, length in zip(region, self._grey.shape)))
 
     def _close(self, grey: np.ndarray) -> np.ndarray:
         return cv2.morphologyEx(grey, cv2.MORPH_CLOSE, self._kernel, dst=grey)
-
-    def _mark(self, limit: MedianLimit, closed: np.ndarray, place: Region) -> None:
-        below = limit.below(closed, place)
-        if below is not None:
-            cv2.bitwise_or(self._mask[place], below, dst=self._mask[place])
 
     def _detection(self, outline: np.ndarray) -> Detection:
         box = Box(*cv2.boundingRect(outline))
         centre = Pixel(box.x + box.width // 2, box.y + box.height // 2)
         return Detection(box, centre, cv2.contourArea(outline), outline[:, 0],
-                         touches_edge(box, self._mask))
+                         touches_edge(box, self._grey))

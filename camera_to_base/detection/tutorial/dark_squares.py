@@ -18,19 +18,20 @@ Where a frame can be darker than the background after closing and median: a look
 The closed picture is dark only where a whole square of the closing kernel's size is dark, or the
 part of it that lies within the picture. As the kernel's centre always lies within the picture, no
 such part has fewer rows or columns than `step`, the kernel's larger half (or all, if the picture
-has fewer). So each square contains a row whose number is a multiple of `step`, and in it a
-run of at least `step` dark pixels. Only these rows are read. Salt, thin lines and noise have no
-such runs.
+has fewer). A whole square has 2 * `step` - 1 columns or more. So each square contains a row whose
+number is a multiple of `step`, and all of a block of `step` columns that starts at a multiple of
+`step` (the picture's last block may be narrower). Only these rows are read. Salt, thin lines and
+noise have no such blocks.
 """
 
-from typing import List, Optional, Tuple
+from typing import List, Optional
 
-from camera_to_base.detection.tutorial.region import grow, Region
+from camera_to_base.detection.tutorial.region import apart, grow, Region
 import cv2
 import numpy as np
 
-# A box of its own costs as much time as this many px of a larger box.
-_BOX_PX = 30000
+# A box takes as much time as one with this many pixels more.
+_BOX_PX = 12000
 
 
 class DarkSquares:
@@ -44,16 +45,14 @@ class DarkSquares:
 
     def __init__(self, limits: np.ndarray, closing_size: int, median_reach: int) -> None:
         self._shape = limits.shape
+        # The rims in which two boxes can have objects do not touch.
+        self._gap = 2 * median_reach + 3
         self._step = step = closing_size - closing_size // 2
         # A square can make a median dark whose limit is as far away as this from its pixels.
         reach = min(2 * (closing_size // 2) + median_reach, max(limits.shape))
-        around = np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)
-        self._limits = np.ascontiguousarray(cv2.dilate(limits, around)[::step])
-        self._run = min(step, limits.shape[1])
-        self._run_kernel = np.ones((1, self._run), np.uint8)
-        # Runs that are closer than this can belong to squares that one median sees together.
-        self._join = np.ones((1 + 2 * (median_reach + step - 1) // step,
-                              1 + 2 * median_reach + step), np.uint8)
+        window = np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)
+        self._limits = np.ascontiguousarray(cv2.dilate(limits, window)[::step])
+        self._block = np.ones((1, step), np.uint8)
 
     def boxes(self, frame: np.ndarray, rows: Optional[slice] = None) -> List[Region]:
         """
@@ -61,8 +60,8 @@ class DarkSquares:
 
         :param frame: Shape (h, w, 3), uint8, BGR.
         :param rows: Where to look: squares within these rows are found. None looks everywhere.
-        :returns: Each square lies within a box. No median sees pixels of two squares for which
-            there is no common box. Boxes may overlap.
+        :returns: Each square lies within a box. Between two boxes are at least twice the median's
+            reach and 3 rows or columns.
         """
         start, stop = (rows.start, rows.stop) if rows else (0, len(frame))
         first, last = -(-start // self._step), -(-stop // self._step)
@@ -72,37 +71,29 @@ class DarkSquares:
         dark = (rows_read < self._limits[first:last]).view(np.uint8)
         count = cv2.countNonZero(dark)
         if 2 * count > dark.size:  # A search would cost more than it saves.
-            return [self._box(slice(0, dark.shape[0]), slice(0, dark.shape[1]), first)]
+            return [self._box(0, 0, self._shape[1], last - first, first)]
         return self._boxes_of(dark, first) if count else []
 
     def _boxes_of(self, dark: np.ndarray, first: int) -> List[Region]:
-        # The middle of each run within the picture.
-        runs = cv2.erode(dark, self._run_kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0)
-        groups, _ = cv2.findContours(
-            cv2.dilate(runs, self._join), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+        # 1 at a block's first column if all of it is dark, as what lies beyond the picture is.
+        blocks = cv2.erode(dark, self._block, anchor=(0, 0),
+                           borderType=cv2.BORDER_CONSTANT, borderValue=1)
+        blocks = np.ascontiguousarray(blocks[:, ::self._step])
+        groups, _ = cv2.findContours(blocks, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
         if not groups:
             return []
-        parts = [self._runs_in(*cv2.boundingRect(group), runs.shape) for group in groups]
-        whole = self._box(*(slice(min(part.start for part in side), max(
-            part.stop for part in side)) for side in zip(*parts)), first)
-        if whole.px < 2 * _BOX_PX or len(groups) * _BOX_PX > whole.px:
+        whole = self._box(*cv2.boundingRect(np.concatenate(groups)), first)
+        if len(groups) * _BOX_PX > whole.px:
             return [whole]
-        boxes = [self._box(rows, columns, first) for rows, columns in parts]
-        return boxes if sum(_BOX_PX + box.px for box in boxes) < whole.px else [whole]
+        boxes = [self._box(*cv2.boundingRect(group), first) for group in groups]
+        if sum(_BOX_PX + box.px for box in boxes) > whole.px:
+            return [whole]
+        return apart(boxes, self._gap)
 
-    def _runs_in(
-        self, left: int, top: int, width: int, height: int, shape: Tuple[int, int]
-    ) -> Tuple[slice, slice]:
-        """Take off from a group what the dilation has added, where the border cut nothing off."""
-        (rows, columns), (all_rows, all_columns) = self._join.shape, shape
-        right, bottom = left + width, top + height
-        return (slice(top and top + rows - 1 - rows // 2,
-                      bottom - rows // 2 if bottom < all_rows else bottom),
-                slice(left and left + columns - 1 - columns // 2,
-                      right - columns // 2 if right < all_columns else right))
-
-    def _box(self, rows: slice, columns: slice, first: int) -> Region:
-        top, bottom = (first + rows.start) * self._step, (first + rows.stop - 1) * self._step
+    def _box(self, left: int, top: int, width: int, height: int, first: int) -> Region:
+        """Return what the squares with some of these blocks, and no others, can cover."""
+        step, beyond = self._step, self._step - 1
+        start, stop = (first + top) * step, (first + top + height - 1) * step + 1
         return Region(
-            grow(slice(top, bottom + 1), self._step - 1, self._step - 1, self._shape[0]),
-            grow(columns, self._run // 2, self._run - 1 - self._run // 2, self._shape[1]))
+            grow(slice(start, stop), beyond, beyond, self._shape[0]),
+            grow(slice(left * step, (left + width) * step), beyond, beyond, self._shape[1]))

@@ -12,9 +12,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Rectangles of a picture: how they grow, what they contain, which of them share rows."""
+"""Rectangles of a picture: how they grow, which of them meet, what they contain."""
 
-from typing import Iterable, List, NamedTuple
+from typing import Iterable, List, NamedTuple, Tuple
 
 
 class Region(NamedTuple):
@@ -24,9 +24,22 @@ class Region(NamedTuple):
     columns: slice
 
     @property
+    def shape(self) -> Tuple[int, int]:
+        """Numbers of rows and columns."""
+        return (self.rows.stop - self.rows.start, self.columns.stop - self.columns.start)
+
+    @property
     def px(self) -> int:
         """Number of pixels."""
-        return (self.rows.stop - self.rows.start) * (self.columns.stop - self.columns.start)
+        rows, columns = self.shape
+        return rows * columns
+
+    def is_near(self, other: 'Region', gap: int) -> bool:
+        """Tell whether fewer than `gap` rows and fewer than `gap` columns lie between two."""
+        return (self.rows.start < other.rows.stop + gap
+                and other.rows.start < self.rows.stop + gap
+                and self.columns.start < other.columns.stop + gap
+                and other.columns.start < self.columns.stop + gap)
 
 
 def grow(part: slice, before: int, after: int, length: int) -> slice:
@@ -47,18 +60,20 @@ def within(inner: Region, outer: Region) -> Region:
                     for part, whole in zip(inner, outer)))
 
 
-def row_bands(regions: Iterable[Region]) -> List[Region]:
-    """
-    Put regions that share rows into one.
+def around(regions: Iterable[Region]) -> Region:
+    """Return the smallest region that contains all of some."""
+    return Region(*(slice(min(part.start for part in side), max(part.stop for part in side))
+                    for side in zip(*regions)))
 
-    :param regions: At least one.
-    :returns: From top to bottom, with at least one row between two of them.
-    """
-    bands: List[Region] = []
-    for region in sorted(regions, key=lambda region: region.rows.start):
-        if bands and region.rows.start <= bands[-1].rows.stop:
-            bands[-1] = Region(*(slice(min(part.start, other.start), max(part.stop, other.stop))
-                                 for part, other in zip(bands[-1], region)))
-        else:
-            bands.append(region)
-    return bands
+
+def apart(regions: Iterable[Region], gap: int) -> List[Region]:
+    """Put regions that are near each other into one, until `gap` px lie between any two."""
+    found: List[Region] = []
+    for region in regions:
+        near = [other for other in found if region.is_near(other, gap)]
+        while near:
+            found = [other for other in found if other not in near]
+            region = around([region, *near])
+            near = [other for other in found if region.is_near(other, gap)]
+        found.append(region)
+    return found

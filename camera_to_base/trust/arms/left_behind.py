@@ -19,6 +19,7 @@ import numpy as np
 
 # Width of the rim on which edges are compared, in px, and how far one reaches into it.
 _RIM_PX, _EDGE = 5, np.ones((5, 5), np.uint8)
+_RIM = np.ones((_RIM_PX, _RIM_PX), np.uint8)
 # An edge of the background is strong from this part of the rim's strongest edges on, and lost
 # where the frame has less than that part of it.
 _STRONG, _LOST = 0.5, 0.4
@@ -54,17 +55,29 @@ class LeftBehind:
         if cv2.norm(before, cv2.NORM_INF) * gain < _LEAST_LEVELS:
             return False
         before = cv2.convertScaleAbs(before, alpha=gain)
-        rim = np.zeros(before.shape[:2], np.uint8)
-        cv2.drawContours(rim, [outline], -1, 1, _RIM_PX, offset=(-left, -top))
-        clear = cv2.threshold(before, _LEAST_LEVELS, 1, cv2.THRESH_BINARY)[1]
+        rim = _rim(outline, left, top, before)
+        clear = cv2.bitwise_and(
+            rim, cv2.threshold(before, _LEAST_LEVELS, 1, cv2.THRESH_BINARY)[1])
         least = _LEAST_SHARE * cv2.countNonZero(rim)
-        if cv2.countNonZero(cv2.bitwise_and(clear, rim)) < least:
+        if cv2.countNonZero(clear) < least:
+            return False
+        now = _edges(frame[window])
+        # Hardly any object gets farther than this: a little more than what is lost.
+        faint = cv2.compare(now, cv2.convertScaleAbs(before, alpha=_LOST, beta=0.5), cv2.CMP_LT)
+        if cv2.countNonZero(cv2.bitwise_and(clear, faint)) < least:
             return False
         rim = rim.view(bool)
-        before, now = before[rim], _edges(frame[window])[rim]
+        before, now = before[rim], now[rim]
         strong = max(_STRONG * _upper_tenth(np.maximum(before, now)), _LEAST_LEVELS)
         is_lost = (before > strong) & (now < _LOST * before)
         return np.count_nonzero(is_lost) >= least
+
+
+def _rim(outline: np.ndarray, left: int, top: int, window: np.ndarray) -> np.ndarray:
+    rim = np.zeros(window.shape[:2], np.uint8)
+    # To draw a line of the rim's width takes three times as long.
+    cv2.drawContours(rim, [outline], 0, 1, offset=(-left, -top))
+    return cv2.dilate(rim, _RIM)
 
 
 def _upper_tenth(levels: np.ndarray) -> float:

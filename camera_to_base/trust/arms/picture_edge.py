@@ -14,14 +14,12 @@
 
 """Looks at a picture's edge: most frames differ from the background nowhere there."""
 
-from typing import List
+from typing import Iterable, List, Sequence
 
 from camera_to_base.trust.arms.cells import CellBackground, Cells, Light, medians
 import cv2
 import numpy as np
 
-# Gaps of 4 cells are closed: what reaches in differs within this many cells of the edge.
-_DEPTH = 5
 # Pixels that tell the light, along the picture's longer side.
 _LIGHT_SAMPLES = 20
 
@@ -32,17 +30,16 @@ class PictureEdge:
 
     :param picture: The background, shape (h, w, 3), uint8, BGR.
     :param cells: Its cells; `background` is its content.
+    :param depth: How many cells from the edge count.
     """
 
-    def __init__(self, picture: np.ndarray, cells: Cells, background: CellBackground) -> None:
-        rows, columns = (min(_DEPTH, count) for count in (cells.rows, cells.columns))
-        self._cells = cells
+    def __init__(
+        self, picture: np.ndarray, cells: Cells, background: CellBackground, depth: int
+    ) -> None:
+        self._cells, self._depth = cells, min(depth, cells.rows, cells.columns)
         self._height, self._width = cells.rows * cells.scale, cells.columns * cells.scale
-        self._deep, self._wide = rows * cells.scale, columns * cells.scale
         self._background = CellBackground(*(
-            _joined(np.concatenate([part[:rows], part[-rows:]]),
-                    np.concatenate([part[:, :columns], part[:, -columns:]], axis=1))
-            for part in background))
+            _joined(_sides(part, self._depth)) for part in background))
         step = max(1, max(picture.shape) // _LIGHT_SAMPLES)
         self._grid = tuple(
             slice(min(step, length) // 2, None, step) for length in picture.shape[:2])
@@ -58,13 +55,17 @@ class PictureEdge:
 
         :param frame: Shape (h, w, 3), uint8, BGR.
         """
-        frame, sampled = frame[:self._height, :self._width], self._cells.sampled
-        along = np.concatenate([sampled(frame[:self._deep]), sampled(frame[-self._deep:])])
-        across = np.concatenate(
-            [sampled(frame[:, :self._wide]), sampled(frame[:, -self._wide:])], axis=1)
-        means = _joined(*map(self._cells.means_of_samples, (along, across)))
+        whole = frame[:self._height, :self._width]
+        sides = _sides(whole, self._depth * self._cells.scale)
+        means = self._cells.means_of_samples(_joined(map(self._cells.sampled, sides)))
         return cv2.norm(self._background.excess(means, light), cv2.NORM_INF) > 0
 
 
-def _joined(*parts: np.ndarray) -> np.ndarray:
-    return np.concatenate([part.reshape(1, -1, 3) for part in parts], axis=1)
+def _sides(picture: np.ndarray, depth: int) -> Sequence[np.ndarray]:
+    return picture[:depth], picture[-depth:], picture[:, :depth], picture[:, -depth:]
+
+
+def _joined(sides: Iterable[np.ndarray]) -> np.ndarray:
+    # To a long picture, the left and the right side turned: each call costs more than its pixels.
+    top, bottom, left, right = sides
+    return cv2.hconcat([top, bottom, cv2.transpose(left), cv2.transpose(right)])

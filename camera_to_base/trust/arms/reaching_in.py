@@ -62,8 +62,7 @@ class Changes(NamedTuple):
     @property
     def edge_share(self) -> float:
         """How much of the picture's edge something reaches in from, 0..1."""
-        mask = self.reaching_in
-        return float(np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]]).mean())
+        return float(_on_edge(self.reaching_in).mean())
 
 
 class ReachingIn:
@@ -96,8 +95,13 @@ class ReachingIn:
         # Of the mean of a cell.
         self._cell_noise = self.noise / self._cells.samples
         self._terms = _quadratic_terms(self._cells.columns, self._cells.rows)
-        self._edge = PictureEdge(background, self._cells, self._background)
+        self._edge = PictureEdge(background, self._cells, self._background, self._depth)
         self._unknown = None if unknown is None else self._unknown_cells(unknown)
+
+    @property
+    def _depth(self) -> int:
+        # A cell at the edge belongs to what reaches in if it differs, or where gaps are closed.
+        return 1 + (_on_edge(self._is_textured).any() and _CLOSING.shape[0] // 2)
 
     @property
     def scale(self) -> int:
@@ -186,6 +190,10 @@ class ReachingIn:
     def _all_means(self, picture: np.ndarray) -> np.ndarray:
         cells = self._cells
         return cells.means(cells.pixels(picture, slice(0, cells.rows), slice(0, cells.columns)))
+
+
+def _on_edge(mask: np.ndarray) -> np.ndarray:
+    return np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])
 
 
 def _quadratic_terms(width: int, height: int) -> np.ndarray:

@@ -28,6 +28,8 @@ _PRIOR_PX = 1.0
 _ROUNDS, _SETTLED_PX = 4, 0.005
 # Squared deviation from the similarity, in variances: half the weight, and no agreement.
 _HALF_WEIGHT, _DISAGREES = 4.0, 9.0
+# The same from rest: such a patch tells nothing of a camera that stands still.
+_FAR_FROM_REST = 25.0
 
 
 class Motion(NamedTuple):
@@ -82,18 +84,40 @@ class MotionFit:
         :param is_seen: Shape (n,), bool: the others do not count.
         :param precision: Factor for the information, below 1 in a dark frame.
         """
-        u, v = (self._axes @ shifts[:, :, None])[:, :, 0].T
+        u, v = self._whitened(shifts)
         sides = self._u * u[:, None] + self._v * v[:, None]
         weights, numbers = is_seen.astype(float), np.full(self._count, np.inf)
         for _ in range(_ROUNDS):
-            before, numbers = numbers, _solution(
-                self.total(weights) + self._prior, weights @ sides)
-            missed_u, missed_v = u - self._u @ numbers, v - self._v @ numbers
-            deviations = precision * (missed_u * missed_u + missed_v * missed_v)
+            before, numbers = numbers, self._solution(weights, sides)
+            deviations = precision * self._missed(u, v, numbers)
             if cv2.norm(numbers, before, cv2.NORM_INF) < _SETTLED_PX:
                 break
             weights = is_seen / (1 + deviations / _HALF_WEIGHT) ** 2
         return Motion(numbers, is_seen & (deviations < _DISAGREES))
+
+    def near_rest(self, shifts: np.ndarray, is_seen: np.ndarray, precision: float) -> Motion:
+        """
+        Find in one round what those patches tell that have hardly moved; see `solve`.
+
+        It is right only where most patches agree on it.
+        """
+        u, v = self._whitened(shifts)
+        weights = (is_seen & (precision * (u * u + v * v) < _FAR_FROM_REST)).astype(float)
+        numbers = self._solution(weights, self._u * u[:, None] + self._v * v[:, None])
+        return Motion(numbers, is_seen & (precision * self._missed(u, v, numbers) < _DISAGREES))
+
+    def _whitened(self, shifts: np.ndarray) -> np.ndarray:
+        return (self._axes @ shifts[:, :, None])[:, :, 0].T
+
+    def _solution(self, weights: np.ndarray, sides: np.ndarray) -> np.ndarray:
+        # numpy's takes three times as long for so few.
+        return cv2.solve(self.total(weights) + self._prior, (weights @ sides)[:, None],
+                         flags=cv2.DECOMP_CHOLESKY)[1][:, 0]
+
+    def _missed(self, u: np.ndarray, v: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+        # Squared, by each patch.
+        missed_u, missed_v = u - self._u @ numbers, v - self._v @ numbers
+        return missed_u * missed_u + missed_v * missed_v
 
     def matrix(self, numbers: np.ndarray) -> np.ndarray:
         """
@@ -124,13 +148,8 @@ class MotionFit:
 
     def farthest_px(self, numbers: np.ndarray) -> float:
         """Tell how far the picture's centre or a corner moves, the farthest of them, in px."""
-        right, down = (self._corners @ numbers).T
+        right, down = (self._corners[:, :, :len(numbers)] @ numbers).T
         return float((right * right + down * down).max()) ** 0.5
-
-
-def _solution(matrix: np.ndarray, sides: np.ndarray) -> np.ndarray:
-    # numpy's takes three times as long for so few.
-    return cv2.solve(matrix, sides[:, None], flags=cv2.DECOMP_CHOLESKY)[1][:, 0]
 
 
 def _lever(places: np.ndarray, size: Tuple[int, int]) -> np.ndarray:

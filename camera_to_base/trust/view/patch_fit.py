@@ -14,7 +14,8 @@
 
 """How far each patch of the background has shifted in a frame: one linear regression a patch."""
 
-from typing import NamedTuple
+import copy
+from typing import NamedTuple, Optional
 
 from camera_to_base.trust.view.patches import Patches
 import cv2
@@ -36,6 +37,10 @@ _LEAST_TRUE = 0.2
 _LEAST_EXPLAINED = 0.5
 # ... under a gain like that of the others, and where that is more than chance, in levels².
 _GAINS, _USUAL_GAINS, _LEAST_ENERGY, _LEAST_NOISE_SHARE = (0.1, 5.0), (0.35, 2.2), 0.05, 0.05
+# Under such a gain a frame shows the patches well.
+_EVEN_GAINS = 0.5, 1.6
+# In a darker frame the same noise is more of a shift.
+_DARKEST_GAIN = 0.1
 
 
 class PatchShifts(NamedTuple):
@@ -52,6 +57,11 @@ class PatchShifts(NamedTuple):
     is_seen: np.ndarray
     residuals: np.ndarray
     gain: float
+
+    @property
+    def precision(self) -> float:
+        """Factor for the information of the shifts, below 1 in a dark frame."""
+        return min(max(self.gain, _DARKEST_GAIN), 1.0) ** 2
 
 
 class PatchFit:
@@ -109,6 +119,36 @@ class PatchFit:
         lengths = np.sqrt(np.maximum(values, 1e-6))
         axes = (slopes @ vectors / lengths[:, None]).transpose(0, 2, 1)
         return [axes, vectors * (inverse * lengths)[:, None], information]
+
+    def part(self, chosen: np.ndarray) -> 'PatchFit':
+        """
+        Give the fit of some of the patches.
+
+        :param chosen: Shape (n,), their indices.
+        """
+        part = copy.copy(self)
+        part._patches = self._patches.part(chosen)
+        part.energy, part.information = self.energy[chosen], self.information[chosen]
+        part._estimates, part._axes = self._estimates[chosen], self._axes[chosen]
+        part._lengths = self._lengths[chosen]
+        return part
+
+    def near_rest(self, frame: np.ndarray) -> Optional[PatchShifts]:
+        """
+        Measure the shifts in a frame of a camera that stands still, in half of the time.
+
+        What covers a patch is told by the gain alone.
+
+        :returns: None in a frame that is much darker or lighter than the background.
+        """
+        parts = (self._axes @ self._patches.read(frame)[:, :, None])[:, :, 0]
+        gains = parts[:, 0] / self._lengths
+        gain = float(np.partition(gains, len(gains) // 2)[len(gains) // 2])
+        if not _EVEN_GAINS[0] < gain < _EVEN_GAINS[1]:
+            return None
+        is_seen = (gains > _USUAL_GAINS[0] * gain) & (gains < _USUAL_GAINS[1] * gain)
+        shifts = (self._estimates @ parts[:, 1:, None])[:, :, 0] / gain
+        return PatchShifts(shifts, is_seen, None, gain)
 
     def measure(self, frame: np.ndarray) -> PatchShifts:
         """

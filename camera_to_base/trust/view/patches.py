@@ -39,8 +39,12 @@ class Patches:
     """
 
     def __init__(self, centres: np.ndarray, step: int) -> None:
-        self._step, self.count = step, len(centres)
+        self._step, self.count, self._centres = step, len(centres), centres
         self._first = np.floor(centres - (SIDE - 1) / 2 * step).astype(int)
+
+    def part(self, chosen: np.ndarray) -> 'Patches':
+        """Give some of the patches, by their indices."""
+        return Patches(self._centres[chosen], self._step)
 
     def read(self, picture: np.ndarray) -> np.ndarray:
         """

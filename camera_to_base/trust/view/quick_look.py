@@ -14,11 +14,14 @@
 
 """The cheap look at every frame: whether the surface's structure is in its place."""
 
-from typing import NamedTuple, Optional
+from typing import Optional
 
+from camera_to_base.trust.view.glance import Glance
+from camera_to_base.trust.view.look import Look
 from camera_to_base.trust.view.motion_fit import Motion, MotionFit, SIMILARITY, TILTED
 from camera_to_base.trust.view.patch_fit import PatchFit, PatchShifts
 from camera_to_base.trust.view.patches import find_places, Patches, step_for
+from camera_to_base.trust.view.structure import Structure
 import cv2
 import numpy as np
 
@@ -26,8 +29,6 @@ import numpy as np
 _FAINTEST_VARIANCES, _FAINTEST_ENERGY = 0.25, 0.15
 # Rounding to grey levels.
 _ROUNDING = 1 / 12
-# The surface tells a number of the similarity that its patches give to this many px.
-_TOLD_PX = 0.2
 # Where less of the structure than this share stays in place from one frame to the next, the
 # surface itself moves (a belt), or it is noise of the camera's compression.
 _LEAST_AT_REST = 0.5
@@ -37,23 +38,6 @@ _TELLING = 1.0
 # A tilt counts where it moves a corner by this many px and by so many of its deviations, and where
 # so many patches agree on it.
 _LEAST_TILT_PX, _TILT_DEVIATIONS, _TILT_PATCHES = 0.8, 5.0, 12
-# In a darker frame the same noise is more of a shift.
-_DARKEST_GAIN = 0.1
-
-
-class Look(NamedTuple):
-    """
-    What the cheap look tells of a frame.
-
-    :param share: How much of the structure agrees on a motion: of that which tells the least
-        certain direction, 0..1.
-    :param shift_px: How far the picture's centre or a corner has moved, the farthest of them.
-    :param matrix: Shape (2, 3), maps the background's pixels to the frame's; (3, 3) with a tilt.
-    """
-
-    share: float
-    shift_px: float
-    matrix: np.ndarray
 
 
 class QuickLook:
@@ -79,52 +63,57 @@ class QuickLook:
         self.surface_moves = False
         if witness is not None and len(places):
             places = self._at_rest(places, witness)
-        self._told = np.zeros((4, 0))
+        self._structure: Optional[Structure] = None
         if len(places):
             self._use(places)
 
     @property
     def has_structure(self) -> bool:
         """Whether the surface tells a shift in any direction."""
-        return self._told.shape[1] > 0
+        return self._structure is not None and self._structure.told.size > 0
 
     @property
     def tells_all(self) -> bool:
         """Whether the surface tells every shift, rotation and scale."""
-        return self._told.shape[1] == len(self._told)
+        return self._structure is not None and self._structure.tells_all
+
+    def glance(self, frame: np.ndarray) -> Optional[Look]:
+        """
+        Look at a few patches of a frame of the background's size, in a third of the time.
+
+        :returns: None where it is not clear from them that the camera stands still.
+        """
+        return self._glance.look(frame) if self.has_structure else None
 
     def look(self, frame: np.ndarray) -> Optional[Look]:
         """
-        Look at a frame of the background's size.
+        Look at all patches of a frame of the background's size.
 
         :returns: None where the surface has no structure.
         """
         if not self.has_structure:
             return None
         seen = self._fit.measure(frame)
-        precision = min(max(seen.gain, _DARKEST_GAIN), 1.0) ** 2
-        tilted = self._tilted(seen, precision)
+        tilted = self._tilted(seen)
         if tilted is not None:
-            return Look(self._share(tilted.agrees), self._tilt_fit.farthest_px(tilted.numbers),
-                        self._tilt_fit.matrix(tilted.numbers))
-        motion = self._motion_fit.solve(seen.shifts, seen.is_seen, precision)
-        numbers = self._told_part @ motion.numbers
-        return Look(self._share(motion.agrees), self._motion_fit.farthest_px(numbers),
-                    self._motion_fit.matrix(numbers))
+            return self._told_by(tilted.agrees, self._tilt_fit, tilted.numbers)
+        motion = self._motion_fit.solve(seen.shifts, seen.is_seen, seen.precision)
+        return self._told_by(motion.agrees, self._motion_fit, self._told_part @ motion.numbers)
 
-    def _share(self, agrees: np.ndarray) -> float:
-        part = self._whitening @ self._motion_fit.total(agrees) @ self._whitening.T
-        return max(0.0, float(cv2.eigen(part)[1][-1, 0]))
+    def _told_by(self, agrees: np.ndarray, fit: MotionFit, numbers: np.ndarray) -> Look:
+        share = self._structure.share(self._motion_fit.total(agrees))
+        return Look(share, fit.farthest_px(numbers), fit.matrix(numbers), agrees.mean())
 
-    def _tilted(self, seen: PatchShifts, precision: float) -> Optional[Motion]:
+    def _tilted(self, seen: PatchShifts) -> Optional[Motion]:
         # The motion with a tilt, where that is certain.
         if not self.tells_all:
             return None
-        motion = self._tilt_fit.solve(seen.shifts, seen.is_seen, precision)
+        motion = self._tilt_fit.solve(seen.shifts, seen.is_seen, seen.precision)
         tilt = motion.numbers[SIMILARITY:]
         if np.hypot(*tilt) < _LEAST_TILT_PX or motion.agrees.sum() < _TILT_PATCHES:
             return None
-        covariance = self._tilt_fit.covariance(motion.agrees, precision)[SIMILARITY:, SIMILARITY:]
+        covariance = self._tilt_fit.covariance(
+            motion.agrees, seen.precision)[SIMILARITY:, SIMILARITY:]
         is_certain = tilt @ np.linalg.solve(covariance, tilt) > _TILT_DEVIATIONS ** 2
         return motion if is_certain else None
 
@@ -156,13 +145,9 @@ class QuickLook:
         self._fit = self._make_fit(places)
         self._motion_fit = MotionFit(places, self._size, self._fit.information)
         self._tilt_fit = MotionFit(places, self._size, self._fit.information, TILTED)
-        total = self._motion_fit.total(np.ones(len(places)))
-        values, vectors = np.linalg.eigh(total)
-        is_told = values > _TOLD_PX ** -2
-        self._told = vectors[:, is_told]
-        self._told_part = self._told @ self._told.T
-        # Of this the whole structure is the unit matrix.
-        self._whitening = (self._told / np.sqrt(np.maximum(values[is_told], 1e-9))).T
+        self._structure = Structure(self._motion_fit.total(np.ones(len(places))))
+        self._told_part = self._structure.told @ self._structure.told.T
+        self._glance = Glance(places, self._size, self._fit)
 
 
 def _noise(grey: np.ndarray) -> float:

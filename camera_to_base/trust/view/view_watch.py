@@ -18,7 +18,8 @@ from typing import Optional, Tuple
 
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.view.quick_look import Look, QuickLook
+from camera_to_base.trust.view.look import Look
+from camera_to_base.trust.view.quick_look import QuickLook
 from camera_to_base.trust.view.view_check import View, view_reason, ViewCheck
 import cv2
 import numpy as np
@@ -26,8 +27,9 @@ import numpy as np
 # The look clears a frame where this share of the structure agrees, on a motion of this share of
 # view.max_shift_px: beyond, the look is not exact.
 _LEAST_SHARE, _LARGEST_MOTION = 0.35, 0.65
-# The full comparison counts where the look agrees with it to this share.
-_LEAST_SHARE_OF_FULL = 0.1
+# The full comparison counts where the look agrees with it once the frame is moved back: this share
+# of the structure, and of the patches that have not changed, on so many px at most.
+_LEAST_SHARE_OF_FULL, _LEAST_PATCHES, _LEFT_PX = 0.1, 0.6, 1.5
 # Where the full comparison finds no shift, less structure counts if it agrees on less motion, and
 # the less the more of the picture is as it was: share, share of view.max_shift_px, changed share.
 _LESS = ((0.2, 0.4, 1.0), (0.1, 0.23, 0.5))
@@ -94,7 +96,7 @@ class ViewWatch:
             held back for the same reason as the frame before it, if that was held back.
         """
         self._matrix = None
-        look = self._look.look(frame)
+        look = self._looked(frame)
         if not self._limits.max_shift_px:
             self.view = None
             self.is_in_place = not self._look.surface_moves and (look is None or (
@@ -117,6 +119,12 @@ class ViewWatch:
             return self._held_back
         return self._full_reason(frame, look)
 
+    def _looked(self, frame: np.ndarray) -> Optional[Look]:
+        glance = self._look.glance(frame)
+        is_enough = glance is not None and (
+            not self._limits.max_shift_px or self._is_sure(glance))
+        return glance if is_enough else self._look.look(frame)
+
     def _is_sure(self, look: Look) -> bool:
         limits = self._limits
         return (look.share >= max(_LEAST_SHARE, 1 - limits.max_changed_share)
@@ -128,35 +136,40 @@ class ViewWatch:
         if not self._look.tells_all:
             # The full comparison takes a step from line to line for none.
             view = view._replace(shift_px=None, matrix=None)
-        matrix = look.matrix if view.matrix is None else np.array(view.matrix)
+        matrix, left = look.matrix, None
         if view.shift_px is not None and view.shift_px <= limits.max_shift_px:
-            tilted = self._tilted(frame, matrix)
-            if tilted is not None:
-                matrix = tilted
+            matrix = np.array(view.matrix)
+            # What is left of the motion is small enough for the look; it tells a tilt, too.
+            left = self._look.look(_moved_back(frame, matrix))
+            if _is_tilt(left):
+                matrix = np.vstack([matrix, (0.0, 0.0, 1.0)]) @ left.matrix
                 view = view._replace(shift_px=_farthest_px(matrix, frame.shape[1::-1]))
         self.view = view
         reason = view_reason(view, limits.max_shift_px, limits.max_changed_share)
         if reason is not None:
             return reason
-        is_cleared = (look.share >= _LEAST_SHARE_OF_FULL if view.shift_px is not None
+        is_cleared = (_agrees(left, view.changed_share) if view.shift_px is not None
                       else self._is_likely(look, view.changed_share))
         if not is_cleared:
             return _unknown(look)
         self._matrix = matrix
         return None
 
-    def _tilted(self, frame: np.ndarray, matrix: np.ndarray) -> Optional[np.ndarray]:
-        # The full comparison tells no tilt: what is left of the motion is small enough to look at.
-        left = self._look.look(_moved_back(frame, matrix))
-        if left is None or left.share < _LEAST_SHARE or len(left.matrix) == 2:
-            return None
-        return np.vstack([matrix, (0.0, 0.0, 1.0)]) @ left.matrix
-
     def _is_likely(self, look: Look, changed_share: float) -> bool:
         return any(
             look.share >= share and changed_share <= most_changed
             and look.shift_px <= motion * self._limits.max_shift_px
             for share, motion, most_changed in _LESS)
+
+
+def _is_tilt(left: Look) -> bool:
+    return left.share >= _LEAST_SHARE and len(left.matrix) == 3
+
+
+def _agrees(left: Look, changed_share: float) -> bool:
+    return _is_tilt(left) or (
+        left.share >= _LEAST_SHARE_OF_FULL and left.shift_px <= _LEFT_PX
+        and left.patch_share >= _LEAST_PATCHES * (1 - changed_share))
 
 
 def _moved_back(frame: np.ndarray, matrix: np.ndarray) -> np.ndarray:

@@ -53,6 +53,15 @@ def test_parts_contain_all_that_changed(size, place):
     assert part.width <= 24 and part.height <= 24
 
 
+@pytest.mark.parametrize('size', [(400, 1304), (411, 1301)])
+def test_part_goes_on_through_all_rows_of_a_large_frame(size):
+    frame = table(size)
+    frame[:, 700:703] = 60
+    part, = parts_of(frame, reference_of(frame, table(size)))
+    assert (part.y, part.height) == (0, size[0])
+    assert part.x <= 700 and 703 <= part.x + part.width <= 720
+
+
 def test_calm_frame_has_no_parts():
     frame = table(seed=2)
     assert parts_of(frame, reference_of(frame)) == []
@@ -145,6 +154,14 @@ def test_hand_over_half_of_the_table_leaves_the_objects_beside_it():
     frame[:, :130] = 40
     found = PreciseDifferenceDetector(table()).detect(frame)
     assert sorted(one.cut_off for one in found) == [False, True]
+
+
+def test_gain_is_between_two_halves_of_which_one_is_lighter_and_one_is_darker():
+    frame = np.float32(table(level=150))
+    frame[:120] *= 1.06
+    frame[120:] *= 0.94
+    gain = GainMeter(table(level=150)).follow(np.uint8(frame))
+    assert all(abs(steps) < 10 for steps in gain)
 
 
 def test_gain_holds_within_a_level_and_follows_a_change():

@@ -12,25 +12,36 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.detection.tutorial.region import Region, row_bands, within
+from camera_to_base.detection.tutorial.region import apart, around, Region, within
 
 
 def region(top, bottom, left=0, right=9):
     return Region(slice(top, bottom), slice(left, right))
 
 
-def test_regions_that_share_rows_become_one_band():
-    regions = [region(50, 60, 5, 8), region(0, 10, 3, 6), region(8, 20, 7, 9)]
-    assert row_bands(regions) == [region(0, 20, 3, 9), region(50, 60, 5, 8)]
+def test_regions_closer_than_the_gap_become_one():
+    regions = [region(0, 10, 0, 10), region(12, 20, 8, 30), region(50, 60)]
+    assert apart(regions, 3) == [region(0, 20, 0, 30), region(50, 60)]
+    assert apart(regions, 2) == regions
 
 
-def test_bands_have_a_row_between_them():
-    assert row_bands([region(0, 10), region(10, 20)]) == [region(0, 20)]
-    assert row_bands([region(0, 10), region(11, 20)]) == [region(0, 10), region(11, 20)]
+def test_regions_that_are_far_in_one_direction_stay_apart():
+    regions = [region(0, 10, 0, 10), region(0, 10, 13, 20), region(13, 20, 0, 20)]
+    assert apart(regions, 3) == regions
 
 
-def test_a_band_in_another_one_stays_within():
-    assert row_bands([region(0, 50), region(10, 20), region(30, 60)]) == [region(0, 60)]
+def test_a_region_that_joins_two_joins_what_comes_near_by_it():
+    regions = [region(0, 10, 0, 10), region(0, 10, 30, 40), region(18, 25, 20, 24),
+               region(0, 15, 12, 28)]
+    assert apart(regions, 5) == [region(0, 25, 0, 40)]
+
+
+def test_what_is_around_regions_ends_where_they_end():
+    assert around([region(5, 8, 3, 6), region(1, 6, 4, 9)]) == region(1, 8, 3, 9)
+
+
+def test_a_regions_shape_tells_its_pixels():
+    assert region(2, 7, 1, 4).shape == (5, 3) and region(2, 7, 1, 4).px == 15
 
 
 def test_place_in_a_piece_counts_from_the_corner_of_the_piece():

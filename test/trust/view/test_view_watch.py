@@ -24,6 +24,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[3] / 'benchmarks'))
 import attack_scenes as scenes  # noqa: E402, I100
+import nudge_scenes  # noqa: E402, I100
 
 STRUCTURED = ['wood', 'faint grain', 'speckle', 'tiles', 'print', 'four marks']
 BUMPS = {'5 px': (3, -4, 0, 0), '10 px': (8, 6, 0, 0), '40 px': (-38, 12, 0, 0),
@@ -91,6 +92,16 @@ def test_how_far_the_camera_was_bumped_is_said():
     surface = table('print')
     reason = watch(surface).reason(surface.shoot((8, 6, 0, 0)))
     assert reason.kind == 'view_moved' and 'moved by 10.' in reason.sentence
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_far_tilt_of_a_faint_surface_is_not_taken_for_a_small_shift(seed):
+    random = np.random.default_rng(seed)
+    camera = nudge_scenes.Camera(table('faint grain', seed), random)
+    nudge = nudge_scenes.random_nudge(random, 16.0, 'tilt')
+    view = ViewWatch(camera.shoot(nudge(0.0)), Limits(), camera.shoot(nudge(0.0)))
+    assert view.reason(camera.shoot(nudge(0.0))) is None
+    assert all(view.reason(camera.shoot(nudge(1.0))) is not None for _ in range(10))
 
 
 def test_surface_without_structure_is_told_and_holds_nothing_back():
