@@ -25,7 +25,8 @@ import numpy as np
 
 # One patch in each of 4 x 4 parts of the picture: an arm or a few objects cover some of them.
 _PARTS = 4
-# What they say counts where so much of the structure agrees on a motion of at most so many px.
+# What they say counts where so much of the structure agrees on a motion of at most so many px, and
+# on a tilt of no more.
 _LEAST_SHARE, _LARGEST_PX = 0.7, 0.5
 
 
@@ -58,7 +59,7 @@ class Glance:
         right, down, growth, turn, *tilt = motion.numbers.tolist()
         # No place moves farther than that, the corners may.
         shift_px = hypot(right, down) + hypot(growth, turn)
-        if shift_px + hypot(*tilt) > _LARGEST_PX:
+        if max(shift_px, hypot(*tilt)) > _LARGEST_PX:
             return None
         share = 1.0 if motion.agrees.all() else self._structure.share(
             self._similarity(motion.agrees))
