@@ -14,8 +14,6 @@
 
 """What the pipeline does while something covers most of the view."""
 
-import time
-
 from camera_to_base.detection import DetectorSettings
 from camera_to_base.trust import ViewCheck
 from nudged_table import nudge
@@ -81,9 +79,7 @@ def compared(monkeypatch):
 
 @pytest.mark.parametrize('cover', COVERS)
 def test_covered_view_is_held_back_with_its_reason_and_rarely_compared(watched, compared, cover):
-    began = time.process_time()
     seen = watched.play(4.0, cover)
-    assert time.process_time() - began < 3.0
     assert {one.reason.kind for one in seen} <= {'view_changed', 'view_unknown'}
     assert len(compared) < len(seen) / 2
     assert watched.pipeline.reason.kind == seen[-1].reason.kind
