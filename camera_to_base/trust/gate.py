@@ -53,15 +53,14 @@ class PositionGate:
         Return the sighting with only those objects that may be published.
 
         If the largest object is not confirmed, none is published. Other objects are left out until
-        they are confirmed. A reason that the sighting already has is kept.
+        they are confirmed.
 
         :param taken_at: The frame's capture time by time.monotonic(); None for now.
         """
         if taken_at is None:
             taken_at = time.monotonic()
         believed = self._believed(seen.objects, taken_at)
-        reason = seen.reason or (
-            _UNCONFIRMED if believed is None else self._age_reason(taken_at))
+        reason = _UNCONFIRMED if believed is None else self._age_reason(taken_at)
         if reason is not None:
             return seen._replace(reason=reason)
         left_out = (LeftOut(found.detection, _JUMPED, found.point) for found in seen.objects
