@@ -142,14 +142,12 @@ class PatchFit:
 
         :returns: None in a frame that is much darker or lighter than the background.
         """
-        parts = (self._axes @ self._patches.read(frame)[:, :, None])[:, :, 0]
+        parts = self._parts(self._patches.read(frame))
         gains = parts[:, 0] / self._lengths
-        gain = float(np.partition(gains, len(gains) // 2)[len(gains) // 2])
+        gain = _median(gains)
         if not _EVEN_GAINS[0] < gain < _EVEN_GAINS[1]:
             return None
-        is_seen = (gains > _USUAL_GAINS[0] * gain) & (gains < _USUAL_GAINS[1] * gain)
-        shifts = (self._estimates @ parts[:, 1:, None])[:, :, 0] / gain
-        return PatchShifts(shifts, is_seen, None, gain)
+        return PatchShifts(self._shifts(parts) / gain, _are_usual(gains, gain), None, gain)
 
     def measure(self, frame: np.ndarray) -> PatchShifts:
         """
@@ -158,7 +156,7 @@ class PatchFit:
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
         """
         levels = self._patches.read(frame)
-        parts = (self._axes @ levels[:, :, None])[:, :, 0].astype(float)
+        parts = self._parts(levels)
         explained, whole = (np.einsum('ij,ij->i', samples, samples) / levels.shape[1]
                             for samples in (parts, levels))
         residuals, gains = whole - explained, parts[:, 0] / self._lengths
@@ -169,10 +167,20 @@ class PatchFit:
                    & (explained * (1 - _LEAST_EXPLAINED) > _LEAST_EXPLAINED * unexplained)
                    & (explained > _LEAST_ENERGY + _LEAST_NOISE_SHARE * noise))
         gain = _median(gains[is_seen]) if is_seen.any() else 1.0
-        is_seen &= (gains > _USUAL_GAINS[0] * gain) & (gains < _USUAL_GAINS[1] * gain)
-        shifts = (self._estimates @ parts[:, 1:, None])[:, :, 0]
-        shifts /= np.maximum(gains, _GAINS[0])[:, None]
-        return PatchShifts(shifts, is_seen, residuals, gain)
+        shifts = self._shifts(parts) / np.maximum(gains, _GAINS[0])[:, None]
+        return PatchShifts(shifts, is_seen & _are_usual(gains, gain), residuals, gain)
+
+    def _parts(self, levels: np.ndarray) -> np.ndarray:
+        # Shape (n, 3): how much of the patch and of its gradient along two directions there is.
+        return (self._axes @ levels[:, :, None])[:, :, 0].astype(float)
+
+    def _shifts(self, parts: np.ndarray) -> np.ndarray:
+        # Shape (n, 2), in px, under a gain of 1.
+        return (self._estimates @ parts[:, 1:, None])[:, :, 0]
+
+
+def _are_usual(gains: np.ndarray, gain: float) -> np.ndarray:
+    return (gains > _USUAL_GAINS[0] * gain) & (gains < _USUAL_GAINS[1] * gain)
 
 
 def _median(values: np.ndarray) -> float:
