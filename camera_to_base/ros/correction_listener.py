@@ -15,6 +15,7 @@
 """Asks a running camera node for the correction that it offers, and lets it use it."""
 
 import json
+import time
 from typing import Any, Mapping
 
 from camera_to_base.errors import CalibrationError
@@ -23,8 +24,10 @@ from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-# Discovery of a running node takes up to a few seconds.
-_DISCOVERY_S, _ANSWER_S = 3.0, 5.0
+# Discovery of a running node takes up to a few seconds on a busy computer.
+_DISCOVERY_S, _ANSWER_S = 5.0, 5.0
+# A node that says no because of the last frame is asked again after this time.
+_PAUSE_S = 0.3
 _NODE = 'camera_publisher'
 
 
@@ -42,14 +45,20 @@ class CorrectionListener(Listener):
         self._setter = self.node.create_client(
             SetParametersAtomically, f'{self.camera}/set_parameters_atomically')
 
-    def offer(self) -> Mapping[str, Any]:
+    def offer(self, patience_s: float = 0.0) -> Mapping[str, Any]:
         """
         Ask for the correction.
 
+        :param patience_s: For how long it is asked again where it offers none: a hand that
+            crosses the view lasts for a moment.
         :returns: `sentence`, `values` and `before`, see the node's service `~/corrected_surface`.
         :raises CalibrationError: If no node runs, or it corrects nothing.
         """
+        until = time.monotonic() + patience_s
         response = self._answer(self._offers, Trigger.Request())
+        while not response.success and time.monotonic() < until:
+            self.spin_until(lambda: False, _PAUSE_S)
+            response = self._answer(self._offers, Trigger.Request())
         if not response.success:
             raise CalibrationError(f'{self.camera}: {response.message}')
         return json.loads(response.message)

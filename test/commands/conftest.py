@@ -24,11 +24,20 @@ def in_a_folder_of_its_own(tmp_path, monkeypatch):
 
 @pytest.fixture
 def run_main(capsys):
-    """Run a command's main; give exit code, standard output and standard error."""
+    """
+    Run a command's main; give exit code, standard output and standard error.
+
+    What was captured is printed at the end, so that the report of a failed test has it.
+    """
+    told = []
+
     def run_it(main, *arguments):
         try:
             code = main([str(argument) for argument in arguments])
         except SystemExit as end:
             code = end.code
-        return code, *capsys.readouterr()
-    return run_it
+        output, error = capsys.readouterr()
+        told.append(f'{arguments} ended with {code}:\n{output}{error}')
+        return code, output, error
+    yield run_it
+    print('\n'.join(told))

@@ -25,6 +25,9 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import regular_target, write_files
 from camera_to_base.parameters import read_parameter_file, read_sections
 
+# A hand that crosses the view, or a picture that comes late, does not end the command.
+_PATIENCE_S = 2.0
+
 
 def run_keep(options: argparse.Namespace) -> Report:
     """Write the file, and let the node use it."""
@@ -37,7 +40,7 @@ def run_keep(options: argparse.Namespace) -> Report:
     regular_target(options.file)
     listener = _listener(options.namespace)
     try:
-        offer = OfferedCorrection(**listener.offer())
+        offer = OfferedCorrection(**listener.offer(_PATIENCE_S))
         text = corrected_file_text(options.file, file, offer)
         # The file first: a background that is older than its surface is not trusted.
         kept = write_files({options.file: text.encode()}, keep_old=True)

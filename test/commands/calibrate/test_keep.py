@@ -142,6 +142,7 @@ def test_node_that_dies_before_it_writes_its_background_is_silent_not_wrong(
     assert run_main(main, 'keep', cell.file)[0] == 0
     cell.wait_for('ok')
     cell.node.kill()
+    ros.spin_for(0.5)  # what it published before may still be on its way
     cell.background.write_bytes(old)
     os.utime(cell.background, (1e9, 1e9))
     cell.positions.clear()
