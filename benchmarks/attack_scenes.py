@@ -100,6 +100,16 @@ def lines(random):
     return cv2.GaussianBlur(field.astype(np.float32), (0, 0), 0.8)
 
 
+def table_edge(random):
+    """Draw the straight edge of a table along a side of the picture, and faint blotches on it."""
+    v, u = np.mgrid[:SHAPE[0], :SHAPE[1]].astype(np.float32)
+    angle, across = random.uniform(-0.06, 0.06), random.random() < 0.5
+    along, beside = (v, u) if across else (u, v)
+    distance = beside - (MARGIN + random.uniform(60, 180)) - along * np.tan(angle)
+    field = random.uniform(30, 70) * np.tanh(distance / random.uniform(0.6, 3))
+    return field + random.uniform(0.5, 1.5) * _field(random, 4, 4)
+
+
 def plain(_):
     """Draw nothing."""
     return np.zeros(SHAPE, np.float32)
@@ -126,7 +136,8 @@ def picture(path):
 
 
 SURFACES = {'wood': wood, 'faint grain': grain, 'speckle': speckle, 'tiles': tiles,
-            'print': print_, 'four marks': marks, 'parallel lines': lines, 'plain': plain}
+            'print': print_, 'four marks': marks, 'parallel lines': lines,
+            'table edge': table_edge, 'plain': plain}
 
 
 class Table:

@@ -28,7 +28,7 @@ MM_PER_PX = 0.5625
 CORNERS = np.array([[0, 0], [scenes.WIDTH, 0], [scenes.WIDTH, scenes.HEIGHT],
                     [0, scenes.HEIGHT]], float)
 _KINDS = 'shift', 'shift', 'zoom', 'turn', 'tilt', 'tilt'
-MOTIONS = 'mixed', *dict.fromkeys(_KINDS)
+MOTIONS = 'mixed', 'slide', *dict.fromkeys(_KINDS)
 _CENTRE = (np.array(scenes.SIZE) - 1) / 2
 _RADIUS = float(np.hypot(*scenes.SIZE) / 2)
 
@@ -38,11 +38,13 @@ def random_nudge(random, length_px, motion='mixed'):
     Mix shift, turn, zoom and tilt.
 
     :param length_px: How far the farthest corner moves.
-    :param motion: 'mixed', or one of MOTIONS alone.
+    :param motion: 'mixed', or one of MOTIONS alone; a slide is a shift along a row or a column.
     :returns: A function that gives the homography of a share of the nudge, shape (3, 3).
     """
     shares = random.normal(size=6) * (1, 1, 0.7, 0.7, 0.5, 0.5)
-    if motion != 'mixed':
+    if motion == 'slide':
+        shares[1 - random.integers(2)] = shares[2:] = 0
+    elif motion != 'mixed':
         shares[[one != motion for one in _KINDS]] = 0
 
     def matrix(size):

@@ -44,7 +44,7 @@ import numpy as np
 WRONG_MM, IN_TIME_S, AFTER_S = 1.0, 1.5, 1.6
 DRIFT_PX, DRIFT_S, DRIFT_FRAMES_PER_S = 15.0, 150.0, 5.0
 CASES = 'coin', 'hand', 'light', 'moved coin'
-SURFACES = 'wood', 'tiles', 'print', 'faint grain'
+SURFACES = 'wood', 'tiles', 'print', 'faint grain', 'table edge'
 
 
 class Watcher:

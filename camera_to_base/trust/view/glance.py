@@ -40,9 +40,9 @@ class Glance:
     """
 
     def __init__(self, places: np.ndarray, size: Tuple[int, int], fit: PatchFit) -> None:
-        chosen = _chosen(places, size, fit.information)
+        chosen = _chosen(places, size, fit.shift_axes)
         self._fit = fit.part(chosen)
-        self._motion_fit = MotionFit(places[chosen], size, self._fit.information, TILTED)
+        self._motion_fit = MotionFit(places[chosen], size, self._fit.shift_axes, TILTED)
         self._structure = Structure(self._similarity(np.ones(len(chosen))))
 
     def look(self, frame: np.ndarray) -> Optional[Look]:
@@ -61,8 +61,10 @@ class Glance:
         shift_px = hypot(right, down) + hypot(growth, turn)
         if max(shift_px, hypot(*tilt)) > _LARGEST_PX:
             return None
-        share = 1.0 if motion.agrees.all() else self._structure.share(
-            self._similarity(motion.agrees))
+        share = 1.0
+        if seen.worth is not None or not motion.agrees.all():
+            worth = 1.0 if seen.worth is None else seen.worth
+            share = self._structure.share(self._similarity(motion.agrees * worth))
         return Look(share, shift_px) if share >= _LEAST_SHARE else None
 
     def _similarity(self, weights: np.ndarray) -> np.ndarray:
@@ -70,9 +72,9 @@ class Glance:
         return self._motion_fit.total(weights)[:SIMILARITY, :SIMILARITY]
 
 
-def _chosen(places: np.ndarray, size: Tuple[int, int], information: np.ndarray) -> np.ndarray:
+def _chosen(places: np.ndarray, size: Tuple[int, int], axes: np.ndarray) -> np.ndarray:
     # Indices of the patches that tell most along the direction that they tell least of.
     across, down = np.floor(places * _PARTS / size).astype(int).T
-    part, telling = down * _PARTS + across, np.linalg.eigvalsh(information)[:, 0]
+    part, telling = down * _PARTS + across, np.square(axes).sum(axis=2).min(axis=1)
     order = np.argsort(-telling, kind='stable')
     return np.sort(order[np.unique(part[order], return_index=True)[1]])

@@ -50,27 +50,34 @@ class MotionFit:
 
     :param places: Shape (n, 2), the patches' centres, in px.
     :param size: Width and height of the picture, in px.
-    :param information: Shape (n, 2, 2), inverse covariance of each patch's shift, in 1/px².
+    :param axes: Shape (n, 2, 2): along each of its rows a patch tells its shift with the variance
+        1, in 1/px.
     :param count: How many numbers a motion has, SIMILARITY or TILTED.
     """
 
-    def __init__(self, places: np.ndarray, size: Tuple[int, int], information: np.ndarray,
+    def __init__(self, places: np.ndarray, size: Tuple[int, int], axes: np.ndarray,
                  count: int = SIMILARITY) -> None:
         self._size, self._count = size, count
         self._prior = np.eye(count) / _PRIOR_PX ** 2
         lever = _lever(places, size)[:, :, :count]
-        # In these axes the shift of a patch along each has the variance 1.
-        self._axes = np.linalg.cholesky(information).transpose(0, 2, 1)
-        self._u, self._v = (self._axes @ lever).transpose(1, 0, 2)
-        self._share = (lever.transpose(0, 2, 1) @ information @ lever).reshape(-1, count ** 2)
+        self._axes = axes
+        self._u, self._v = along = (axes @ lever).transpose(1, 0, 2)
+        # That of each patch, and along each of its axes.
+        self._axis_share = (along[..., None] * along[:, :, None]).reshape(-1, count ** 2)
+        self._share = self._axis_share.reshape(2, -1, count ** 2).sum(axis=0)
         width, height = size
         self._corners = _lever(np.array([
             [0, 0], [width, 0], [0, height], [width, height], [width / 2, height / 2]]), size)
         self._corners = self._corners[:, :, :count]
 
     def total(self, weights: np.ndarray) -> np.ndarray:
-        """Give the information of some patches on the numbers, shape (n, n), in 1/px²."""
-        return (weights @ self._share).reshape(self._count, self._count)
+        """
+        Give the information of some patches on the numbers, shape (n, n), in 1/px².
+
+        :param weights: Shape (n,), a weight for each patch; (2, n), for each of its axes.
+        """
+        share = self._share if weights.ndim == 1 else self._axis_share
+        return (weights.ravel() @ share).reshape(self._count, self._count)
 
     def covariance(self, weights: np.ndarray, precision: float = 1.0) -> np.ndarray:
         """Give the covariance of the numbers by some patches, shape (n, n), in px²."""

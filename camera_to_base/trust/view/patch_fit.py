@@ -15,8 +15,9 @@
 """How far each patch of the background has shifted in a frame: one linear regression a patch."""
 
 import copy
-from typing import NamedTuple, Optional
+from typing import Optional
 
+from camera_to_base.trust.view.patch_shifts import PatchShifts
 from camera_to_base.trust.view.patches import Patches
 import cv2
 import numpy as np
@@ -39,30 +40,11 @@ _LEAST_EXPLAINED = 0.5
 _GAINS, _USUAL_GAINS, _LEAST_ENERGY, _LEAST_NOISE_SHARE = (0.1, 5.0), (0.35, 2.2), 0.05, 0.05
 # Under such a gain a frame shows the patches well.
 _EVEN_GAINS = 0.5, 1.6
-# In a darker frame the same noise is more of a shift.
-_DARKEST_GAIN = 0.1
-
-
-class PatchShifts(NamedTuple):
-    """
-    How the patches look in a frame.
-
-    :param shifts: Shape (n, 2), along u and v in px.
-    :param is_seen: Shape (n,), whether a patch looks like the background's at all.
-    :param residuals: Shape (n,), mean square of what the model does not explain, in levels²; None
-        where it was not asked.
-    :param gain: How much brighter the frame is, by the median of the patches that are seen.
-    """
-
-    shifts: np.ndarray
-    is_seen: np.ndarray
-    residuals: Optional[np.ndarray]
-    gain: float
-
-    @property
-    def precision(self) -> float:
-        """Factor for the information of the shifts, below 1 in a dark frame."""
-        return min(max(self.gain, _DARKEST_GAIN), 1.0) ** 2
+# Noise leaves so many times its variance unexplained at most. What is more is alike in samples
+# that lie side by side, and makes a shift as uncertain as this many times as much noise.
+_USUAL_SURPLUS, _STRUCTURED = 1.25, 8.0
+# Where the camera stands still, no more is left than this share of what is explained.
+_LEFT_AT_REST = 0.1
 
 
 class PatchFit:
@@ -79,13 +61,16 @@ class PatchFit:
     :param grey: The same in grey, float32.
     :param noise: Standard deviation of a pixel of `grey`, in levels.
     :param variance: That of a sample of a frame minus the background's, in levels².
+
+    `shift_axes`, shape (n, 2, 2): along each of these rows a patch tells its shift with the
+    variance 1, in 1/px. Of that variance `_noise_shares`, shape (n, 2), is due to noise.
     """
 
     def __init__(self, patches: Patches, background: np.ndarray, grey: np.ndarray,
                  noise: float, variance: float) -> None:
         self._patches, self._variance = patches, variance
         levels = patches.read(background).astype(float)
-        energy = np.maximum(np.einsum('ij,ij->i', levels, levels), 1e-6)
+        energy = np.maximum(_energies(levels), 1e-6)
         self.energy = energy / levels.shape[1]
         sigmas = np.array(_SIGMAS) * max(1.0, max(grey.shape) / _USUAL_LENGTH)
         best, *coarser = (self._fit(levels, energy, grey, sigma, noise) for sigma in sigmas)
@@ -93,7 +78,7 @@ class PatchFit:
             is_better = _worst(other[-1]) > _CLEARLY_BETTER * _worst(best[-1])
             for ours, theirs in zip(best, other):
                 ours[is_better] = theirs[is_better]
-        axes, estimates, self.information = best
+        axes, estimates, self._noise_shares, self.shift_axes = best
         # Noise in the patch makes its gain too small, and a shift by it too large.
         true_energy = np.maximum(self.energy - variance / 2, self.energy * _LEAST_TRUE)
         self._estimates = -estimates / _TOO_LARGE * (true_energy / self.energy)[:, None, None]
@@ -116,10 +101,11 @@ class PatchFit:
         inverse = np.where(is_told, 1 / np.maximum(true_values, 1e-6), 0.0)
         variance = np.where(
             is_told, self._variance * values * inverse ** 2 + _MODEL_PX ** 2, _UNTOLD_PX2)
-        information = (vectors / variance[:, None]) @ vectors.transpose(0, 2, 1)
+        noise_shares = np.where(is_told, 1 - _MODEL_PX ** 2 / variance, 0.0)
+        shift_axes = vectors.transpose(0, 2, 1) / np.sqrt(variance)[:, :, None]
         lengths = np.sqrt(np.maximum(values, 1e-6))
         axes = (slopes @ vectors / lengths[:, None]).transpose(0, 2, 1)
-        return [axes, vectors * (inverse * lengths)[:, None], information]
+        return [axes, vectors * (inverse * lengths)[:, None], noise_shares, shift_axes]
 
     def part(self, chosen: np.ndarray) -> 'PatchFit':
         """
@@ -129,7 +115,8 @@ class PatchFit:
         """
         part = copy.copy(self)
         part._patches = self._patches.part(chosen)
-        part.energy, part.information = self.energy[chosen], self.information[chosen]
+        part.energy, part.shift_axes = self.energy[chosen], self.shift_axes[chosen]
+        part._noise_shares = self._noise_shares[chosen]
         part._estimates, part._axes = self._estimates[chosen], self._axes[chosen]
         part._lengths = self._lengths[chosen]
         return part
@@ -138,16 +125,25 @@ class PatchFit:
         """
         Measure the shifts in a frame of a camera that stands still, in half of the time.
 
-        What covers a patch is told by the gain alone.
+        A patch is seen where the model explains nearly all of it.
 
         :returns: None in a frame that is much darker or lighter than the background.
         """
-        parts = self._parts(self._patches.read(frame))
+        levels = self._patches.read(frame)
+        parts = self._parts(levels)
         gains = parts[:, 0] / self._lengths
         gain = _median(gains)
         if not _EVEN_GAINS[0] < gain < _EVEN_GAINS[1]:
             return None
-        return PatchShifts(self._shifts(parts) / gain, _are_usual(gains, gain), None, gain)
+        explained = _energies(parts)
+        left = _energies(levels) - explained
+        is_seen = _are_usual(gains, gain)
+        surplus = left / (self._variance * levels.shape[1] * (1 + gain ** 2) / 2)
+        worth = None
+        if surplus.max() > _USUAL_SURPLUS:
+            worth = self._worth(surplus)
+            is_seen &= (surplus < _USUAL_SURPLUS) | (left < _LEFT_AT_REST * explained)
+        return PatchShifts(self._shifts(parts) / gain, is_seen, None, gain, worth)
 
     def measure(self, frame: np.ndarray) -> PatchShifts:
         """
@@ -157,8 +153,7 @@ class PatchFit:
         """
         levels = self._patches.read(frame)
         parts = self._parts(levels)
-        explained, whole = (np.einsum('ij,ij->i', samples, samples) / levels.shape[1]
-                            for samples in (parts, levels))
+        explained, whole = (_energies(samples) / levels.shape[1] for samples in (parts, levels))
         residuals, gains = whole - explained, parts[:, 0] / self._lengths
         # Half of the noise is the background's, which the gain scales.
         noise = self._variance * (1 + gains ** 2) / 2
@@ -168,7 +163,13 @@ class PatchFit:
                    & (explained > _LEAST_ENERGY + _LEAST_NOISE_SHARE * noise))
         gain = _median(gains[is_seen]) if is_seen.any() else 1.0
         shifts = self._shifts(parts) / np.maximum(gains, _GAINS[0])[:, None]
-        return PatchShifts(shifts, is_seen & _are_usual(gains, gain), residuals, gain)
+        return PatchShifts(shifts, is_seen & _are_usual(gains, gain), residuals, gain,
+                           self._worth(residuals / noise))
+
+    def _worth(self, surplus: np.ndarray) -> np.ndarray:
+        # What is left beyond the noise is no noise: along an edge it is taken for a shift.
+        more = _STRUCTURED * np.maximum(surplus - _USUAL_SURPLUS, 0)
+        return 1 / (1 + self._noise_shares.T * more)
 
     def _parts(self, levels: np.ndarray) -> np.ndarray:
         # Shape (n, 3): how much of the patch and of its gradient along two directions there is.
@@ -177,6 +178,10 @@ class PatchFit:
     def _shifts(self, parts: np.ndarray) -> np.ndarray:
         # Shape (n, 2), in px, under a gain of 1.
         return (self._estimates @ parts[:, 1:, None])[:, :, 0]
+
+
+def _energies(samples: np.ndarray) -> np.ndarray:
+    return np.einsum('ij,ij->i', samples, samples)
 
 
 def _are_usual(gains: np.ndarray, gain: float) -> np.ndarray:
@@ -189,8 +194,9 @@ def _median(values: np.ndarray) -> float:
     return float(values[half] + values[-1 - half]) / 2
 
 
-def _worst(information: np.ndarray) -> np.ndarray:
-    return np.linalg.eigvalsh(information)[:, 0]
+def _worst(axes: np.ndarray) -> np.ndarray:
+    # Of the information along the axes, the lesser.
+    return np.square(axes).sum(axis=2).min(axis=1)
 
 
 def _slope_noise(noise: float, sigma: float, half_px: float) -> float:

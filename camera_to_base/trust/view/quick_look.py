@@ -19,7 +19,8 @@ from typing import Optional
 from camera_to_base.trust.view.glance import Glance
 from camera_to_base.trust.view.look import Look
 from camera_to_base.trust.view.motion_fit import Motion, MotionFit, SIMILARITY, TILTED
-from camera_to_base.trust.view.patch_fit import PatchFit, PatchShifts
+from camera_to_base.trust.view.patch_fit import PatchFit
+from camera_to_base.trust.view.patch_shifts import PatchShifts
 from camera_to_base.trust.view.patches import find_places, Patches, step_for
 from camera_to_base.trust.view.structure import Structure
 import cv2
@@ -96,12 +97,14 @@ class QuickLook:
         seen = self._fit.measure(frame)
         tilted = self._tilted(seen)
         if tilted is not None:
-            return self._told_by(tilted.agrees, self._tilt_fit, tilted.numbers)
+            return self._told_by(tilted.agrees, seen.worth, self._tilt_fit, tilted.numbers)
         motion = self._motion_fit.solve(seen.shifts, seen.is_seen, seen.precision)
-        return self._told_by(motion.agrees, self._motion_fit, self._told_part @ motion.numbers)
+        return self._told_by(
+            motion.agrees, seen.worth, self._motion_fit, self._told_part @ motion.numbers)
 
-    def _told_by(self, agrees: np.ndarray, fit: MotionFit, numbers: np.ndarray) -> Look:
-        share = self._structure.share(self._motion_fit.total(agrees))
+    def _told_by(self, agrees: np.ndarray, worth: np.ndarray, fit: MotionFit,
+                 numbers: np.ndarray) -> Look:
+        share = self._structure.share(self._motion_fit.total(agrees * worth))
         return Look(share, fit.farthest_px(numbers), fit.matrix(numbers), agrees.mean())
 
     def _tilted(self, seen: PatchShifts) -> Optional[Motion]:
@@ -134,8 +137,8 @@ class QuickLook:
         if seen.is_seen.any():
             self._variance = max(float(np.median(seen.residuals[seen.is_seen])),
                                  self._background_variance)
-        motion = MotionFit(places, self._size, fit.information).solve(seen.shifts, seen.is_seen)
-        weights = np.trace(fit.information, axis1=1, axis2=2)
+        motion = MotionFit(places, self._size, fit.shift_axes).solve(seen.shifts, seen.is_seen)
+        weights = np.square(fit.shift_axes).sum(axis=(1, 2))
         if weights @ motion.agrees >= _LEAST_AT_REST * weights.sum():
             return places[motion.agrees]
         self.surface_moves = float(np.median(weights)) >= _TELLING
@@ -143,8 +146,8 @@ class QuickLook:
 
     def _use(self, places: np.ndarray) -> None:
         self._fit = self._make_fit(places)
-        self._motion_fit = MotionFit(places, self._size, self._fit.information)
-        self._tilt_fit = MotionFit(places, self._size, self._fit.information, TILTED)
+        self._motion_fit = MotionFit(places, self._size, self._fit.shift_axes)
+        self._tilt_fit = MotionFit(places, self._size, self._fit.shift_axes, TILTED)
         self._structure = Structure(self._motion_fit.total(np.ones(len(places))))
         self._told_part = self._structure.told @ self._structure.told.T
         self._glance = Glance(places, self._size, self._fit)

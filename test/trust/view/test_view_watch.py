@@ -104,6 +104,18 @@ def test_far_tilt_of_a_faint_surface_is_not_taken_for_a_small_shift(seed):
     assert all(view.reason(camera.shoot(nudge(1.0))) is not None for _ in range(10))
 
 
+@pytest.mark.parametrize('name,seed', [
+    ('tiles', 0), ('tiles', 1), ('tiles', 2), ('table edge', 0), ('table edge', 1),
+    ('table edge', 16)])
+def test_slide_along_an_edge_is_noticed_in_any_light(name, seed):
+    surface = table(name, seed)
+    view = watch(surface)
+    for light in (0.7, 1.0, 1.2, 1.35):
+        assert view.reason(surface.shoot(light=light)) is None
+        for move in ((10, 0, 0, 0), (0, 10, 0, 0), (-19, 0, 0, 0), (0, -14, 0, 0)):
+            assert view.reason(surface.shoot(move, light=light)) is not None
+
+
 def test_surface_without_structure_is_told_and_holds_nothing_back():
     surface = table('plain')
     view = watch(surface)
