@@ -45,14 +45,15 @@ class Glance:
         self._motion_fit = MotionFit(places[chosen], size, self._fit.shift_axes, TILTED)
         self._structure = Structure(self._similarity(np.ones(len(chosen))))
 
-    def look(self, frame: np.ndarray) -> Optional[Look]:
+    def look(self, frame: np.ndarray, usual: float = 1.0) -> Optional[Look]:
         """
         Look at a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        :param usual: How many times the known noise is usual.
         :returns: None where it is not clear that the camera stands still.
         """
-        seen = self._fit.near_rest(frame) if self._structure.tells_all else None
+        seen = self._fit.near_rest(frame, usual) if self._structure.tells_all else None
         if seen is None:
             return None
         motion = self._motion_fit.near_rest(seen.shifts, seen.is_seen, seen.precision)
@@ -65,7 +66,7 @@ class Glance:
         if seen.worth is not None or not motion.agrees.all():
             worth = 1.0 if seen.worth is None else seen.worth
             share = self._structure.share(self._similarity(motion.agrees * worth))
-        return Look(share, shift_px) if share >= _LEAST_SHARE else None
+        return Look(share, shift_px, seen.surplus) if share >= _LEAST_SHARE else None
 
     def _similarity(self, weights: np.ndarray) -> np.ndarray:
         # A tilt is not among what a surface must tell.

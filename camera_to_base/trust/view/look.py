@@ -28,11 +28,13 @@ class Look(NamedTuple):
     :param shift_px: How far the picture's centre or a corner has moved, the farthest of them.
     :param matrix: Shape (2, 3), maps the background's pixels to the frame's; (3, 3) with a tilt.
     :param patch_share: How many of the patches agree, 0..1.
+    :param surplus: How many times the known noise is left unexplained, see `PatchShifts`.
 
-    A glance gives neither of the last two: it tells that the camera stands still.
+    A glance gives neither matrix nor patch share: it tells that the camera stands still.
     """
 
     share: float
     shift_px: float
+    surplus: float
     matrix: Optional[np.ndarray] = None
     patch_share: Optional[float] = None

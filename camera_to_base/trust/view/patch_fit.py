@@ -42,7 +42,7 @@ _GAINS, _USUAL_GAINS, _LEAST_ENERGY, _LEAST_NOISE_SHARE = (0.1, 5.0), (0.35, 2.2
 _EVEN_GAINS = 0.5, 1.6
 # Noise leaves so many times its variance unexplained at most. What is more is alike in samples
 # that lie side by side, and makes a shift as uncertain as this many times as much noise.
-_USUAL_SURPLUS, _STRUCTURED = 1.25, 8.0
+_MOST_SURPLUS, _STRUCTURED = 1.25, 8.0
 # Where the camera stands still, no more is left than this share of what is explained.
 _LEFT_AT_REST = 0.1
 
@@ -121,12 +121,13 @@ class PatchFit:
         part._lengths = self._lengths[chosen]
         return part
 
-    def near_rest(self, frame: np.ndarray) -> Optional[PatchShifts]:
+    def near_rest(self, frame: np.ndarray, usual: float) -> Optional[PatchShifts]:
         """
         Measure the shifts in a frame of a camera that stands still, in half of the time.
 
         A patch is seen where the model explains nearly all of it.
 
+        :param usual: How many times the known noise is usual.
         :returns: None in a frame that is much darker or lighter than the background.
         """
         levels = self._patches.read(frame)
@@ -140,16 +141,18 @@ class PatchFit:
         is_seen = _are_usual(gains, gain)
         surplus = left / (self._variance * levels.shape[1] * (1 + gain ** 2) / 2)
         worth = None
-        if surplus.max() > _USUAL_SURPLUS:
-            worth = self._worth(surplus)
-            is_seen &= (surplus < _USUAL_SURPLUS) | (left < _LEFT_AT_REST * explained)
-        return PatchShifts(self._shifts(parts) / gain, is_seen, None, gain, worth)
+        if surplus.max() > _MOST_SURPLUS * usual:
+            worth = self._worth(surplus / usual)
+            is_seen &= (surplus < _MOST_SURPLUS * usual) | (left < _LEFT_AT_REST * explained)
+        return PatchShifts(
+            self._shifts(parts) / gain, is_seen, None, gain, _median(surplus), worth)
 
-    def measure(self, frame: np.ndarray) -> PatchShifts:
+    def measure(self, frame: np.ndarray, usual: float = 1.0) -> PatchShifts:
         """
         Measure the shifts of the patches in a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
+        :param usual: How many times the known noise is usual.
         """
         levels = self._patches.read(frame)
         parts = self._parts(levels)
@@ -161,14 +164,16 @@ class PatchFit:
         is_seen = ((gains > _GAINS[0]) & (gains < _GAINS[1])
                    & (explained * (1 - _LEAST_EXPLAINED) > _LEAST_EXPLAINED * unexplained)
                    & (explained > _LEAST_ENERGY + _LEAST_NOISE_SHARE * noise))
-        gain = _median(gains[is_seen]) if is_seen.any() else 1.0
+        surplus = residuals / noise
+        gain, usual_left = (_median(values[is_seen]) if is_seen.any() else 1.0
+                            for values in (gains, surplus))
         shifts = self._shifts(parts) / np.maximum(gains, _GAINS[0])[:, None]
         return PatchShifts(shifts, is_seen & _are_usual(gains, gain), residuals, gain,
-                           self._worth(residuals / noise))
+                           usual_left, self._worth(surplus / usual))
 
     def _worth(self, surplus: np.ndarray) -> np.ndarray:
         # What is left beyond the noise is no noise: along an edge it is taken for a shift.
-        more = _STRUCTURED * np.maximum(surplus - _USUAL_SURPLUS, 0)
+        more = _STRUCTURED * np.maximum(surplus - _MOST_SURPLUS, 0)
         return 1 / (1 + self._noise_shares.T * more)
 
     def _parts(self, levels: np.ndarray) -> np.ndarray:

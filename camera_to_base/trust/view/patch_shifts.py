@@ -31,6 +31,8 @@ class PatchShifts(NamedTuple):
     :param residuals: Shape (n,), mean square of what the model does not explain, in levels²; None
         where it was not asked.
     :param gain: How much brighter the frame is, by the median of the patches that are seen.
+    :param surplus: How many times the noise that is known the model leaves unexplained, by the
+        median of the patches.
     :param worth: Shape (2, n), how much of a patch's information along each of its axes counts,
         0..1; None for all of it.
     """
@@ -39,6 +41,7 @@ class PatchShifts(NamedTuple):
     is_seen: np.ndarray
     residuals: Optional[np.ndarray]
     gain: float
+    surplus: float
     worth: Optional[np.ndarray] = None
 
     @property

@@ -39,6 +39,11 @@ _TELLING = 1.0
 # A tilt counts where it moves a corner by this many px and by so many of its deviations, and where
 # so many patches agree on it.
 _LEAST_TILT_PX, _TILT_DEVIATIONS, _TILT_PATCHES = 0.8, 5.0, 12
+# The noise of a frame is measured on a square of this many px.
+_NOISE_LENGTH = 240
+# What is usually left changes by this factor at most from one frame to the next, and by the other
+# one where all of the frame was compared; and it is at most so many times the noise.
+_FASTEST, _FASTEST_IN_FULL, _MOST_USUAL = 1.02, 1.5, 16.0
 
 
 class QuickLook:
@@ -55,13 +60,14 @@ class QuickLook:
     def __init__(self, background: np.ndarray, witness: Optional[np.ndarray] = None) -> None:
         self._background = background
         self._size = background.shape[1], background.shape[0]
-        self._grey = cv2.cvtColor(background, cv2.COLOR_BGR2GRAY).astype(np.float32)
-        self._noise = _noise(self._grey) if min(self._grey.shape) > 2 else 0.0
+        self._grey = _grey(background)
+        self._noise = _noise(self._grey)
         # A sample is the mean of 4 px.
         self._background_variance = (self._noise ** 2 + 2 * _ROUNDING) / 4
         self._variance = 2 * self._background_variance
         places = self._with_structure(find_places(self._grey, step_for(self._size)))
-        self.surface_moves = False
+        self.surface_moves, self._usual = False, 1.0
+        self._usual_noise = _noise(_middle(background if witness is None else witness))
         if witness is not None and len(places):
             places = self._at_rest(places, witness)
         self._structure: Optional[Structure] = None
@@ -84,7 +90,7 @@ class QuickLook:
 
         :returns: None where it is not clear from them that the camera stands still.
         """
-        return self._glance.look(frame) if self.has_structure else None
+        return self._glance.look(frame, self._usual) if self.has_structure else None
 
     def look(self, frame: np.ndarray) -> Optional[Look]:
         """
@@ -94,18 +100,37 @@ class QuickLook:
         """
         if not self.has_structure:
             return None
-        seen = self._fit.measure(frame)
+        seen = self._fit.measure(frame, self._usual)
         tilted = self._tilted(seen)
         if tilted is not None:
-            return self._told_by(tilted.agrees, seen.worth, self._tilt_fit, tilted.numbers)
+            return self._told_by(seen, tilted.agrees, self._tilt_fit, tilted.numbers)
         motion = self._motion_fit.solve(seen.shifts, seen.is_seen, seen.precision)
         return self._told_by(
-            motion.agrees, seen.worth, self._motion_fit, self._told_part @ motion.numbers)
+            seen, motion.agrees, self._motion_fit, self._told_part @ motion.numbers)
 
-    def _told_by(self, agrees: np.ndarray, worth: np.ndarray, fit: MotionFit,
+    def learn(self, look: Look, in_full: bool = False) -> None:
+        """
+        Learn from a frame that was cleared how much of a patch is usually left unexplained.
+
+        Noise grows in the dark, and a background of several frames has less of it than a frame.
+
+        :param look: That at the frame.
+        :param in_full: Whether all of the frame was compared.
+        """
+        fastest = _FASTEST_IN_FULL if in_full else _FASTEST
+        usual = min(max(look.surplus, self._usual / _FASTEST), self._usual * fastest)
+        self._usual = min(max(usual, 1.0), _MOST_USUAL)
+
+    def learn_noise(self, frame: np.ndarray) -> None:
+        """Learn the same from the noise of a frame alone, wherever the camera stands."""
+        more = (_noise(_middle(frame)) ** 2 - self._usual_noise ** 2) / 4
+        self._usual = min(max(1 + more / self._variance, self._usual), _MOST_USUAL)
+
+    def _told_by(self, seen: PatchShifts, agrees: np.ndarray, fit: MotionFit,
                  numbers: np.ndarray) -> Look:
-        share = self._structure.share(self._motion_fit.total(agrees * worth))
-        return Look(share, fit.farthest_px(numbers), fit.matrix(numbers), agrees.mean())
+        share = self._structure.share(self._motion_fit.total(agrees * seen.worth))
+        return Look(share, fit.farthest_px(numbers), seen.surplus, fit.matrix(numbers),
+                    agrees.mean())
 
     def _tilted(self, seen: PatchShifts) -> Optional[Motion]:
         # The motion with a tilt, where that is certain.
@@ -153,7 +178,19 @@ class QuickLook:
         self._glance = Glance(places, self._size, self._fit)
 
 
+def _grey(picture: np.ndarray) -> np.ndarray:
+    return cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float32)
+
+
+def _middle(picture: np.ndarray) -> np.ndarray:
+    # Enough of it to tell its noise, in grey.
+    v, u = (max(0, (length - _NOISE_LENGTH) // 2) for length in picture.shape[:2])
+    return _grey(picture[v:v + _NOISE_LENGTH, u:u + _NOISE_LENGTH])
+
+
 def _noise(grey: np.ndarray) -> float:
     # J. Immerkaer, Fast noise variance estimation, 1996, with the median for the mean.
+    if min(grey.shape) < 3:
+        return 0.0
     mask = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
     return float(np.median(np.abs(cv2.filter2D(grey, cv2.CV_32F, mask)))) / 0.6745 / 6

@@ -114,6 +114,7 @@ class ViewWatch:
             return None
         if self._is_sure(look):
             self.view, self._matrix = View(look.shift_px, 1 - look.share), look.matrix
+            self._look.learn(look)
             return None
         if self._held_back is not None and not in_full:
             return self._held_back
@@ -151,8 +152,10 @@ class ViewWatch:
         is_cleared = (_agrees(left, view.changed_share) if view.shift_px is not None
                       else self._is_likely(look, view.changed_share))
         if not is_cleared:
+            self._look.learn_noise(frame)
             return _unknown(look)
         self._matrix = matrix
+        self._look.learn(look if left is None else left, in_full=True)
         return None
 
     def _is_likely(self, look: Look, changed_share: float) -> bool:

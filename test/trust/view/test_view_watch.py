@@ -71,6 +71,19 @@ def test_frames_of_an_untouched_camera_are_cleared_by_the_quick_look(name, monke
         view.reason(surface.shoot(draw=[scenes.coin((60 + 25 * number, 200))]))
 
 
+@pytest.mark.parametrize('name', ['wood', 'faint grain', 'print'])
+def test_noise_that_the_background_has_not_is_soon_taken_for_usual(name, monkeypatch):
+    surface = table(name)
+    mean = np.median([surface.shoot() for _ in range(9)], axis=0).astype(np.uint8)
+    view = ViewWatch(mean, Limits())
+    assert sum(view.reason(surface.shoot()) is not None for _ in range(30)) <= 2
+    surface._noise_levels *= 2
+    assert sum(view.reason(surface.shoot()) is not None for _ in range(30)) <= 2
+    monkeypatch.delattr(ViewCheck, 'compare')
+    for _ in range(10):
+        view.reason(surface.shoot())
+
+
 def test_drift_within_the_limit_is_told_and_goes_on():
     surface = table('wood')
     view = watch(surface)
