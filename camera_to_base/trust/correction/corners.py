@@ -16,6 +16,7 @@
 
 from typing import NamedTuple
 
+from camera_to_base.trust.noise import smoothed_noise
 import cv2
 import numpy as np
 
@@ -66,7 +67,7 @@ def even_picture(grey: np.ndarray) -> EvenPicture:
     detail = (cv2.GaussianBlur(levels, (0, 0), _NOISE_SIGMA)
               - cv2.blur(levels, (_LIGHT_WIDTH, _LIGHT_WIDTH)))
     contrast = np.sqrt(cv2.GaussianBlur(detail * detail, (0, 0), _PLACE_SIGMA))
-    noise = _noise_in(levels)
+    noise = smoothed_noise(levels, _NOISE_SIGMA, step=2)
     even = np.clip(128 + _GREY_LEVELS * detail / (
         contrast + max(_FAINTEST_LEVELS, _NOISE_DEVIATIONS * noise)), 0, 255)
     return EvenPicture(even.astype(np.uint8), (
@@ -132,12 +133,3 @@ def corner_information(picture: EvenPicture, corners: np.ndarray) -> np.ndarray:
     slopes = np.array([[uu, uv], [uv, vv]], float).transpose(2, 0, 1)
     covariances = np.linalg.inv(slopes + 1e-3 * np.eye(2)) * _SLOPE_NOISE
     return np.linalg.inv(covariances + _MODEL_PX ** 2 * np.eye(2))
-
-
-def _noise_in(levels: np.ndarray) -> float:
-    # J. Immerkaer, Fast noise variance estimation, 1996, with the median for the mean; and what
-    # the Gaussian filter leaves of it.
-    mask = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
-    second = cv2.filter2D(levels, cv2.CV_32F, mask)[::2, ::2]
-    deviation = np.median(np.abs(second)) / 0.6745 / 6
-    return float(deviation) / (2 * np.sqrt(np.pi) * _NOISE_SIGMA)

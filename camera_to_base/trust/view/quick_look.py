@@ -16,6 +16,7 @@
 
 from typing import Optional
 
+from camera_to_base.trust.noise import white_noise
 from camera_to_base.trust.view.glance import Glance
 from camera_to_base.trust.view.look import Look
 from camera_to_base.trust.view.motion_fit import Motion, MotionFit, SIMILARITY, TILTED
@@ -61,13 +62,13 @@ class QuickLook:
         self._background = background
         self._size = background.shape[1], background.shape[0]
         self._grey = _grey(background)
-        self._noise = _noise(self._grey)
+        self._noise = white_noise(self._grey)
         # A sample is the mean of 4 px.
         self._background_variance = (self._noise ** 2 + 2 * _ROUNDING) / 4
         self._variance = 2 * self._background_variance
         places = self._with_structure(find_places(self._grey, step_for(self._size)))
         self.surface_moves, self._usual = False, 1.0
-        self._usual_noise = _noise(_middle(background if witness is None else witness))
+        self._usual_noise = white_noise(_middle(background if witness is None else witness))
         if witness is not None and len(places):
             places = self._at_rest(places, witness)
         self._structure: Optional[Structure] = None
@@ -123,7 +124,7 @@ class QuickLook:
 
     def learn_noise(self, frame: np.ndarray) -> None:
         """Learn the same from the noise of a frame alone, wherever the camera stands."""
-        more = (_noise(_middle(frame)) ** 2 - self._usual_noise ** 2) / 4
+        more = (white_noise(_middle(frame)) ** 2 - self._usual_noise ** 2) / 4
         self._usual = min(max(1 + more / self._variance, self._usual), _MOST_USUAL)
 
     def _told_by(self, seen: PatchShifts, agrees: np.ndarray, fit: MotionFit,
@@ -186,11 +187,3 @@ def _middle(picture: np.ndarray) -> np.ndarray:
     # Enough of it to tell its noise, in grey.
     v, u = (max(0, (length - _NOISE_LENGTH) // 2) for length in picture.shape[:2])
     return _grey(picture[v:v + _NOISE_LENGTH, u:u + _NOISE_LENGTH])
-
-
-def _noise(grey: np.ndarray) -> float:
-    # J. Immerkaer, Fast noise variance estimation, 1996, with the median for the mean.
-    if min(grey.shape) < 3:
-        return 0.0
-    mask = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
-    return float(np.median(np.abs(cv2.filter2D(grey, cv2.CV_32F, mask)))) / 0.6745 / 6

@@ -17,6 +17,7 @@
 from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.reason import Level, Reason
+from camera_to_base.trust.noise import smoothed_noise
 import cv2
 import numpy as np
 
@@ -75,7 +76,8 @@ class ViewCheck:
         self._scale = max(1.0, max(height, width) / _LONGEST)
         self._size = tuple(max(1, round(length / self._scale)) for length in (width, height))
         small = self._small(background)
-        self._faintest = max(_FAINTEST_LEVELS, _NOISE_DEVIATIONS * _noise_in_detail(small))
+        self._faintest = max(
+            _FAINTEST_LEVELS, _NOISE_DEVIATIONS * smoothed_noise(small, _NOISE_SIGMA))
         self._detail = _detail(small)
         self._energy = _around(self._detail ** 2)
         self._picture = self._with_equal_contrast(self._detail, self._energy)
@@ -160,14 +162,6 @@ def _detail(picture: np.ndarray) -> np.ndarray:
 
 def _around(values: np.ndarray) -> np.ndarray:
     return cv2.GaussianBlur(values, (0, 0), _PLACE_SIGMA)
-
-
-def _noise_in_detail(picture: np.ndarray) -> float:
-    # J. Immerkaer, Fast noise variance estimation, 1996, with the median for the mean.
-    mask = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0])
-    deviation = np.median(np.abs(cv2.filter2D(picture, cv2.CV_32F, mask))) / 0.6745 / 6
-    # What a Gaussian filter leaves of it.
-    return float(deviation) / (2 * np.sqrt(np.pi) * _NOISE_SIGMA)
 
 
 def _without_edge(structure: np.ndarray) -> np.ndarray:
