@@ -39,17 +39,29 @@ class DetectionRate:
         return values
 
 
-def has_no_structure(view: Optional[View]) -> bool:
-    """Return whether a surface has no structure by which a moved camera could be detected."""
+def blind_spot(view: Optional[View]) -> Optional[str]:
+    """Tell which movements of the camera cannot be noticed, a sentence; None for none."""
+    if _has_no_structure(view):
+        return ('the view cannot be checked: the surface has no structure, so that nobody would '
+                'notice a nudge; put marks into its corners')
+    if view is not None and not view.tells_all:
+        return ('some movements of the camera cannot be noticed: the surface shows little but '
+                'straight lines, and none of them tells a movement along it; put marks into its '
+                'corners')
+    return None
+
+
+def _has_no_structure(view: Optional[View]) -> bool:
     return view is not None and view.shift_px is None and not view.has_structure
 
 
 def _shift_text(view: Optional[View]) -> str:
     if view is None:
         return 'not checked'
-    if has_no_structure(view):
+    if _has_no_structure(view):
         return 'cannot be checked, the surface has no structure'
-    return 'cannot be told' if view.shift_px is None else f'{view.shift_px:.1f}'
+    text = 'cannot be told' if view.shift_px is None else f'{view.shift_px:.1f}'
+    return text if view.tells_all else f'{text}, without movements along the lines of the surface'
 
 
 def _correction_text(correction: Optional[Correction]) -> str:

@@ -16,7 +16,7 @@
 
 from typing import Callable, Optional
 
-from camera_to_base.nodes.camera_health import camera_values, DetectionRate, has_no_structure
+from camera_to_base.nodes.camera_health import blind_spot, camera_values, DetectionRate
 from camera_to_base.nodes.feeds import Feed
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
@@ -50,7 +50,8 @@ class CameraWatch:
         self._is_calibrated, self._doubt = is_calibrated, doubt
         self._told_doubt: Optional[str] = None
         self._reason: Optional[Reason] = None
-        self._has_no_structure = self._told_faintness = False
+        self._blind_spot: Optional[str] = None
+        self._told_faintness = False
         self._detection_rate = DetectionRate()
         self._feed: Optional[Feed] = None
         self._heartbeat = Heartbeat(node)
@@ -76,11 +77,9 @@ class CameraWatch:
         if faintness is not None and not self._told_faintness:
             self._told_faintness = True
             self._logger.info(faintness)
-        knew, self._has_no_structure = (
-            self._has_no_structure, has_no_structure(self._pipeline.standpoint.view))
-        if self._has_no_structure and not knew:
-            self._logger.info('the view cannot be checked: the surface has no structure, so that '
-                              'nobody would notice a nudge; put marks into its corners')
+        knew, self._blind_spot = self._blind_spot, blind_spot(self._pipeline.standpoint.view)
+        if self._blind_spot not in (None, knew):
+            self._logger.info(self._blind_spot)
 
     def _tell_doubt(self, doubt: Optional[Reason]) -> None:
         if doubt is not None and doubt.kind != self._told_doubt:

@@ -392,6 +392,19 @@ def test_surface_without_structure_is_said_to_be_no_help_against_a_nudge(ros, pl
     assert sum('put marks into' in line.text for line in lines) == 1
 
 
+def test_movement_along_the_only_lines_of_a_surface_is_said_to_be_no_movement_to_the_view(
+        ros, play):
+    lined = table()
+    lined[60:64] = lined[400:404] = 120
+    lines = ros.listen_to_log('camera_publisher')
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    play([lined])
+    assert ros.spin_until(lambda: statuses and 'without movements along' in statuses[-1].values[
+        'view shift (px)'])
+    assert statuses[-1].level == 0
+    assert ros.spin_until(lambda: any('along it; put marks' in line.text for line in lines), 5.0)
+
+
 def test_objects_beyond_the_horizon_only_are_a_warning_for_as_long_as_nothing_else_is_seen(
         ros, play):
     def seen(*places):

@@ -52,12 +52,14 @@ class View(NamedTuple):
     :param has_structure: Whether the background shows anything by which a shift could be told.
     :param matrix: Two rows of three numbers, maps the background's pixels to the frame's; None
         where it cannot be told.
+    :param tells_all: Whether every movement could be told. Parallel lines tell none along them.
     """
 
     shift_px: Optional[float]
     changed_share: float
     has_structure: bool = True
     matrix: Optional[Tuple[Tuple[float, ...], ...]] = None
+    tells_all: bool = True
 
 
 class ViewCheck:

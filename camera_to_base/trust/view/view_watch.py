@@ -113,7 +113,8 @@ class ViewWatch:
             self.view = View(None, 0.0, has_structure=False)
             return None
         if self._is_sure(look):
-            self.view, self._matrix = View(look.shift_px, 1 - look.share), look.matrix
+            self.view = View(look.shift_px, 1 - look.share, tells_all=self._look.tells_all)
+            self._matrix = look.matrix
             self._look.learn(look)
             return None
         if self._held_back is not None and not in_full:
@@ -133,8 +134,9 @@ class ViewWatch:
 
     def _full_reason(self, frame: np.ndarray, look: Look) -> Optional[Reason]:
         limits = self._limits
-        view = self._check.compare(frame)._replace(has_structure=True)
-        if not self._look.tells_all:
+        view = self._check.compare(frame)._replace(
+            has_structure=True, tells_all=self._look.tells_all)
+        if not view.tells_all:
             # The full comparison takes a step from line to line for none.
             view = view._replace(shift_px=None, matrix=None)
         matrix, left = look.matrix, None
