@@ -19,8 +19,6 @@ from typing import Optional
 from camera_to_base.trust.view.quick_look import QuickLook
 import numpy as np
 
-# At rest, less of the structure than this is out of place from one frame to the next, and by less.
-_LEAST_SHARE, _LARGEST_SHIFT_PX = 0.5, 0.8
 # A camera that has swung stands still when nothing has moved for so long: at the end of a swing it
 # is slow. A surface that moves by itself (a belt) does not come to rest at all.
 _STILL_S, _LONGEST_WAIT_S = 0.5, 3.0
@@ -80,8 +78,4 @@ class _Seen:
         self._shape, self._look = frame.shape, QuickLook(frame)
 
     def has_moved(self, frame: np.ndarray) -> bool:
-        if frame.shape != self._shape:
-            return True
-        look = self._look.look(frame)
-        return look is not None and (
-            look.share < _LEAST_SHARE or look.shift_px > _LARGEST_SHIFT_PX)
+        return frame.shape != self._shape or self._look.has_moved(frame)

@@ -39,6 +39,9 @@ _TELLING = 1.0
 # A tilt counts where it moves a corner by this many px and by so many of its deviations, and where
 # so many patches agree on it.
 _LEAST_TILT_PX, _TILT_DEVIATIONS, _TILT_PATCHES = 0.8, 5.0, 12
+# From one frame to the next, a view at rest moves by less, in px. Where the patches agree on no
+# motion, they differ by less than this beyond the noise, in levels²: a camera's compression.
+_AT_REST_PX, _COMPRESSION = 0.8, 2.0
 
 
 class QuickLook:
@@ -101,6 +104,21 @@ class QuickLook:
         motion = self._motion_fit.solve(seen.shifts, seen.is_seen, seen.precision)
         return self._told_by(
             motion.agrees, seen.worth, self._motion_fit, self._told_part @ motion.numbers)
+
+    def has_moved(self, frame: np.ndarray) -> bool:
+        """
+        Tell whether a frame soon after the background shows that the camera or the surface moves.
+
+        :returns: False where the surface has no structure.
+        """
+        look = self.look(frame)
+        if look is None:
+            return False
+        if look.shift_px > _AT_REST_PX or look.share >= _LEAST_AT_REST:
+            return look.shift_px > _AT_REST_PX
+        seen = self._fit.measure(frame)
+        noise = self._variance * (1 + seen.gain ** 2) / 2
+        return float(seen.residuals.mean()) - noise > _COMPRESSION
 
     def _told_by(self, agrees: np.ndarray, worth: np.ndarray, fit: MotionFit,
                  numbers: np.ndarray) -> Look:
