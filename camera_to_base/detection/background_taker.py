@@ -84,6 +84,21 @@ class BackgroundTaker:
         self.taken_count = len(self._frames)
         return _median(self._frames)
 
+    @property
+    def is_unsettled(self) -> bool:
+        """Whether the last two frames differ too much."""
+        return self.reason is _UNSETTLED
+
+    def begun_again(self, frame: np.ndarray) -> 'BackgroundTaker':
+        """
+        Give one that begins with a frame, which the next one must agree with.
+
+        :param frame: Shape (h, w, 3), uint8, BGR, the last one that was added.
+        """
+        taker = BackgroundTaker(self._count)
+        taker._doubted = frame
+        return taker
+
     def _confirmed(self, frame: np.ndarray) -> Optional[np.ndarray]:
         # Returns the previous frame, if this one agrees with it.
         before = self._doubted

@@ -18,8 +18,15 @@ import time
 from typing import NamedTuple, Optional
 
 from camera_to_base.detection import BackgroundTaker
-from camera_to_base.reason import Reason
+from camera_to_base.reason import Level, Reason
+from camera_to_base.trust.camera_at_rest import CameraAtRest
 import numpy as np
+
+# The median of more frames outvotes a short movement, and to take it again would take long.
+_MOST_RETAKEN = 50
+_MOVING = Reason(
+    'background_unsettled', Level.WARN,
+    'taking the background: the view moves: wait until the camera stands still')
 
 
 class Background(NamedTuple):
@@ -61,16 +68,20 @@ class BackgroundKeeper:
         self.frame_count = 0
         self._before: Optional[Background] = None
         self._taker: Optional[BackgroundTaker] = None
+        self._rest = CameraAtRest()
 
     @property
     def reason(self) -> Optional[Reason]:
         """Why there is no background; None where there is one."""
-        return None if self._taker is None else self._taker.reason
+        if self._taker is None:
+            return None
+        is_moving = self._rest.is_awaited and not self._taker.is_unsettled
+        return _MOVING if is_moving else self._taker.reason
 
     def take(self, frame_count: int) -> None:
         """Take a background from the next frames."""
         self._before = self.current or self._before
-        self._taker = BackgroundTaker(frame_count)
+        self._taker, self._rest = BackgroundTaker(frame_count), CameraAtRest()
         self.current = None
 
     def use(self, background: Background) -> None:
@@ -83,16 +94,25 @@ class BackgroundKeeper:
             self.use(self._before)
         return self.current
 
-    def add(self, frame: np.ndarray) -> Optional[Background]:
+    def add(self, frame: np.ndarray, now: Optional[float]) -> Optional[Background]:
         """
         Add a frame while a background is taken.
 
         :param frame: Shape (h, w, 3), uint8, BGR.
+        :param now: Its time, in s; None for a recording.
         :returns: The background if it is complete now.
         """
         picture = self._taker.add(frame, confirm=self._confirm)
         if picture is None:
+            if self._taker.is_unsettled:
+                self._rest.note_difference(frame, now)
+            return None
+        if self._confirm and not self._may_use(picture, frame, now):
+            self._taker = self._taker.begun_again(frame)
             return None
         self.frame_count = self._taker.taken_count
         self.use(Background(picture, time.monotonic(), frame if self._confirm else None))
         return self.current
+
+    def _may_use(self, picture: np.ndarray, frame: np.ndarray, now: float) -> bool:
+        return self._taker.taken_count > _MOST_RETAKEN or self._rest.may_use(picture, frame, now)

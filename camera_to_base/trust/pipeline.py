@@ -174,12 +174,12 @@ class CameraPipeline:
         # Each step runs the next check; the first reason that a check returns is kept.
         try:
             check_frame(frame)
-            reason = self._background_reason(frame)
+            now = self._time_of(taken_at)
+            reason = self._background_reason(frame, now)
             if reason is not None:
                 return Sighting([], reason)
             self.standpoint.scene.prepare(self._detector)
             check_same_size(frame, self.background)
-            now = self._time_of(taken_at)
             reason = self.standpoint.reason(frame, now)
             if reason is not None:
                 return Sighting([], reason)
@@ -212,9 +212,11 @@ class CameraPipeline:
         # Each frame of a recording stands for itself.
         return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
 
-    def _background_reason(self, frame: np.ndarray) -> Optional[Reason]:
+    def _background_reason(
+        self, frame: np.ndarray, now: Optional[float]
+    ) -> Optional[Reason]:
         if self.backgrounds.current is None:
-            taken = self.backgrounds.add(frame)
+            taken = self.backgrounds.add(frame, now)
             if taken is not None:
                 self._use_background(taken)
         return self.backgrounds.reason

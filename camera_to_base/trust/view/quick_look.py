@@ -45,6 +45,9 @@ _NOISE_LENGTH = 240
 # What is usually left changes by this factor at most from one frame to the next, and by the other
 # one where all of the frame was compared; and it is at most so many times the noise.
 _FASTEST, _FASTEST_IN_FULL, _MOST_USUAL = 1.02, 1.5, 16.0
+# From one frame to the next, a view at rest moves by less, in px. Where the patches agree on no
+# motion, they differ by less than this beyond the noise, in levels²: a camera's compression.
+_AT_REST_PX, _COMPRESSION = 0.8, 2.0
 
 
 class QuickLook:
@@ -126,6 +129,21 @@ class QuickLook:
         """Learn the same from the noise of a frame alone, wherever the camera stands."""
         more = (white_noise(_middle(frame)) ** 2 - self._usual_noise ** 2) / 4
         self._usual = min(max(1 + more / self._variance, self._usual), _MOST_USUAL)
+
+    def has_moved(self, frame: np.ndarray) -> bool:
+        """
+        Tell whether a frame soon after the background shows that the camera or the surface moves.
+
+        :returns: False where the surface has no structure.
+        """
+        look = self.look(frame)
+        if look is None:
+            return False
+        if look.shift_px > _AT_REST_PX or look.share >= _LEAST_AT_REST:
+            return look.shift_px > _AT_REST_PX
+        seen = self._fit.measure(frame)
+        noise = self._variance * (1 + seen.gain ** 2) / 2
+        return float(seen.residuals.mean()) - noise > _COMPRESSION
 
     def _told_by(self, seen: PatchShifts, agrees: np.ndarray, fit: MotionFit,
                  numbers: np.ndarray) -> Look:
