@@ -212,9 +212,7 @@ class CameraPipeline:
         # Each frame of a recording stands for itself.
         return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
 
-    def _background_reason(
-        self, frame: np.ndarray, now: Optional[float]
-    ) -> Optional[Reason]:
+    def _background_reason(self, frame: np.ndarray, now: Optional[float]) -> Optional[Reason]:
         if self.backgrounds.current is None:
             taken = self.backgrounds.add(frame, now)
             if taken is not None:
