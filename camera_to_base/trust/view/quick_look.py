@@ -102,9 +102,9 @@ class QuickLook:
 
         :returns: None where the surface has no structure.
         """
-        if not self.has_structure:
-            return None
-        seen = self._fit.measure(frame, self._usual)
+        return self._look_at(self._fit.measure(frame, self._usual)) if self.has_structure else None
+
+    def _look_at(self, seen: PatchShifts) -> Look:
         tilted = self._tilted(seen)
         if tilted is not None:
             return self._told_by(seen, tilted.agrees, self._tilt_fit, tilted.numbers)
@@ -136,12 +136,12 @@ class QuickLook:
 
         :returns: False where the surface has no structure.
         """
-        look = self.look(frame)
-        if look is None:
+        if not self.has_structure:
             return False
+        seen = self._fit.measure(frame, self._usual)
+        look = self._look_at(seen)
         if look.shift_px > _AT_REST_PX or look.share >= _LEAST_AT_REST:
             return look.shift_px > _AT_REST_PX
-        seen = self._fit.measure(frame)
         noise = self._variance * (1 + seen.gain ** 2) / 2
         return float(seen.residuals.mean()) - noise > _COMPRESSION
 
