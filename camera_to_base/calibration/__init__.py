@@ -38,8 +38,6 @@ from camera_to_base.calibration.coverage_map import (
 from camera_to_base.calibration.fits.rigid_fit import pair_figures, PairFigures
 from camera_to_base.calibration.kept_correction import corrected_file_text, OfferedCorrection
 from camera_to_base.calibration.markers.learning import learned_markers
-from camera_to_base.calibration.markers.touched_calibration import (
-    calibrate_touched_markers, markers_to_touch, TouchedCalibration)
 from camera_to_base.calibration.report_text import Report, report_lines
 from camera_to_base.calibration.result import Calibration
 from camera_to_base.calibration.status import file_status, report_of, without_report
@@ -54,14 +52,14 @@ from camera_to_base.calibration.touches.touched_place import FRAMES, measured_pl
 
 __all__ = [
     'add_camera_pose', 'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements',
-    'calibrate_surface', 'calibrate_touched_markers', 'calibrate_touches', 'Calibration',
+    'calibrate_surface', 'calibrate_touches', 'Calibration',
     'cell_text', 'check_surface', 'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES',
     'grown', 'has_one_origin', 'learned_markers', 'look_for', 'make_placement', 'map_lines',
-    'marker_sheet_content', 'MARKERS', 'markers_to_touch', 'measured_place', 'NINTHS',
+    'marker_sheet_content', 'MARKERS', 'measured_place', 'NINTHS',
     'OfferedCorrection', 'pair_figures', 'PairFigures', 'PAPERS', 'part_values', 'parts_of',
     'parts_to_lose', 'Place', 'Placement', 'point_pairs', 'PrintedBoard', 'read_camera_info',
     'read_pairs', 'read_points', 'read_typed_position', 'refuse_other_size', 'refuse_unlike',
     'renumbered', 'Report', 'report_lines', 'report_of', 'shares_of', 'sheet_content',
-    'suggested_places', 'Suggestion', 'SURFACE', 'TITLE', 'TouchedCalibration', 'TouchedPair',
+    'suggested_places', 'Suggestion', 'SURFACE', 'TITLE', 'TouchedPair',
     'uncovered', 'without_report',
 ]

@@ -77,11 +77,7 @@ def _image_size(report: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _lens(report: Mapping[str, Any]) -> Iterator[str]:
-    if 'lens_deviation' in report:
-        yield (f'lens: not measured; the shape of the markers alone gives a radial coefficient of '
-               f'{report["distortion_coefficient"]:.3f} +- {report["lens_deviation"]:.3f}; '
-               'calibrate board measures it')
-    elif report['distortion_coefficient'] != 0:
+    if report['distortion_coefficient'] != 0:
         u, v = report['distortion_centre']
         yield (f'lens: radial coefficient {report["distortion_coefficient"]:.4f} about pixel '
                f'({u:.1f}, {v:.1f})')

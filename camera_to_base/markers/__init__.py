@@ -30,12 +30,12 @@ from camera_to_base.markers.new_surface import (
 from camera_to_base.markers.seen import see_markers, SeenMarkers, TABLE_MARKERS
 from camera_to_base.markers.specs import (
     known_markers, LEAST_MARKERS, MARKER_SPECS, marker_values, refuse_polynomial)
-from camera_to_base.markers.surface_fit import Corners, MarkerFit, outward_moves
+from camera_to_base.markers.surface_fit import Corners, MarkerFit
 
 __all__ = [
     'CELLS', 'Corners', 'find_markers', 'has_markers', 'judge_markers', 'known_markers',
     'LEAST_MARKERS', 'lens_of_values', 'MarkedSurface', 'MARKER_COUNT', 'MARKER_SPECS',
     'marker_cells', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook',
-    'new_surface_values', 'NewSurface', 'NO_ARUCO', 'outward_moves', 'refuse_polynomial',
+    'new_surface_values', 'NewSurface', 'NO_ARUCO', 'refuse_polynomial',
     'see_markers', 'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
 ]

@@ -12,10 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 """
-Markers of a table: their corners on a calibrated surface, or the surface from them alone.
+Markers of a table: their corners on a calibrated surface.
 
-In: markers in px, as several frames show them, a calibration's parameters, and where the robot
-touched them. Out: the parameters `markers.*`, and a report.
+In: markers in px, as several frames show them, and a calibration's parameters. Out: the
+parameters `markers.*`, and a report.
 
 Caller: the modules of `calibration`.
 """

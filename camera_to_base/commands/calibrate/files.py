@@ -16,7 +16,7 @@
 
 import argparse
 import os
-from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional
+from typing import Any, Dict, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
     BASE, Calibration, cell_text, grown, MARKERS, part_values, parts_of, parts_to_lose, Report,
@@ -134,13 +134,12 @@ def check_outputs(
 
 def write_part(
     calibration: Calibration, outputs: Outputs, part: str,
-    values: Optional[Mapping[str, Any]] = None, comments: Iterable[str] = (),
+    values: Optional[Mapping[str, Any]] = None,
 ) -> Report:
     """
     Write the parameter file with a new part, and the picture; return the report.
 
     :param values: Further parameters by full name.
-    :param comments: Further lines for the file's top.
     """
     growth = grown(outputs.old.values if outputs.old else {},
                    {**(values or {}), **part_values(calibration)}, part)
@@ -150,7 +149,7 @@ def write_part(
     if outputs.old is not None and part != SURFACE:
         kept = without_report(
             [line for line in outputs.old.comments if line != TITLE], report['model'])
-    text = cell_text(growth.values, [*report_lines(report), *comments], kept)
+    text = cell_text(growth.values, report_lines(report), kept)
     contents = {outputs.file: text.encode()}
     if outputs.picture is not None:
         contents[outputs.picture] = encoded_picture(outputs.picture, calibration.picture)

@@ -16,8 +16,6 @@
 
 import argparse
 
-from camera_to_base.commands.calibrate.shared_options import (
-    add_base_z, add_image_size, add_robot_topic)
 from camera_to_base.commands.parser import decimal
 
 MARKERS_EXAMPLES = """
@@ -26,10 +24,6 @@ of the working area. Once the surface is calibrated, and before the camera is mo
 
   calibrate markers --camera 0 -o cell.yaml
   calibrate base --markers cell.yaml
-
-Without a board, the robot touches the markers, and the file holds all. It is less exact:
-
-  calibrate markers --camera 0 --marker-mm 40 --base -o cell.yaml
 
 The running node then computes the surface anew from three or four markers wherever the camera
 stands."""
@@ -44,16 +38,9 @@ def add_markers(markers: argparse.ArgumentParser) -> None:
                               'simulated (default: the source that FILE names)')
     markers.add_argument('--marker-mm', type=decimal, metavar='40',
                          help='edge of the black square as printed: measure it')
-    markers.add_argument('--base', action='store_true',
-                         help='no board was used: the robot touches the middle of four markers or '
-                              'more, and the surface and the base frame come from them; needs '
-                              '--marker-mm')
-    add_base_z(markers)
-    add_robot_topic(markers, '--base')
-    add_image_size(markers, 'requested from --camera, for --base')
     markers.add_argument('-o', '--output', required=True, metavar='FILE',
                          help='the parameter file with the surface, to which the markers are '
-                              'added; with --base a new file, too')
+                              'added')
     markers.add_argument('--force', action='store_true', help='replace what is in the file')
 
 

@@ -19,7 +19,6 @@ from typing import Tuple
 from camera_to_base.calibration import learned_markers, MARKERS, Report, SURFACE
 from camera_to_base.commands.calibrate.files import check_outputs, refuse_without, write_part
 from camera_to_base.commands.calibrate.marker_frames import marker_frames, markers_in
-from camera_to_base.commands.calibrate.touched_markers import run_touched_markers
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.markers import lens_of_values
 from camera_to_base.parameters import checked_values
@@ -29,12 +28,6 @@ import numpy as np
 
 def run_markers(options: argparse.Namespace) -> Report:
     """Learn the markers, and write the file."""
-    if options.base:
-        return run_touched_markers(options)
-    for name, value in (('--robot-topic', options.robot_topic),
-                        ('--image-size', options.image_size)):
-        if value is not None:
-            raise InvalidValueError(f'{name} is for calibrate markers --base')
     outputs = check_outputs(options, MARKERS, *options.pictures, may_picture=False)
     old = outputs.old.values if outputs.old else {}
     refuse_without(SURFACE, options.output, old)
