@@ -97,13 +97,8 @@ class DetectorSettings:
     @property
     def without_effect(self) -> List[str]:
         """Names of settings that were changed but belong to another method."""
-        return [name for names in _METHOD_SETTINGS.values() for name in names
-                if not self.has_effect(name) and getattr(self, name) != getattr(type(self), name)]
-
-    def has_effect(self, name: str) -> bool:
-        """Return whether the method in use has a setting."""
-        return not any(name in names for method, names in _METHOD_SETTINGS.items()
-                       if method != self.method)
+        return [name for method, names in _METHOD_SETTINGS.items() if method != self.method
+                for name in names if getattr(self, name) != getattr(type(self), name)]
 
     def faintness(self, noise: float) -> str:
         """Say how faint an object may be with some noise, see :attr:`Detector.noise`."""

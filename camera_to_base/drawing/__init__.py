@@ -28,11 +28,10 @@ from camera_to_base.drawing.ellipses import draw_ellipses
 from camera_to_base.drawing.left_out import draw_left_out
 from camera_to_base.drawing.overlay import (
     base_label, camera_label, check_picture_path, draw_note, draw_objects, encoded_picture, Label,
-    object_mask, write_picture)
+    object_mask)
 
 __all__ = [
     'AnnotatedVideo', 'AreaOverlay', 'BackgroundFile', 'base_label', 'camera_label',
     'check_background_path', 'check_picture_path', 'check_video_path', 'draw_ellipses',
     'draw_left_out', 'draw_note', 'draw_objects', 'encoded_picture', 'Label', 'object_mask',
-    'write_picture',
 ]

@@ -23,7 +23,7 @@ from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import Box, check_frame, Detection, LocatedObject, Pixel, Point
 from camera_to_base.drawing.labels import Labels, line_width, TextStyle
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.files import check_folder, write_files
+from camera_to_base.files import check_folder
 import cv2
 import numpy as np
 
@@ -91,16 +91,6 @@ def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarr
     for found in objects:
         cv2.fillPoly(mask, [found.detection.outline], 255)
     return mask
-
-
-def write_picture(path: str, picture: np.ndarray) -> None:
-    """
-    Write a picture file as a whole: a reader sees either the old file or the new one.
-
-    :param path: The file's path; the ending sets the format.
-    :raises InvalidValueError: If it cannot be written.
-    """
-    write_files({path: encoded_picture(path, picture)})
 
 
 def encoded_picture(path: str, picture: np.ndarray) -> bytes:

@@ -25,11 +25,8 @@ from camera_to_base.commands.locate.options import parse
 from camera_to_base.commands.locate.position_table import (
     COLUMNS, csv_cells, positions, table_header, table_line)
 from camera_to_base.commands.locate.sighting_counter import SightingCounter
-from camera_to_base.commands.locate.sweep import sweep, sweep_lines
-from camera_to_base.commands.locate.sweep_picture import sweep_picture
 from camera_to_base.commands.output import drop_output
-from camera_to_base.drawing import (
-    AnnotatedVideo, draw_ellipses, draw_note, draw_objects, write_picture)
+from camera_to_base.drawing import AnnotatedVideo, draw_ellipses, draw_note, draw_objects
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.interrupt import Interrupt, serve_signals
 from camera_to_base.settings import CameraSettings, NodeSettings, read_node_settings
@@ -71,10 +68,7 @@ def _run(options: argparse.Namespace, interrupt: Interrupt) -> int:
     recording = _open(options, settings.camera)
     try:
         frames = _frames(recording, options.every, interrupt)
-        if options.sweep:
-            _sweep(options, settings.camera, frames)
-        else:
-            _locate(options, settings, recording, frames)
+        _locate(options, settings, recording, frames)
     finally:
         recording.release()
     return 130 if interrupt.came and recording.kind.ends else 0
@@ -104,17 +98,6 @@ def _frames(recording: Recording, every: int, interrupt: Interrupt) -> Iterator[
         itertools.takewhile(lambda _: not interrupt.came, recording.frames()), 0, None, every)
     return iter(tqdm(frames, total=count and -(-count // every), unit='frame', leave=False,
                      disable=None))
-
-
-def _sweep(
-    options: argparse.Namespace, settings: CameraSettings, frames: Iterator[TimedFrame]
-) -> None:
-    result = sweep(settings, options.sweep, frames)
-    for counter in result.counters:
-        counter.check_any_used()
-    print('\n'.join(sweep_lines(result)), flush=True)
-    write_picture(options.picture, sweep_picture(result))
-    print(f'picture: {options.picture}', file=sys.stderr)
 
 
 def _locate(

@@ -17,9 +17,8 @@
 import argparse
 from typing import List, Optional
 
-from camera_to_base.commands.locate.sweep import MOST_VALUES, NAMES, sweep_range
 from camera_to_base.commands.parser import CommandParser
-from camera_to_base.drawing import check_picture_path, check_video_path
+from camera_to_base.drawing import check_video_path
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import refuse_existing, refuse_same_file
 from camera_to_base.sources import BAG, kind_of
@@ -35,16 +34,12 @@ first frame, or as many as background_frames says, must show the empty surface.
   locate 0 --params-file cell.yaml                           a camera, until Ctrl-C
 
 Do not control an arm with this command: a camera's frames wait in a queue while one is processed.
-The nodes always take the newest frame.
-
-The number of frames with an object, for the thresholds 40, 50, ... 120:
-
-  locate last_night.mp4 --params-file cell.yaml --sweep threshold=40:120:10 --picture sweep.png"""
+The nodes always take the newest frame."""
 
 
 def parse(args: Optional[List[str]]) -> argparse.Namespace:
     """
-    Parse the command line; `sweep` becomes a SweepRange.
+    Parse the command line.
 
     :raises InvalidValueError: If an option has an invalid value, or an output file exists already.
     :raises SystemExit: With code 0 after --help, with 1 if an option is unknown or missing.
@@ -54,7 +49,6 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
         raise InvalidValueError(f'--every must be 1 or more, got {options.every}')
     if options.topic and kind_of(options.source) != BAG:
         raise InvalidValueError(f"--topic is for a bag, got '{options.source}': leave it out")
-    _check_sweep(options)
     _check_files(options)
     return options
 
@@ -80,32 +74,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--csv', metavar='OUT.csv', help='also write the table to this file')
     parser.add_argument('--annotated', metavar='OUT.mp4',
                         help='write a video of the frames with the objects drawn on them')
-    parser.add_argument('--sweep', metavar='NAME=FIRST:LAST:STEP',
-                        help='instead: count the frames with an object for each value of a '
-                             f'detector parameter, {MOST_VALUES} values at most; NAME is one of '
-                             f'{", ".join(NAMES)}; threshold is that of the method in use')
-    parser.add_argument('--picture', metavar='SWEEP.png',
-                        help='the chart that --sweep writes (default: sweep.png)')
     parser.add_argument('--force', action='store_true', help='overwrite files')
     return parser
 
 
-def _check_sweep(options: argparse.Namespace) -> None:
-    if options.sweep is None:
-        if options.picture:
-            raise InvalidValueError('--picture is the chart of a --sweep: add one')
-        return
-    if options.csv or options.annotated:
-        raise InvalidValueError('a --sweep has no positions for --csv and --annotated: run twice')
-    options.sweep = sweep_range(options.sweep)
-    options.picture = options.picture or 'sweep.png'
-
-
 def _check_files(options: argparse.Namespace) -> None:
-    outputs = [path for path in (options.csv, options.annotated, options.picture) if path]
+    outputs = [path for path in (options.csv, options.annotated) if path]
     refuse_same_file([options.source, options.params_file, *outputs])
-    if options.picture:
-        check_picture_path(options.picture)
     if options.annotated:
         check_video_path(options.annotated)
     if not options.force:

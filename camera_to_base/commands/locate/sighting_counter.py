@@ -41,14 +41,9 @@ class SightingCounter:
             settings.surface, settings.detector, settings.limits, settings.background_frames, kind,
             settings.markers)
         self._uncertainty = settings.uncertainty
-        self.frames = self.with_one = self.with_more = 0
+        self.frames = self._with_one = self._with_more = 0
         self._counts: Counter = Counter()
         self._first: Dict[str, Reason] = {}
-
-    @property
-    def with_any(self) -> int:
-        """Number of frames with an object."""
-        return self.with_one + self.with_more
 
     def see(self, timed: TimedFrame) -> Sighting:
         """
@@ -64,9 +59,9 @@ class SightingCounter:
             self._counts[reason.kind] += 1
             self._first.setdefault(reason.kind, reason)
         elif len(sighting.objects) == 1:
-            self.with_one += 1
+            self._with_one += 1
         elif sighting.objects:
-            self.with_more += 1
+            self._with_more += 1
         return sighting
 
     def uncertainty(self, frame: np.ndarray) -> FrameUncertainty:
@@ -89,8 +84,8 @@ class SightingCounter:
 
     def summary(self) -> List[str]:
         """Return the counts as lines of text."""
-        lines = [f'{self.frames} frames: {self.with_any} with an object ({self.with_one} with '
-                 f'one, {self.with_more} with more)']
+        lines = [f'{self.frames} frames: {self._with_one + self._with_more} with an object '
+                 f'({self._with_one} with one, {self._with_more} with more)']
         return lines + [
             f'frames held back: {count} ({kind}, the first: {self._first[kind].sentence})'
             for kind, count in self._counts.most_common()]

@@ -202,9 +202,6 @@ def test_recording_of_another_size_than_the_calibration_is_refused_in_one_senten
     (['disc.avi', '--annotated', 'seen.avi'], "must end in .mp4, got 'seen.avi'"),
     (['disc.avi', '--annotated', 'no/seen.mp4'], "there is no folder 'no'"),
     (['disc.avi', '--topic', '/image'], '--topic is for a bag'),
-    (['disc.avi', '--picture', 'a.png'], '--sweep'),
-    (['disc.avi', '--sweep', 'threshold=1:2'], 'NAME=FIRST:LAST:STEP'),
-    (['disc.avi', '--sweep', 'threshold=1:9:1', '--csv', 'a.csv'], 'run twice'),
     (['disc.avi', '--params-file', 'missing.yaml'], "'missing.yaml'"),
     (['disc.avi', '--no-such-option'], '--no-such-option')])
 def test_what_cannot_be_done_is_one_sentence_and_exit_code_1(run, arguments, said):
@@ -234,19 +231,6 @@ def test_files_are_overwritten_only_if_asked_for(run):
     assert Path('out.csv').read_text() == 'precious'
     assert run('disc.avi', '--csv', 'out.csv', '--force')[0] == 0
     assert len(rows()) == 20
-
-
-def test_sweep_counts_frames_for_each_value_and_draws_them(run):
-    # The disc is 160 grey levels darker than the table.
-    code, output, _ = run('disc.avi', '--sweep', 'threshold=100:200:20', '--params-file',
-                          parameters('detector: {method: tutorial}'))
-    header, *lines = output.splitlines()
-    assert code == 0 and header.startswith('detector.threshold (now 95)')
-    assert [line.split() for line in lines] == [
-        [value, *counts] for value, counts in zip(
-            ('100', '120', '140', '160', '180', '200'),
-            [['1', '20', '0']] * 3 + [['21', '0', '0']] * 3)]
-    assert cv2.imread('sweep.png').shape[2] == 3
 
 
 def test_ctrl_c_ends_a_camera_with_0_and_all_that_was_found(run, monkeypatch):
