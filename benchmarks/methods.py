@@ -17,7 +17,7 @@
 from typing import List
 
 from camera_to_base.detection import (
-    AbsoluteDifferenceDetector, Box, Detection, Pixel, PreciseDifferenceDetector, touches_edge)
+    Box, Detection, Pixel, PreciseDifferenceDetector, touches_edge)
 import cv2
 import numpy as np
 
@@ -85,7 +85,6 @@ class OneRead:
 
 METHODS = {
     'tutorial': TutorialReference,
-    'tutorial fast': AbsoluteDifferenceDetector,
     'precise': PreciseDifferenceDetector,
     'MOG2': lambda background: BackgroundModel(background, cv2.createBackgroundSubtractorMOG2()),
     'KNN': lambda background: BackgroundModel(background, cv2.createBackgroundSubtractorKNN()),

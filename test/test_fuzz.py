@@ -28,7 +28,7 @@ from camera_to_base.calibration.surface_calibration import calibrate_surface, ch
 from camera_to_base.calibration.tables import (
     PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_pairs, read_points, SIZE_COLUMNS)
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
-from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
 from camera_to_base.parameters.file import parameter_text, read_parameter_file
 from camera_to_base.parameters.spec import checked_values

@@ -35,7 +35,7 @@ from camera_to_base.detection.random_pixels import random_pixel
 from camera_to_base.detection.seen_shape import object_shape
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.specs import AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS
-from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',

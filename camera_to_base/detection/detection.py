@@ -15,7 +15,7 @@
 """A detector's results: outline, area, centre and axes of an object."""
 
 from dataclasses import dataclass, field
-from typing import List, Mapping, NamedTuple, Optional
+from typing import Mapping, NamedTuple, Optional
 
 from camera_to_base.detection.shape import principal_axes
 from camera_to_base.errors import FrameSizeError, InvalidValueError
@@ -124,20 +124,6 @@ def check_same_size(frame: np.ndarray, background: np.ndarray) -> None:
         raise FrameSizeError(
             f'the frame is {_size_text(frame)}, but the background is {_size_text(background)}: '
             'use one picture size')
-
-
-def find_outlines(mask: np.ndarray, left: int, top: int) -> List[np.ndarray]:
-    """
-    Find the outer outlines in a mask.
-
-    :param mask: Shape (h, w), uint8, 0 where there is nothing.
-    :param left: Column of the picture at which the mask starts, in px.
-    :param top: Row of the picture at which the mask starts, in px.
-    :returns: One array of shape (n, 1, 2), int32, for each connected object, in px of the picture.
-    """
-    outlines, _ = cv2.findContours(
-        mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE, offset=(left, top))
-    return list(outlines)
 
 
 def touches_edge(box: Box, picture: np.ndarray) -> bool:

@@ -22,7 +22,7 @@ from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.limits import STRONG_DEVIATIONS
 from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
-from camera_to_base.detection.tutorial.absolute_difference import AbsoluteDifferenceDetector
+from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import Hull
 import numpy as np
