@@ -17,9 +17,9 @@
 import threading
 import time
 import traceback
-from typing import Any, Callable, Dict, Mapping, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Set, Tuple
 
-from camera_to_base.dashboard.sessions.cell_sessions import CellSessions, Changes, PARTS
+from camera_to_base.dashboard.sessions.cell_sessions import CellSessions, PARTS
 
 # A session may change several times for one frame.
 _PAUSE_S = 0.05
@@ -63,12 +63,6 @@ class AllSessions:
         """Tell all states of a cell."""
         for part in PARTS:
             self._mark(cell, part)
-
-    def act(
-        self, cell: str, part: str, name: str, body: Mapping[str, Any]
-    ) -> Optional[Changes]:
-        """Carry out what a page asks for, see :meth:`CellSessions.act`."""
-        return self.of(cell).act(part, name, body)
 
     def close(self) -> None:
         """End all sessions."""

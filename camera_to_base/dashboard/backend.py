@@ -62,10 +62,6 @@ class Backend:
         """Do not receive a kind of picture any more."""
         self._call(lambda: self._cells.look_away_picture(cell, kind))
 
-    async def cells(self) -> List[Dict[str, Any]]:
-        """Return all cells."""
-        return await self._answer(self._cells.all_cells)
-
     async def set_parameters(
         self, cell: str, node: str, values: Dict[str, Any]
     ) -> Dict[str, Any]:
@@ -77,11 +73,6 @@ class Backend:
         """Take the background anew; return the node's sentence."""
         return await self._answer(
             lambda: self._cells.watch(cell).capture_background(), _LONGEST_BACKGROUND_S)
-
-    async def geometry(self, cell: str, name: str, numbers: Any) -> Any:
-        """Map pixels to points or back: `locate` or `pixels` of :class:`Geometry`."""
-        return await self._answer(
-            lambda: getattr(self._cells.watch(cell).known_geometry, name)(numbers))
 
     async def act(
         self, cell: str, part: str, name: str, body: Dict[str, Any]

@@ -14,7 +14,7 @@
 
 """The cells that somebody looks at, in the thread of the node's executor."""
 
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict
 
 from camera_to_base.dashboard.all_sessions import AllSessions
 from camera_to_base.dashboard.live.cell_watch import CellWatch
@@ -45,10 +45,6 @@ class WatchedCells:
         self._watches: Dict[str, CellWatch] = {}
         # Kept while nobody looks: a page that is loaded again shows them again.
         self._lines: Dict[str, Lines] = {}
-
-    def all_cells(self) -> List[Dict[str, Any]]:
-        """Return all cells as JSON."""
-        return [cell.data for cell in self._cells.find()]
 
     def look_at(self, namespace: str) -> None:
         """Watch a cell."""

@@ -23,7 +23,7 @@ from tornado.httpclient import HTTPClientError
 
 TOKEN = 'a-token-of-enough-characters'
 OPEN = ('-p', 'host:=0.0.0.0', '-p', f'token:={TOKEN}')
-ACTION = ('/api/locate?cell=/', {'u': 1, 'v': 1})
+ACTION = ('/api/background?cell=/', {})
 
 
 def refusal(page, **headers):
@@ -76,7 +76,7 @@ def test_a_page_of_another_site_changes_nothing(dashboard, origin):
         page.socket('/ws/picture?cell=/&kind=frame', Origin=origin)
 
 
-@pytest.mark.parametrize('path', ['/', '/web/main.js', '/api/cells', '/nothing'])
+@pytest.mark.parametrize('path', ['/', '/web/main.js', '/api/file', '/nothing'])
 def test_nothing_is_read_without_the_token(ros, dashboard, path):
     opened = dashboard(*OPEN)
     page = DashboardClient(ros, opened.origin)

@@ -44,7 +44,7 @@ def marker_sheet_content(paper: str, marker_mm: float, file_format: str = 'pdf')
 
     :param paper: One of PAPERS.
     :param marker_mm: Edge of a marker's black square.
-    :param file_format: One of FORMATS.
+    :param file_format: 'pdf', 'svg' or 'png'.
     :returns: The file's content.
     :raises InvalidValueError: If the markers do not fit on the paper; the text names the largest
         that do.

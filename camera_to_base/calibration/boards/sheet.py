@@ -25,7 +25,6 @@ import numpy as np
 
 # Width and height as the sheet lies, in mm.
 PAPERS = {'A4': (297.0, 210.0), 'A3': (420.0, 297.0), 'Letter': (279.4, 215.9)}
-FORMATS = ('pdf', 'svg', 'png')
 MM_PER_INCH = 25.4
 PNG_DPI = 300
 # Printers leave an edge white; the texts and the ruler take the rest.
@@ -45,7 +44,7 @@ def sheet_content(
     :param columns: Inner corners along a row.
     :param rows: Inner corners along a column.
     :param square_mm: A square's edge.
-    :param file_format: One of FORMATS.
+    :param file_format: 'pdf', 'svg' or 'png'.
     :param with_markers: Whether to draw a ChArUco board.
     :returns: The file's content.
     :raises InvalidValueError: If the board does not fit on the paper; the text names the largest

@@ -82,18 +82,6 @@ class CellWatch:
         self._timer = real_time_timer(node, _PERIOD_S, self._beat)
         self._look_at_graph()
 
-    @property
-    def known_geometry(self) -> Geometry:
-        """
-        Where things are.
-
-        :raises InvalidValueError: If the camera node's parameters are not known.
-        """
-        if self.geometry is None:
-            raise InvalidValueError('camera_publisher has not told its parameters yet: does it '
-                                    'run?')
-        return self.geometry
-
     def set_parameters(self, node: str, values: Values) -> Future:
         """
         Set parameters of a node, all or none.

@@ -14,7 +14,7 @@
 
 """Finds the cells of the ROS graph: the namespaces with a camera node or a transform node."""
 
-from typing import Any, Dict, List, NamedTuple, Optional, Set
+from typing import Dict, List, NamedTuple, Optional, Set
 
 from rclpy.node import Node
 
@@ -35,9 +35,9 @@ class Cell(NamedTuple):
     transform: Optional[str]
 
     @property
-    def data(self) -> Dict[str, Any]:
+    def data(self) -> Dict[str, str]:
         """The cell as JSON."""
-        return {'cell': self.namespace, 'camera': self.camera, 'transform': self.transform}
+        return {'cell': self.namespace}
 
 
 class Cells:

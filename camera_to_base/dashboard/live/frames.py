@@ -82,7 +82,3 @@ class SeenFrames:
         seen = [frame for frame in reversed(self._frames.values()) if frame.camera is not None]
         whole = (frame for frame in seen[:_LONGEST_WAIT_FRAMES] if frame.base is not None)
         return next(whole, seen[0] if seen else None)
-
-    def clear(self) -> None:
-        """Forget all frames."""
-        self._frames.clear()

@@ -16,7 +16,7 @@
 
 from typing import Any, Dict, List, Optional, Sequence
 
-from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import (
     checked_values, transform_node_settings, TRANSFORM_SPECS, TransformSettings, Values)
 from camera_to_base.settings import camera_settings, CAMERA_SPECS, CameraSettings
@@ -43,25 +43,14 @@ class Geometry:
             checked_values(TRANSFORM_SPECS, transform)) if transform else None
         self.map_data = self._map_data()
 
-    def locate(self, pixels: Sequence[Sequence[float]]) -> List[List[float]]:
-        """
-        Map pixels to the work surface.
-
-        :param pixels: Shape (n, 2), u and v, in px.
-        :returns: Shape (n, 2), x and y in the camera frame, in cm.
-        :raises CameraToBaseError: If one is no pixel of the surface.
-        """
-        return self.settings.surface.locate(_pairs(pixels)).tolist()
-
     def pixels(self, points: Sequence[Sequence[float]]) -> List[Optional[List[float]]]:
         """
         Map points on the work surface to the picture.
 
         :param points: Shape (n, 2), x and y in the camera frame, in cm.
         :returns: Of each, u and v, in px; None if it has no pixel.
-        :raises InvalidValueError: If they are no points.
         """
-        found = self.settings.surface.pixels(_pairs(points))
+        found = self.settings.surface.pixels(np.array(points, float))
         return [pixel if np.isfinite(pixel).all() else None for pixel in found.tolist()]
 
     def _map_data(self) -> Dict[str, Any]:
@@ -69,9 +58,7 @@ class Geometry:
         return {
             'reach_cm': self.transform and [0.0, self.transform.reach_cm],
             'view': self._in_base_frame(self._view()),
-            'work_area': None if work is None else self._in_base_frame(work.corners),
-            'base_from_camera': (
-                self.transform and self.transform.conversion.base_from_camera.tolist())}
+            'work_area': None if work is None else self._in_base_frame(work.corners)}
 
     @property
     def image_data(self) -> Dict[str, int]:
@@ -95,13 +82,3 @@ class Geometry:
             return None
         base_points = self.transform.conversion.convert_surface_points(points)
         return np.round(base_points[:, :2], 3).tolist()
-
-
-def _pairs(numbers: Any) -> np.ndarray:
-    try:
-        pairs = np.array(numbers, float)
-    except (TypeError, ValueError):
-        pairs = np.empty(0)
-    if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.isfinite(pairs).all():
-        raise InvalidValueError(f'expected pairs of finite numbers, got {numbers!r:.80}')
-    return pairs

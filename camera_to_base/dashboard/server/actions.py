@@ -63,14 +63,6 @@ class Unknown(Action):
         raise Refused(404, f'there is no {self.request.path:.80}')
 
 
-class ListCells(Action):
-    """The cells."""
-
-    async def get(self) -> None:
-        """Answer with all cells."""
-        self.answer(await self.backend.cells())
-
-
 class SetParameters(Action):
     """Parameters of a node."""
 
@@ -91,27 +83,4 @@ class TakeBackground(Action):
         self.answer({'sentence': await self.backend.capture_background(self.cell)})
 
 
-class LocatePixel(Action):
-    """A pixel's point on the surface."""
-
-    async def post(self) -> None:
-        """Answer with x and y in the camera frame, in cm."""
-        body = self.body()
-        point, = await self.backend.geometry(
-            self.cell, 'locate', [[body.get('u'), body.get('v')]])
-        self.answer({'x': point[0], 'y': point[1]})
-
-
-class FindPixels(Action):
-    """The pixels of points on the surface."""
-
-    async def post(self) -> None:
-        """Answer with their u and v; null for a point without a pixel."""
-        points = self.body().get('points')
-        self.answer({'pixels': await self.backend.geometry(self.cell, 'pixels', points)})
-
-
-ACTIONS = [
-    ('/api/cells', ListCells), ('/api/parameters', SetParameters),
-    ('/api/background', TakeBackground), ('/api/locate', LocatePixel),
-    ('/api/pixels', FindPixels)]
+ACTIONS = [('/api/parameters', SetParameters), ('/api/background', TakeBackground)]

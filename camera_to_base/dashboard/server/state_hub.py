@@ -67,12 +67,6 @@ class StateHub:
             for viewer in self._viewers[cell]:
                 viewer.show(part, text)
 
-    def notify(self, cell: str, level: str, sentence: str) -> None:
-        """Show a notice once."""
-        text = part_text('notice', {'level': level, 'sentence': sentence})
-        for viewer in self._viewers.get(cell, ()):
-            viewer.show(f'notice: {sentence}', text)
-
     def _end_if_unwatched(self, cell: str) -> None:
         if cell in self._viewers and not self._viewers[cell]:
             del self._viewers[cell]

@@ -14,7 +14,6 @@
 
 // Puts the page together: the store, the connection, the parts and their tabs.
 
-import {notice} from './base/notices.js';
 import {connect, Store} from './base/state.js';
 import {createCalibrate} from './parts/calibrate.js';
 import {createDetect} from './parts/detect.js';
@@ -40,5 +39,4 @@ createTabs(document.getElementById('tabs'), document.getElementById('main'), {
 createBanner(store);
 createCells(store);
 createSimulated(store);
-store.on('notice', ({level, sentence}) => notice(sentence, level));
 connect(store);

@@ -40,12 +40,10 @@ class Nudge(NamedTuple):
 
     :param frame_from_background: Maps the background's pixels to the frame's.
     :param covariance: Of a warp of the frame, shape (8, 8), see `uncertainty`.
-    :param corner_count: How many corners agree.
     """
 
     frame_from_background: PictureMap
     covariance: np.ndarray
-    corner_count: int
 
 
 class NudgeMeter:
@@ -92,7 +90,7 @@ class NudgeMeter:
         if is_repeated(warped.levels, even.levels):
             return 'the pattern of the surface repeats itself'
         whole = PictureMap(warp_matrix(fit.numbers, self._size), self._lens).after(first)
-        return Nudge(whole, fit.covariance, int(fit.agrees.sum()))
+        return Nudge(whole, fit.covariance)
 
     def _first(self, even: EvenPicture) -> Optional[PictureMap]:
         pairs = follow(self._even, even, self._corners, is_close=False)

@@ -78,7 +78,7 @@ def test_the_place_is_the_mean_of_twenty_frames(cell):
         cell.sessions.see_objects([(place[0] + 0.01 * (-1) ** number, place[1])])
     state = cell.state('robot')
     assert state['open']['camera']['x'] == pytest.approx(place[0], abs=0.002)
-    assert state['open']['spread_mm'] == pytest.approx(0.1, abs=0.02)
+    assert state['open']['sentence'].endswith('spread 0.10 mm')
     assert 'Touch its middle' in state['hint'] and state['suggestion'] is None
 
 

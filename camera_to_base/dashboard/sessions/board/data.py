@@ -42,8 +42,7 @@ def placement_data(number: int, placement: Placement) -> Dict[str, Any]:
 def covered_data(placements: Sequence[Placement]) -> Dict[str, Any]:
     """Describe how much of the picture the placements cover."""
     shares = shares_of(placements) if placements else np.zeros((3, 3))
-    return {'share': round(float(shares.mean()), 2), 'ninths': np.round(shares, 2).tolist(),
-            'missing': uncovered(shares)}
+    return {'share': round(float(shares.mean()), 2), 'missing': uncovered(shares)}
 
 
 def suggestion(placements: Sequence[Placement]) -> Optional[Dict[str, Any]]:

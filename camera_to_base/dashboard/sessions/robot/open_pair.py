@@ -76,14 +76,13 @@ class OpenPair:
         data = {'number': self.number, 'frames': count, 'of': FRAMES}
         if place is None:
             return {**data, 'camera': None, 'pixel': pixel_of(self._object.point),
-                    'spread_mm': None, 'sentence': f'{count} of {FRAMES} frames'}
+                    'sentence': f'{count} of {FRAMES} frames'}
         if self.marker is not None:
             return {**data, 'frames': FRAMES, 'camera': point_data((place.x, place.y)),
-                    'pixel': pixel_of((place.x, place.y)), 'spread_mm': None,
+                    'pixel': pixel_of((place.x, place.y)),
                     'sentence': f'marker {self.marker} lies at ({place.x:.2f}, {place.y:.2f}) cm '
                                 'in the camera frame: touch the cross in its middle'}
-        spread_mm = 10 * place.spread_cm
         return {**data, 'camera': point_data((place.x, place.y)),
-                'pixel': pixel_of((place.x, place.y)), 'spread_mm': round(spread_mm, 2),
+                'pixel': pixel_of((place.x, place.y)),
                 'sentence': f'seen at ({place.x:.2f}, {place.y:.2f}) cm in the camera frame, in '
-                            f'{place.frame_count} frames, spread {spread_mm:.2f} mm'}
+                            f'{place.frame_count} frames, spread {10 * place.spread_cm:.2f} mm'}

@@ -50,7 +50,7 @@ class ToolPlace:
         if self._poses:
             x, y, _ = self._poses[-1]
             position = {'x': round(x, 2), 'y': round(y, 2)}
-        return {'topic': self.topic, 'frame_id': self._frame_id, 'position': position}
+        return {'topic': self.topic, 'position': position}
 
     def listen(self, topic: Any) -> bool:
         """
