@@ -191,7 +191,7 @@ def test_any_two_pictures_are_detected_on_or_give_our_error(background, frame):
 @given(st.lists(pictures, max_size=4), st.integers(1, 3))
 def test_any_frames_go_through_the_pipeline_or_give_our_error(frames, background_frames):
     pipeline = CameraPipeline(
-        ParallelSurface(36.0, 640), limits=Limits(check_period_s=0.0),
+        ParallelSurface(36.0, 640), limits=Limits(),
         background_frames=background_frames, kind=DEVICE)
     for frame in frames:
         outcome('frames', pipeline.process, frame, 0.0)

@@ -37,7 +37,7 @@ from camera_to_base.uncertainty import position_uncertainty, PositionUncertainty
 # Parameters that can be set without setting up a camera or a robot.
 _NOT_OF_A_SETUP = (
     'source', 'period', 'wait_for_subscribers', 'wait_for_camera', 'repeat',
-    'background_file', 'annotated_picture', 'camera_frame_id', 'debug_image.coordinates')
+    'background_file', 'camera_frame_id', 'debug_image.coordinates')
 _NOT_OF_A_CALIBRATION = (
     'surface.image_size', 'surface.reject_outside_hull', 'surface.covariance')
 
@@ -78,7 +78,6 @@ class CameraSettings:
     background_frames: int
     background_file: str
     limits: Limits
-    annotated_picture: str
     camera_frame_id: str
     image_size: ImageSize
     detector: DetectorSettings
@@ -96,14 +95,8 @@ class CameraSettings:
     @property
     def warnings(self) -> List[str]:
         """Sentences about parameters that were set but have no effect."""
-        warnings = [f'detector.{name} has no effect with detector.method {self.detector.method}'
-                    for name in self.detector.without_effect]
-        warnings += [f'{name} has no effect any more: each frame is checked'
-                     for name in self.limits.without_effect]
-        if self.annotated_picture:
-            warnings.append('annotated_picture has no effect any more, and will be removed: look '
-                            'at the topic debug_image, or save it')
-        return warnings
+        return [f'detector.{name} has no effect with detector.method {self.detector.method}'
+                for name in self.detector.without_effect]
 
 
 def camera_settings(values: Values) -> CameraSettings:
@@ -129,7 +122,6 @@ def camera_settings(values: Values) -> CameraSettings:
         background_frames=values['background_frames'],
         background_file=check_background_path(values['background_file']),
         limits=make_limits(values),
-        annotated_picture=values['annotated_picture'],
         camera_frame_id=frame_id('camera_frame_id', values['camera_frame_id']),
         image_size=tuple(values['surface.image_size']),
         detector=DetectorSettings(

@@ -50,9 +50,6 @@ _FILE_SPECS = [
         'background_file', '',
         'A file (.png) that keeps the background: it is written whenever one is taken, and read '
         'at the start if it exists. Cameras and topics only; empty for none.', fixed=True),
-    ParameterSpec(
-        'annotated_picture', '',
-        'Deprecated, without effect: look at the topic debug_image.', fixed=True),
 ]
 _OUTPUT_SPECS = [
     CAMERA_FRAME_SPEC,

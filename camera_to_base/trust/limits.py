@@ -14,7 +14,7 @@
 
 """Limits of frames, positions and the view: the parameters, and their frozen values."""
 
-from typing import List, NamedTuple
+from typing import NamedTuple
 
 from camera_to_base.parameters import default_values, ParameterSpec, Values
 
@@ -37,9 +37,6 @@ LIMIT_SPECS = [
         'covered or has changed.',
         (0, 1)),
     ParameterSpec(
-        'view.check_period', 2.0,
-        'No longer has an effect: the view of each frame is checked.', (0.01, 3600), unit='s'),
-    ParameterSpec(
         'view.correct_up_to_px', 20.0,
         'A movement of the view of up to this many px, at the farthest corner of the picture, is '
         'measured on the structure of the surface, and positions are corrected; 0 for never.',
@@ -59,15 +56,8 @@ class Limits(NamedTuple):
     confirm_jump_px: float = _DEFAULTS['confirm_jump_px']
     max_shift_px: float = _DEFAULTS['view.max_shift_px']
     max_changed_share: float = _DEFAULTS['view.max_changed_share']
-    check_period_s: float = _DEFAULTS['view.check_period']
     correct_up_to_px: float = _DEFAULTS['view.correct_up_to_px']
     correct_error_mm: float = _DEFAULTS['view.correct_error_mm']
-
-    @property
-    def without_effect(self) -> List[str]:
-        """Names of parameters that were set but no longer have an effect."""
-        is_set = self.check_period_s != _DEFAULTS['view.check_period']
-        return ['view.check_period'] if is_set else []
 
     @property
     def may_correct(self) -> bool:

@@ -26,7 +26,7 @@ import yaml
 # What YAML could take for a number, a truth or nothing, and what has no numbers to tell its type.
 CAMERA_ARGUMENTS = [
     'source:=simulated', 'period:=2', 'background_frames:=3', 'wait_for_camera:=false',
-    'camera_frame_id:="12"', "annotated_picture:='on: ä #1.png'", 'detector.method:=tutorial',
+    'camera_frame_id:="12"', "calibration.device:='on: ä #1.png'", 'detector.method:=tutorial',
     'detector.closing_size:=7', 'detector.max_area_cm2:=1e-7', 'surface.camera_foot_cm:=[]',
     'surface.hull:=[0.0, 0.5, 639.0, 1e-7, 320.0, 479.0]', 'surface.image_size:=[320, 240]',
     'surface.polynomial.y_of_v:=[6e-07, 1e22, -3.0]', 'simulated.diameters_cm:=[3, 2]',
@@ -160,7 +160,7 @@ def test_one_file_for_both_nodes_is_no_reason_to_warn(ros, tmp_path, node_class,
     log = ros.listen_to_log(node_name.strip('/'))
     path = tmp_path / 'cell.yaml'
     path.write_text('/**:\n  ros__parameters: {source: random, reach_cm: 50, use_sim_time: false, '
-                    'simulated.yaw_deg: 3, view: {check_period: 1}}\n')
+                    'simulated.yaw_deg: 3, view: {max_shift_px: 1}}\n')
     ros.add(node_class, '--params-file', str(path))
     assert ros.spin_until(lambda: any('publishing on' in line.text or 'RANDOM' in line.text
                                       for line in log))

@@ -27,7 +27,7 @@ import pytest
 
 # ENDURANCE=1000000 makes a longer run.
 FRAMES = int(os.environ.get('ENDURANCE', '10000'))
-AT_ONCE = Limits(confirm_jump_px=0.0, check_period_s=0.0)
+AT_ONCE = Limits(confirm_jump_px=0.0)
 
 
 def table(move=(0, 0), disc=None, size=(640, 480)):
@@ -87,7 +87,7 @@ def test_background_taken_anew_makes_a_moved_view_the_right_one():
 
 
 def test_view_is_compared_with_a_restored_background_from_the_first_frame_on():
-    camera = pipeline(AT_ONCE._replace(check_period_s=60.0))
+    camera = pipeline()
     camera.restore_background(table(), age_s=10.0)
     assert camera.backgrounds.current.age_s == pytest.approx(10.0, abs=1.0)
     assert not published(camera, table(move=(6, 0), disc=(320, 240)))
@@ -208,7 +208,7 @@ def test_object_that_jumps_in_beside_a_steady_one_is_left_out_until_a_second_fra
 
 
 def test_memory_does_not_grow_with_the_frames(tell):
-    camera = pipeline(Limits(check_period_s=0.5), kind=DEVICE)
+    camera = pipeline(Limits(), kind=DEVICE)
     frames = [table(size=(64, 48)), table(disc=(30, 20), size=(64, 48))]
 
     def process(count):

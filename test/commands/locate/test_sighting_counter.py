@@ -99,9 +99,8 @@ def test_what_comes_too_late_holds_back_a_camera_and_not_a_recording():
 def test_moved_view_holds_back_a_camera_and_not_a_recording():
     table = np.random.default_rng(1).integers(100, 200, (60, 80, 3)).astype(np.uint8)
     table = cv2.resize(table, (640, 480), interpolation=cv2.INTER_CUBIC)
-    settings = replace(SETTINGS, limits=SETTINGS.limits._replace(check_period_s=0.01))
     for source, kind in ((DEVICE, 'view_moved'), (VIDEO_FILE, None)):
-        counter = SightingCounter(settings, source)
+        counter = SightingCounter(SETTINGS, source)
         seen(counter, *[lambda: table] * 2)
         end = time.monotonic() + 0.05
         while time.monotonic() < end:
