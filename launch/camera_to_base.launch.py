@@ -29,9 +29,9 @@ from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
-    argument_warnings, Camera, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
-    image_input, is_wanted, kept_background, make_params_file, not_installed, plays_recording,
-    recording_failure, transform_arguments)
+    argument_warnings, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
+    image_input, is_wanted, kept_background, LaunchedCamera, make_params_file, not_installed,
+    plays_recording, recording_failure, transform_arguments)
 from camera_to_base.shared_memory import shared_memory_environment
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
@@ -44,7 +44,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 CONFIG = os.path.join(get_package_share_directory('camera_to_base'), 'config')
 LARGE_PICTURES = os.path.join(CONFIG, 'fastdds', 'large_pictures.xml')
-DEFAULT = Camera(os.path.join(CONFIG, 'overhead_camera.yaml'))
+DEFAULT = LaunchedCamera(os.path.join(CONFIG, 'overhead_camera.yaml'))
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -95,7 +95,7 @@ def _warn(context, names):
 
 
 def _start(context):
-    camera = Camera(*(_value(context, name) for name in Camera._fields))
+    camera = LaunchedCamera(*(_value(context, name) for name in LaunchedCamera._fields))
     has_dashboard = is_wanted('dashboard', _value(context, 'dashboard'))
     if has_dashboard and not _value(context, 'cameras'):
         _make_params_file(camera)

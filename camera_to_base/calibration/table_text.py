@@ -35,7 +35,7 @@ _TWO_NUMBERS = re.compile(r'[+-]?[1-9]\d{0,2},\d{3}')
 _GROUPED = re.compile(r'[+-]?\d{1,3}([.,])\d{3}(\1\d{3})*(?!\1)[.,]\d+')
 
 
-class Table(NamedTuple):
+class PointTable(NamedTuple):
     """
     A table's cells.
 
@@ -47,7 +47,7 @@ class Table(NamedTuple):
     decimal_comma: bool
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> PointTable:
     """
     Read a table's cells.
 
@@ -71,7 +71,7 @@ def read_table(path: Path) -> Table:
         raise InvalidValueError(f'cannot read the table {path}: {error}') from error
     records = [(row, cells) for row, cells in rows if any(cell.strip() for cell in cells)]
     _refuse_long_rows(records, delimiter)
-    return Table(records, _has_decimal_comma(records, delimiter))
+    return PointTable(records, _has_decimal_comma(records, delimiter))
 
 
 def number(text: str, decimal_comma: bool) -> float:

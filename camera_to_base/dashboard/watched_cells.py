@@ -18,7 +18,7 @@ from typing import Any, Callable, Dict
 
 from camera_to_base.dashboard.all_sessions import AllSessions
 from camera_to_base.dashboard.live.cell_watch import CellWatch
-from camera_to_base.dashboard.live.cells import Cells
+from camera_to_base.dashboard.live.cells import CellFinder
 from camera_to_base.dashboard.live.log_lines import Lines, no_lines
 from camera_to_base.dashboard.live.picture_topics import OnPicture, PictureTopics
 from camera_to_base.errors import InvalidValueError
@@ -40,7 +40,7 @@ class WatchedCells:
         sessions: AllSessions,
     ) -> None:
         self._node, self._on_part, self._sessions = node, on_part, sessions
-        self._cells = Cells(node)
+        self._cells = CellFinder(node)
         self._pictures = PictureTopics(node, on_picture)
         self._watches: Dict[str, CellWatch] = {}
         # Kept while nobody looks: a page that is loaded again shows them again.

@@ -28,7 +28,7 @@ DRIVERS = {'usb_cam': 'usb_cam_node_exe', 'v4l2_camera': 'v4l2_camera_node'}
 _NAME = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
 
 
-class Camera(NamedTuple):
+class LaunchedCamera(NamedTuple):
     """
     One camera: its nodes share a namespace and a parameter file.
 
@@ -58,7 +58,7 @@ class Camera(NamedTuple):
         return f'/dev/video{self.source}' if self.source.isdigit() else self.source
 
 
-def make_params_file(camera: Camera) -> str:
+def make_params_file(camera: LaunchedCamera) -> str:
     """
     Make the parameter file of a camera, if it does not exist, for the dashboard to save to.
 
@@ -75,7 +75,9 @@ def make_params_file(camera: Camera) -> str:
     return f"params_file '{path}' is new: the dashboard saves the calibration to it"
 
 
-def choose_cameras(list_file: str, camera: Camera, default: Camera) -> List[Camera]:
+def choose_cameras(
+    list_file: str, camera: LaunchedCamera, default: LaunchedCamera
+) -> List[LaunchedCamera]:
     """
     Choose the cameras of a launch.
 
@@ -93,7 +95,7 @@ def choose_cameras(list_file: str, camera: Camera, default: Camera) -> List[Came
     return read_cameras(list_file)
 
 
-def read_cameras(path: str) -> List[Camera]:
+def read_cameras(path: str) -> List[LaunchedCamera]:
     """
     Read a list of cameras.
 
@@ -113,13 +115,13 @@ def read_cameras(path: str) -> List[Camera]:
     return cameras
 
 
-def _from_entry(entry: Any, directory: str) -> Camera:
+def _from_entry(entry: Any, directory: str) -> LaunchedCamera:
     if not isinstance(entry, dict):
         raise InvalidValueError(f"expected 'namespace: ...' and so on, got {entry!r}")
     for name, value in entry.items():
-        if name not in Camera._fields:
+        if name not in LaunchedCamera._fields:
             raise InvalidValueError(
-                f"there is no '{name}', only {', '.join(Camera._fields)}")
+                f"there is no '{name}', only {', '.join(LaunchedCamera._fields)}")
         if type(value) not in (str, int) or value == '':
             raise InvalidValueError(f'{name} must be a text, got {value!r}')
     for name in ('namespace', 'params_file'):
@@ -127,11 +129,11 @@ def _from_entry(entry: Any, directory: str) -> Camera:
             raise InvalidValueError(f'{name} is missing')
     if not {'source', 'image_topic'} & set(entry):
         raise InvalidValueError('it needs a source or an image_topic of its own')
-    camera = Camera(**{name: str(value) for name, value in entry.items()})
+    camera = LaunchedCamera(**{name: str(value) for name, value in entry.items()})
     return camera._replace(params_file=os.path.join(directory, camera.params_file))
 
 
-def _checked(camera: Camera) -> Camera:
+def _checked(camera: LaunchedCamera) -> LaunchedCamera:
     if not os.path.isfile(camera.params_file):
         raise InvalidValueError(
             f"params_file: there is no file '{camera.params_file}': calibrate board makes one")
@@ -151,7 +153,7 @@ def _checked(camera: Camera) -> Camera:
     return camera
 
 
-def _check_driver(camera: Camera) -> None:
+def _check_driver(camera: LaunchedCamera) -> None:
     if camera.camera_driver not in DRIVERS:
         raise InvalidValueError(
             f"camera_driver must be {', '.join(DRIVERS)} or none, got '{camera.camera_driver}'")

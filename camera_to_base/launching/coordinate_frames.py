@@ -18,7 +18,7 @@ import math
 from typing import Dict, List, NamedTuple
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.launching.cameras import Camera
+from camera_to_base.launching.cameras import LaunchedCamera
 from camera_to_base.launching.node_parameters import given_parameters, parameter
 
 
@@ -29,7 +29,7 @@ class Frames(NamedTuple):
     camera: str
 
 
-def frames(camera: Camera) -> Frames:
+def frames(camera: LaunchedCamera) -> Frames:
     """
     Return the names of a camera's coordinate frames.
 
@@ -44,13 +44,13 @@ def frames(camera: Camera) -> Frames:
     return Frames(parameter(camera, 'robot_base_publisher', 'base_frame_id'), own)
 
 
-def check_frames(cameras: List[Camera]) -> None:
+def check_frames(cameras: List[LaunchedCamera]) -> None:
     """
     Check that the frame names of all cameras differ.
 
     :raises InvalidValueError: If two frames have the same name.
     """
-    seen: Dict[str, Camera] = {}
+    seen: Dict[str, LaunchedCamera] = {}
     for camera in cameras:
         base, own = frames(camera)
         if own == base:
@@ -63,7 +63,7 @@ def check_frames(cameras: List[Camera]) -> None:
         seen[own] = camera
 
 
-def transform_arguments(camera: Camera) -> List[str]:
+def transform_arguments(camera: LaunchedCamera) -> List[str]:
     """
     Make the command line of tf2_ros's static_transform_publisher.
 

@@ -18,7 +18,7 @@ import os
 import signal
 from typing import Any, Dict, List, NamedTuple, Tuple
 
-from camera_to_base.launching.cameras import Camera
+from camera_to_base.launching.cameras import LaunchedCamera
 from camera_to_base.launching.node_parameters import given_parameters, parameter, spec_of
 from camera_to_base.sources import kind_of
 
@@ -41,7 +41,7 @@ class ImageInput(NamedTuple):
     remappings: List[Tuple[str, str]]
 
 
-def image_input(camera: Camera) -> ImageInput:
+def image_input(camera: LaunchedCamera) -> ImageInput:
     """
     Return where the camera node takes frames from: an image topic, or its own source.
 
@@ -59,7 +59,7 @@ def image_input(camera: Camera) -> ImageInput:
     return ImageInput('topic', [('image', topic)])
 
 
-def plays_recording(camera: Camera) -> bool:
+def plays_recording(camera: LaunchedCamera) -> bool:
     """
     Tell whether a camera node ends by itself, with its source.
 
@@ -68,7 +68,7 @@ def plays_recording(camera: Camera) -> bool:
     return kind_of(image_input(camera).source).ends
 
 
-def recording_failure(camera: Camera, exit_code: int) -> str:
+def recording_failure(camera: LaunchedCamera, exit_code: int) -> str:
     """
     Tell why a camera node that died is not started again: its recording would kill it again.
 
@@ -82,7 +82,7 @@ def recording_failure(camera: Camera, exit_code: int) -> str:
             ': the launch ends')
 
 
-def kept_background(camera: Camera, path: str) -> Dict[str, str]:
+def kept_background(camera: LaunchedCamera, path: str) -> Dict[str, str]:
     """
     Make the parameter with which a restarted camera node keeps its background.
 
@@ -95,7 +95,7 @@ def kept_background(camera: Camera, path: str) -> Dict[str, str]:
     return {'background_file': path} if is_live and not named else {}
 
 
-def driver_parameters(camera: Camera) -> Dict[str, Any]:
+def driver_parameters(camera: LaunchedCamera) -> Dict[str, Any]:
     """
     Make a driver's parameters: its device, and the picture size of the calibration.
 

@@ -16,7 +16,7 @@
 
 from typing import Any, Dict
 
-from camera_to_base.launching.cameras import Camera
+from camera_to_base.launching.cameras import LaunchedCamera
 from camera_to_base.parameters import (
     checked_values, ParameterSpec, read_node_parameters, TRANSFORM_SPECS, with_new_names)
 from camera_to_base.settings import CAMERA_SPECS
@@ -29,7 +29,7 @@ def spec_of(node: str, name: str) -> ParameterSpec:
     return next(spec for spec in _SPECS[node] if spec.name == name)
 
 
-def parameter(camera: Camera, node: str, name: str) -> Any:
+def parameter(camera: LaunchedCamera, node: str, name: str) -> Any:
     """
     Return a parameter's value: the file's, or its default.
 
@@ -39,7 +39,7 @@ def parameter(camera: Camera, node: str, name: str) -> Any:
     return checked_values([spec_of(node, name)], given_parameters(camera, node))[name]
 
 
-def given_parameters(camera: Camera, node: str) -> Dict[str, Any]:
+def given_parameters(camera: LaunchedCamera, node: str) -> Dict[str, Any]:
     """
     Return the parameters that the file gives to a node.
 

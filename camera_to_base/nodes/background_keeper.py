@@ -24,7 +24,7 @@ from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
 
-class BackgroundKeeper:
+class BackgroundFileKeeper:
     """
     Reads the background from the parameter's file, and writes each new one there.
 

@@ -23,7 +23,7 @@ from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import locate_pixel, Pixel
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.nodes.background_keeper import BackgroundKeeper
+from camera_to_base.nodes.background_keeper import BackgroundFileKeeper
 from camera_to_base.nodes.background_service import BackgroundService
 from camera_to_base.nodes.camera_watch import CameraWatch
 from camera_to_base.nodes.correction_service import CorrectionService
@@ -31,7 +31,7 @@ from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
 from camera_to_base.nodes.freed_memory import keep_freed_memory
 from camera_to_base.nodes.picture_memory import use_picture_memory
 from camera_to_base.nodes.pictures import CameraPictures, DebugImages
-from camera_to_base.nodes.positions import CameraPositions
+from camera_to_base.nodes.positions import PublishedPositions
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.parameters import (
     all_names, gives_other_values, TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS)
@@ -67,10 +67,10 @@ class CameraPublisher(Node):
             self._pipeline = CameraPipeline(
                 settings.surface, settings.detector, settings.limits, settings.background_frames,
                 self._source.kind, settings.markers)
-            self._positions = CameraPositions(self, self._source)
+            self._positions = PublishedPositions(self, self._source)
             self._debug_images = DebugImages(self)
             self._pictures = CameraPictures(self)
-            self._background_keeper = BackgroundKeeper(
+            self._background_keeper = BackgroundFileKeeper(
                 self, self._pipeline, settings, self._source.kind)
             self._background_service = BackgroundService(
                 self, self._pipeline, lambda: self._settings.background_frames,

@@ -36,7 +36,7 @@ POSITION = 'pos_in_cam_frame'
 _LONGEST_DISCOVERY_S = 5.0
 
 
-class CameraPositions:
+class PublishedPositions:
     """
     Publishes positions in the camera frame.
 

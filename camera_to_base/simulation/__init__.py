@@ -28,13 +28,13 @@ from camera_to_base.simulation.chessboard import SimulatedChessboard
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.parameters import simulation_settings, SimulationSettings
 from camera_to_base.simulation.robot import SimulatedRobot
-from camera_to_base.simulation.scene import Scene, Touch
+from camera_to_base.simulation.scene import SimulatedScene, Touch
 from camera_to_base.simulation.specs import SIMULATION_SPECS
 from camera_to_base.simulation.table import TrueObject
 from camera_to_base.simulation.touch_table import SimulatedTouchTable
 
 __all__ = [
-    'BoardConditions', 'CameraMove', 'move_parameters', 'Scene', 'SimulatedBoard',
-    'SimulatedChessboard', 'SimulatedRobot', 'SimulatedTouchTable', 'simulation_settings',
+    'BoardConditions', 'CameraMove', 'move_parameters', 'SimulatedBoard', 'SimulatedChessboard',
+    'SimulatedRobot', 'SimulatedScene', 'SimulatedTouchTable', 'simulation_settings',
     'SIMULATION_SPECS', 'SimulationSettings', 'Touch', 'TrueObject',
 ]

@@ -22,7 +22,7 @@ from camera_to_base.simulation.bump import largest_shift_px, random_bump
 from camera_to_base.simulation.camera_move import CameraMove
 from camera_to_base.simulation.conditions import BoardConditions
 from camera_to_base.simulation.disturbances import BoardDisturbances
-from camera_to_base.simulation.scene import Scene, Touch
+from camera_to_base.simulation.scene import SimulatedScene, Touch
 from camera_to_base.simulation.specs import (
     BOARD, OBJECTS, SIMULATION_DEFAULTS as _DEFAULTS, STILL_OBJECTS)
 from camera_to_base.simulation.table import (
@@ -62,7 +62,7 @@ class SimulatedBoard:
         tilt_deg: float = _DEFAULTS['tilt_deg'],
         seed: int = _DEFAULTS['seed'],
         frame_rate: float = _DEFAULTS['frame_rate'],
-        scene: Scene = Scene(),
+        scene: SimulatedScene = SimulatedScene(),
         **conditions,
     ) -> None:
         self._start = BoardView(image_size, width_cm, tilt_deg)
@@ -79,7 +79,7 @@ class SimulatedBoard:
         self._scene = scene
         self.arrange(scene)
 
-    def arrange(self, scene: Scene) -> None:
+    def arrange(self, scene: SimulatedScene) -> None:
         """
         Show another scene from the next frame on.
 

@@ -20,7 +20,7 @@ from typing import Tuple
 from camera_to_base.checks import finite_number, whole_number
 from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
-from camera_to_base.simulation.table import PrintedBoard
+from camera_to_base.simulation.table import RenderedBoard
 from camera_to_base.simulation.view import BoardView
 from camera_to_base.sources import SIMULATED
 import numpy as np
@@ -57,7 +57,7 @@ class SimulatedChessboard:
         seed: int = 0,
     ) -> None:
         self.view = BoardView(image_size, TUTORIAL_WIDTH_CM, tilt_deg)
-        self._board = PrintedBoard(
+        self._board = RenderedBoard(
             whole_number('columns', columns, 1, 1000), whole_number('rows', rows, 1, 1000),
             finite_number('square_cm', square_cm, 0.001, 1e4), tuple(self.view.size_cm / 2))
         self._first_corner = self._board.middle - self._board.half_cm

@@ -19,7 +19,7 @@ from typing import Optional
 
 from camera_to_base.image_size import ImageSize
 from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.view import Ellipse
+from camera_to_base.simulation.view import SeenEllipse
 import numpy as np
 
 _HAND_COLOUR = np.array([66.0, 86.0, 116.0], np.float32)
@@ -56,7 +56,7 @@ class BoardDisturbances:
         picture *= np.float32(self._light(rounds))
         self._add_noise(picture, number)
 
-    def hides(self, ellipse: Ellipse, rounds: float) -> bool:
+    def hides(self, ellipse: SeenEllipse, rounds: float) -> bool:
         """Tell whether a hand covers or touches an object's picture."""
         hand = self._hand(rounds)
         return hand is not None and bool(

@@ -25,7 +25,7 @@ from camera_to_base.parameters import Values
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.camera_move import camera_move
 from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.scene import Scene, Touch
+from camera_to_base.simulation.scene import SimulatedScene, Touch
 from camera_to_base.simulation.touch_table import SimulatedTouchTable
 from camera_to_base.simulation.view import BoardView
 
@@ -42,7 +42,7 @@ class SimulationSettings:
     tilt_deg: float
     seed: int
     frame_rate: float
-    scene: Scene
+    scene: SimulatedScene
     touch: Touch
     conditions: BoardConditions
 
@@ -80,7 +80,7 @@ def simulation_settings(values: Values) -> SimulationSettings:
     """Make the simulation's settings of its parameters, named without 'simulated.'."""
     return SimulationSettings(
         values['tilt_deg'], values['seed'], values['frame_rate'],
-        Scene(values['shows'], values['placement'], values['markers'], values['table'],
-              camera_move(values)),
+        SimulatedScene(values['shows'], values['placement'], values['markers'], values['table'],
+                       camera_move(values)),
         Touch(values['touched'], values['touched_marker']),
         BoardConditions(**{field.name: values[field.name] for field in fields(BoardConditions)}))

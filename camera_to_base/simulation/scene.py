@@ -20,7 +20,7 @@ from camera_to_base.simulation.camera_move import CameraMove
 from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
 
 
-class Scene(NamedTuple):
+class SimulatedScene(NamedTuple):
     """
     What the simulated camera sees; it may change between two frames.
 

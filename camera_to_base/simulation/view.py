@@ -43,7 +43,7 @@ class Oval(NamedTuple):
     yaw: float
 
 
-class Ellipse(NamedTuple):
+class SeenEllipse(NamedTuple):
     """
     The image of an oval.
 
@@ -111,7 +111,7 @@ class BoardView:
         x, y, w = self.surface_from_pixel @ [*pixel, 1.0]
         return float(x / w), float(y / w)
 
-    def ellipse(self, oval: Oval) -> Ellipse:
+    def ellipse(self, oval: Oval) -> SeenEllipse:
         """
         Project an oval.
 
@@ -127,9 +127,9 @@ class BoardView:
         dual /= dual[2, 2]
         centre = dual[:2, 2]
         spread = np.outer(centre, centre) - dual[:2, :2]
-        return Ellipse(centre, np.sqrt(np.diag(spread)), float(np.linalg.det(spread)) ** 0.25)
+        return SeenEllipse(centre, np.sqrt(np.diag(spread)), float(np.linalg.det(spread)) ** 0.25)
 
-    def window(self, ellipse: Ellipse) -> Tuple[slice, slice]:
+    def window(self, ellipse: SeenEllipse) -> Tuple[slice, slice]:
         """Return the rows and columns of the picture that an ellipse touches."""
         return self._clipped(ellipse.centre - ellipse.half, ellipse.centre + ellipse.half)
 

@@ -17,8 +17,9 @@ import math
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launching import (
-    argument_warnings, Camera, check_frames, driver_parameters, frames, image_input, is_wanted,
-    kept_background, not_installed, plays_recording, recording_failure, transform_arguments)
+    argument_warnings, check_frames, driver_parameters, frames, image_input, is_wanted,
+    kept_background, LaunchedCamera, not_installed, plays_recording, recording_failure,
+    transform_arguments)
 from camera_to_base.launching.coordinate_frames import Frames
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ def camera(tmp_path):
     def make(text='{}', section='/**', **fields):
         path = tmp_path / f'{len(list(tmp_path.iterdir()))}.yaml'
         path.write_text(f'{section}: {{ros__parameters: {text}}}')
-        return Camera(str(path), **fields)
+        return LaunchedCamera(str(path), **fields)
     return make
 
 

@@ -15,7 +15,7 @@
 from pathlib import Path
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.launching.cameras import Camera, choose_cameras, read_cameras
+from camera_to_base.launching.cameras import choose_cameras, LaunchedCamera, read_cameras
 import pytest
 
 CONFIG = Path(__file__).parents[2] / 'config'
@@ -36,7 +36,7 @@ def write(tmp_path):
 def camera(tmp_path):
     path = tmp_path / 'cell.yaml'
     path.write_text('/**: {ros__parameters: {}}')
-    return Camera(str(path))
+    return LaunchedCamera(str(path))
 
 
 def choose(camera, list_file='', **changes):
@@ -56,13 +56,13 @@ def test_sample_list_has_two_cameras_with_their_files():
 
 def test_params_file_is_looked_for_beside_the_list(write, tmp_path):
     left, = read_cameras(write('- {namespace: left, params_file: left.yaml, source: 2}'))
-    assert left == Camera(str(tmp_path / 'left.yaml'), '2', 'left')
+    assert left == LaunchedCamera(str(tmp_path / 'left.yaml'), '2', 'left')
 
 
 @pytest.mark.parametrize('source, device', [
     ('auto', '/dev/video0'), ('2', '/dev/video2'), ('/dev/v4l/by-id/left', '/dev/v4l/by-id/left')])
 def test_source_names_the_drivers_device(source, device):
-    assert Camera('cell.yaml', source, camera_driver='usb_cam').device == device
+    assert LaunchedCamera('cell.yaml', source, camera_driver='usb_cam').device == device
 
 
 @pytest.mark.parametrize('changes, sentence', [

@@ -17,13 +17,13 @@ import math
 from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.errors import CalibrationError
 from camera_to_base.markers import find_markers
-from camera_to_base.simulation import CameraMove, Scene, SimulatedBoard, Touch
+from camera_to_base.simulation import CameraMove, SimulatedBoard, SimulatedScene, Touch
 from camera_to_base.simulation.specs import PLACEMENT_COUNT, SHOWN, TABLES
 import cv2
 import numpy as np
 import pytest
 
-EMPTY = Scene(shows='empty')
+EMPTY = SimulatedScene(shows='empty')
 MOVES = [CameraMove(shift_px=(12.0, -7.0)), CameraMove(turn_deg=10.0), CameraMove(zoom=1.2),
          CameraMove(tilt_deg=(8.0, 0.0)), CameraMove(tilt_deg=(0.0, -8.0)),
          CameraMove((-20.0, 15.0), -6.0, (5.0, 4.0), 0.9)]
@@ -61,8 +61,8 @@ def middle_of_the_dark(frame, at):
 @pytest.mark.parametrize('tilt_deg', [0, 25])
 @pytest.mark.parametrize('move', [CameraMove(), *MOVES])
 def test_moved_camera_sees_the_objects_at_their_places_on_the_table(move, tilt_deg):
-    frame, board = picture(Scene('still_objects', move=move), tilt_deg=tilt_deg)
-    unmoved = SimulatedBoard(scene=Scene('still_objects'), tilt_deg=tilt_deg)
+    frame, board = picture(SimulatedScene('still_objects', move=move), tilt_deg=tilt_deg)
+    unmoved = SimulatedBoard(scene=SimulatedScene('still_objects'), tilt_deg=tilt_deg)
     unmoved.read()
     unmoved.read()
     assert [true.point for true in board.true_objects] == [
@@ -103,8 +103,8 @@ def test_move_is_of_the_size_and_direction_that_its_parameters_say():
 
 
 def test_extra_tilt_is_a_tilt():
-    by_move = picture(Scene(move=CameraMove(tilt_deg=(12.0, 0.0))), tilt_deg=8.0)[0]
-    np.testing.assert_array_equal(by_move, picture(Scene(), tilt_deg=20.0)[0])
+    by_move = picture(SimulatedScene(move=CameraMove(tilt_deg=(12.0, 0.0))), tilt_deg=8.0)[0]
+    np.testing.assert_array_equal(by_move, picture(SimulatedScene(), tilt_deg=20.0)[0])
 
 
 def test_camera_that_is_put_back_sees_the_first_picture_again():
@@ -123,7 +123,7 @@ def test_bumps_are_a_few_px_each_another_one_and_the_same_for_a_seed():
     assert bumps == [board.random_bump(again) for _ in range(50)]
     assert len(set(bumps)) == 50
     for bump in bumps:
-        board.arrange(Scene(move=bump))
+        board.arrange(SimulatedScene(move=bump))
         assert 3.5 < board.shift_px < 15.5
 
 
@@ -131,7 +131,7 @@ def test_bumps_are_a_few_px_each_another_one_and_the_same_for_a_seed():
 def test_scene_shows_what_it_says(shows):
     board = SimulatedBoard(scene=EMPTY, noise=0)
     empty = board.read()
-    board.arrange(Scene(shows))
+    board.arrange(SimulatedScene(shows))
     frame = board.read()
     assert len(board.true_objects) == {'objects': 1, 'still_objects': 5}.get(shows, 0)
     assert shows_board(frame) == (shows == 'board')
@@ -139,7 +139,7 @@ def test_scene_shows_what_it_says(shows):
 
 
 def test_still_objects_lie_still_and_apart_and_differ_in_size():
-    board = SimulatedBoard(scene=Scene('still_objects'))
+    board = SimulatedBoard(scene=SimulatedScene('still_objects'))
     board.read()
     board.read()
     first = board.true_objects
@@ -154,14 +154,14 @@ def test_still_objects_lie_still_and_apart_and_differ_in_size():
 @pytest.mark.parametrize('tilt_deg', [0, 30])
 @pytest.mark.parametrize('number', range(1, PLACEMENT_COUNT + 1))
 def test_whole_board_is_seen_at_each_placement(number, tilt_deg):
-    frame, _ = picture(Scene('board', number), tilt_deg=tilt_deg, noise=2.0)
+    frame, _ = picture(SimulatedScene('board', number), tilt_deg=tilt_deg, noise=2.0)
     assert shows_board(frame)
 
 
 def test_placements_together_cover_the_picture():
     covered = np.zeros((480, 640), bool)
     for number in range(1, PLACEMENT_COUNT + 1):
-        frame = picture(Scene('board', number))[0]
+        frame = picture(SimulatedScene('board', number))[0]
         corners = np.float32(find_board(frame, 9, 6).pixels)
         hull = cv2.convexHull(corners).astype(np.int32)
         covered |= cv2.fillConvexPoly(np.zeros((480, 640), np.uint8), hull, 1) > 0
@@ -174,7 +174,8 @@ def test_placements_together_cover_the_picture():
 @pytest.mark.parametrize('tilt_deg', [0, 25])
 def test_markers_are_seen_where_they_lie(table, shows, tilt_deg):
     move = CameraMove((6.0, -4.0), 3.0, (2.0, -1.0), 0.98)
-    for scene in Scene(shows, 1, True, table), Scene(shows, 1, True, table, move):
+    still = SimulatedScene(shows, 1, True, table)
+    for scene in still, still._replace(move=move):
         frame, board = picture(scene, tilt_deg=tilt_deg, noise=2.0)
         found = find_markers(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))
         assert sorted(found) == [0, 1, 2, 3]
@@ -184,7 +185,7 @@ def test_markers_are_seen_where_they_lie(table, shows, tilt_deg):
 
 
 def test_objects_do_not_lie_on_the_markers():
-    frame, board = picture(Scene('still_objects', markers=True))
+    frame, board = picture(SimulatedScene('still_objects', markers=True))
     for true in board.true_objects:
         for corners in board.true_markers.values():
             away = np.abs(np.array(true.point) - corners.mean(axis=0)) - 2.7
@@ -192,12 +193,12 @@ def test_objects_do_not_lie_on_the_markers():
 
 
 def test_touch_is_at_the_middle_of_what_is_touched():
-    board = picture(Scene('still_objects', markers=True))[1]
+    board = picture(SimulatedScene('still_objects', markers=True))[1]
     by_size = sorted(board.true_objects, key=lambda true: -true.radius)
     assert [board.point_of(Touch(number)) for number in range(7)] == [
         None, *(true.point for true in by_size), None]
     assert board.point_of(Touch(1, marker=2)) == pytest.approx(
         tuple(board.true_markers[2].mean(axis=0)))
-    board.arrange(Scene('empty'))
+    board.arrange(SimulatedScene('empty'))
     board.read()
     assert board.point_of(Touch(1)) is None and board.point_of(Touch(0, marker=2)) is None

@@ -17,7 +17,7 @@
 from typing import Any, Callable, Dict, Iterable, Optional
 
 from camera_to_base.dashboard.live.cell_status import CellStatus
-from camera_to_base.dashboard.live.cells import CAMERA, Cell, Cells, full_name, TRANSFORM
+from camera_to_base.dashboard.live.cells import CAMERA, Cell, CellFinder, full_name, TRANSFORM
 from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.health import CellHealth
 from camera_to_base.dashboard.live.log_lines import Lines, LogLines
@@ -54,7 +54,7 @@ class CellWatch:
     """
 
     def __init__(
-        self, node: Node, namespace: str, cells: Cells, on_part: OnPart, lines: Lines,
+        self, node: Node, namespace: str, cells: CellFinder, on_part: OnPart, lines: Lines,
         sessions: CellSessions,
     ) -> None:
         self._node, self._namespace, self._cells = node, namespace, cells

@@ -40,7 +40,7 @@ class Cell(NamedTuple):
         return {'cell': self.namespace}
 
 
-class Cells:
+class CellFinder:
     """
     The cells that were ever seen; one whose nodes have ended stays.
 

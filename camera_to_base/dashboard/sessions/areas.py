@@ -17,7 +17,7 @@
 from typing import Any, Dict, List, Mapping, Optional
 
 from camera_to_base.checks import finite_numbers
-from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.cell_values import CellChanges, CellValues
 from camera_to_base.detection import Area, read_areas
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import Surface
@@ -36,7 +36,7 @@ def areas_data(values: CellValues) -> Dict[str, Any]:
             'ignored_areas': [_area_data(area, values) for area in areas.ignored]}
 
 
-def area_changes(values: CellValues, body: Mapping[str, Any]) -> Changes:
+def area_changes(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
     """
     Return the parameters of areas that are drawn on the picture.
 
@@ -55,7 +55,7 @@ def area_changes(values: CellValues, body: Mapping[str, Any]) -> Changes:
         wanted['ignored_areas'] = '; '.join(
             _text(_corners(surface, polygon)) for polygon in body['ignored_areas'])
     read_areas(wanted.get('work_area', []), wanted.get('ignored_areas', ''))
-    return Changes({'camera': wanted} if wanted else {}, [])
+    return CellChanges({'camera': wanted} if wanted else {}, [])
 
 
 def _corners(surface: Surface, polygon: Any) -> np.ndarray:

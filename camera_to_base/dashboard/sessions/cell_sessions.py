@@ -20,7 +20,7 @@ from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 from camera_to_base.calibration import marker_sheet_content, OfferedCorrection, report_lines
 from camera_to_base.dashboard.sessions.areas import area_changes, areas_data
 from camera_to_base.dashboard.sessions.board import BoardSession, PANEL_NAMES
-from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.cell_values import CellChanges, CellValues
 from camera_to_base.dashboard.sessions.markers import MarkerSession
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save_session import SaveSession
@@ -35,7 +35,7 @@ import numpy as np
 # The edge of a printed marker, in mm; the command `calibrate sheet --markers` has others.
 _MARKER_MM = 40.0
 PARTS = ('board', 'markers', 'robot', 'save', 'areas', 'simulated')
-Action = Callable[[Mapping[str, Any]], Optional[Changes]]
+Action = Callable[[Mapping[str, Any]], Optional[CellChanges]]
 
 
 class CellSessions:
@@ -131,7 +131,7 @@ class CellSessions:
             return {'board': self._board, 'markers': self._markers, 'robot': self._robot,
                     'save': self._save}[part].state
 
-    def act(self, part: str, name: str, body: Mapping[str, Any]) -> Optional[Changes]:
+    def act(self, part: str, name: str, body: Mapping[str, Any]) -> Optional[CellChanges]:
         """
         Carry out what a page asks for.
 
@@ -143,7 +143,7 @@ class CellSessions:
         with self._lock:
             return self._actions[part, name](body)
 
-    def done(self, part: str, name: str, changes: Changes) -> None:
+    def done(self, part: str, name: str, changes: CellChanges) -> None:
         """Take note that the nodes have what an action wanted to be set."""
         with self._lock:
             if part == 'simulated':
@@ -193,7 +193,7 @@ class CellSessions:
         with self._lock:
             return self._save.text()
 
-    def keep_correction(self, offer: Mapping[str, Any], body: Mapping[str, Any]) -> Changes:
+    def keep_correction(self, offer: Mapping[str, Any], body: Mapping[str, Any]) -> CellChanges:
         """
         Write the correction of a nudge into the file, see :meth:`SaveSession.keep`.
 
@@ -203,7 +203,7 @@ class CellSessions:
         offered = OfferedCorrection(**offer)
         with self._lock:
             self._save.keep(offered, body)
-        return Changes({'camera': dict(offered.values)}, [])
+        return CellChanges({'camera': dict(offered.values)}, [])
 
     def close(self) -> None:
         """End the worker."""

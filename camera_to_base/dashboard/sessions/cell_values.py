@@ -29,7 +29,7 @@ SPECS: Dict[str, Dict[str, ParameterSpec]] = {
 _ALL = {**SPECS['camera'], **SPECS['transform']}
 
 
-class Changes(NamedTuple):
+class CellChanges(NamedTuple):
     """
     What a step of the set-up changes.
 
@@ -98,7 +98,7 @@ class CellValues:
         # The base frame is the transform node's; the camera node only shows it.
         return {**_given('camera', self.camera), **_given('transform', self.transform)}
 
-    def with_part(self, new: Values, part: str) -> Changes:
+    def with_part(self, new: Values, part: str) -> CellChanges:
         """
         Add a part of the calibration: what depends on a part that it replaces is dropped.
 
@@ -108,7 +108,7 @@ class CellValues:
         old = self.given
         growth = grown(old, new, part)
         reset = {name: _ALL[name].default for name in old if name not in growth.values}
-        return Changes(self._of_nodes({**reset, **new}), growth.dropped)
+        return CellChanges(self._of_nodes({**reset, **new}), growth.dropped)
 
     def dropped_by(self, part: str) -> List[str]:
         """Name what a new part would make invalid."""

@@ -16,7 +16,7 @@
 
 from typing import Any, Dict, Mapping
 
-from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.cell_values import CellChanges, CellValues
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import kind_of, SIMULATED
 
@@ -40,7 +40,7 @@ def simulated_data(values: CellValues) -> Dict[str, Any]:
             'sentence': _WORDS.get(shows, '')}
 
 
-def show(values: CellValues, body: Mapping[str, Any]) -> Changes:
+def show(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
     """
     Return the parameters that lay something else on the table; the robot moves away.
 
@@ -53,10 +53,10 @@ def show(values: CellValues, body: Mapping[str, Any]) -> Changes:
         wanted[_SHOWS] = body['shows']
     if 'placement' in body:
         wanted[_PLACEMENT] = body['placement']
-    return Changes({'camera': wanted}, [])
+    return CellChanges({'camera': wanted}, [])
 
 
-def touch(values: CellValues, number: int) -> Changes:
+def touch(values: CellValues, number: int) -> CellChanges:
     """
     Return the parameters that let the simulated robot touch an object.
 
@@ -64,7 +64,7 @@ def touch(values: CellValues, number: int) -> Changes:
     :raises InvalidValueError: If it is no simulated table.
     """
     _refuse_real(values)
-    return Changes({'camera': {_TOUCHED: number}}, [])
+    return CellChanges({'camera': {_TOUCHED: number}}, [])
 
 
 def _refuse_real(values: CellValues) -> None:

@@ -24,10 +24,10 @@ Callers: the modules of `simulation`.
 from camera_to_base.simulation.table.drawing import draw_oval
 from camera_to_base.simulation.table.empty_table import Table
 from camera_to_base.simulation.table.objects import BoardObjects, true_object, TrueObject
-from camera_to_base.simulation.table.printed_board import placed_board, PrintedBoard
+from camera_to_base.simulation.table.printed_board import placed_board, RenderedBoard
 from camera_to_base.simulation.table.printed_markers import PrintedMarkers
 
 __all__ = [
-    'BoardObjects', 'draw_oval', 'placed_board', 'PrintedBoard', 'PrintedMarkers', 'Table',
+    'BoardObjects', 'draw_oval', 'placed_board', 'PrintedMarkers', 'RenderedBoard', 'Table',
     'true_object', 'TrueObject',
 ]

@@ -18,7 +18,7 @@ import math
 from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.view import BoardView, Ellipse, Oval
+from camera_to_base.simulation.view import BoardView, Oval, SeenEllipse
 import numpy as np
 
 _YAW_STEP_DEG = 50.0
@@ -93,7 +93,7 @@ class BoardObjects:
                     math.radians(90 - (90 - yaw_deg) % 180))
 
 
-def true_object(oval: Oval, ellipse: Ellipse, view: BoardView, hidden: bool) -> TrueObject:
+def true_object(oval: Oval, ellipse: SeenEllipse, view: BoardView, hidden: bool) -> TrueObject:
     """
     Return the true state of an object in a picture.
 

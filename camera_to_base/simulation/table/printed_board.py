@@ -27,7 +27,7 @@ _PLACEMENTS = (((0, 0), 0.0), ((-1, -1), 0.0), ((1, 1), 0.0), ((-1, 1), 0.0), ((
                ((-1, 0), 8.0), ((1, 0), -8.0), ((0, -1), 4.0))
 
 
-class PrintedBoard(NamedTuple):
+class RenderedBoard(NamedTuple):
     """
     A chessboard; its dark end is on the left, so that its first corner is the top left one.
 
@@ -81,7 +81,7 @@ class PrintedBoard(NamedTuple):
 
 def placed_board(
     columns: int, rows: int, square_cm: float, view: BoardView, placement: int
-) -> PrintedBoard:
+) -> RenderedBoard:
     """
     Lay a board as far towards a side of the picture as the whole of it is seen.
 
@@ -92,7 +92,7 @@ def placed_board(
     size = np.array([view.width, view.height])
     for share in np.arange(1.0, 0.0, -0.02):
         middle = view.point(size / 2 * (1 + share * np.array(side)))
-        board = PrintedBoard(columns, rows, square_cm, middle, np.radians(yaw_deg))
+        board = RenderedBoard(columns, rows, square_cm, middle, np.radians(yaw_deg))
         corners = view.pixels(board.inked_corners(margin=0.4))
         if (corners > 0).all() and (corners < size - 1).all():
             return board

@@ -17,7 +17,7 @@
 from math import hypot
 from typing import Optional, Tuple
 
-from camera_to_base.trust.view.look import Look
+from camera_to_base.trust.view.look import ViewLook
 from camera_to_base.trust.view.motion_fit import MotionFit, SIMILARITY, TILTED
 from camera_to_base.trust.view.patch_fit import PatchFit
 from camera_to_base.trust.view.structure import Structure
@@ -45,7 +45,7 @@ class Glance:
         self._motion_fit = MotionFit(places[chosen], size, self._fit.shift_axes, TILTED)
         self._structure = Structure(self._similarity(np.ones(len(chosen))))
 
-    def look(self, frame: np.ndarray, usual: float = 1.0) -> Optional[Look]:
+    def look(self, frame: np.ndarray, usual: float = 1.0) -> Optional[ViewLook]:
         """
         Look at a frame.
 
@@ -66,7 +66,7 @@ class Glance:
         if seen.worth is not None or not motion.agrees.all():
             worth = 1.0 if seen.worth is None else seen.worth
             share = self._structure.share(self._similarity(motion.agrees * worth))
-        return Look(share, shift_px, seen.surplus) if share >= _LEAST_SHARE else None
+        return ViewLook(share, shift_px, seen.surplus) if share >= _LEAST_SHARE else None
 
     def _similarity(self, weights: np.ndarray) -> np.ndarray:
         # A tilt is not among what a surface must tell.

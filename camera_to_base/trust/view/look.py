@@ -19,7 +19,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 
-class Look(NamedTuple):
+class ViewLook(NamedTuple):
     """
     What the cheap look tells of a frame.
 

@@ -18,7 +18,7 @@ from typing import Optional
 
 from camera_to_base.trust.noise import white_noise
 from camera_to_base.trust.view.glance import Glance
-from camera_to_base.trust.view.look import Look
+from camera_to_base.trust.view.look import ViewLook
 from camera_to_base.trust.view.motion_fit import Motion, MotionFit, SIMILARITY, TILTED
 from camera_to_base.trust.view.patch_fit import PatchFit
 from camera_to_base.trust.view.patch_shifts import PatchShifts
@@ -88,7 +88,7 @@ class QuickLook:
         """Whether the surface tells every shift, rotation and scale."""
         return self._structure is not None and self._structure.tells_all
 
-    def glance(self, frame: np.ndarray) -> Optional[Look]:
+    def glance(self, frame: np.ndarray) -> Optional[ViewLook]:
         """
         Look at a few patches of a frame of the background's size, in a third of the time.
 
@@ -96,7 +96,7 @@ class QuickLook:
         """
         return self._glance.look(frame, self._usual) if self.has_structure else None
 
-    def look(self, frame: np.ndarray) -> Optional[Look]:
+    def look(self, frame: np.ndarray) -> Optional[ViewLook]:
         """
         Look at all patches of a frame of the background's size.
 
@@ -104,7 +104,7 @@ class QuickLook:
         """
         return self._look_at(self._fit.measure(frame, self._usual)) if self.has_structure else None
 
-    def _look_at(self, seen: PatchShifts) -> Look:
+    def _look_at(self, seen: PatchShifts) -> ViewLook:
         tilted = self._tilted(seen)
         if tilted is not None:
             return self._told_by(seen, tilted.agrees, self._tilt_fit, tilted.numbers)
@@ -112,7 +112,7 @@ class QuickLook:
         return self._told_by(
             seen, motion.agrees, self._motion_fit, self._told_part @ motion.numbers)
 
-    def learn(self, look: Look, in_full: bool = False) -> None:
+    def learn(self, look: ViewLook, in_full: bool = False) -> None:
         """
         Learn from a frame that was cleared how much of a patch is usually left unexplained.
 
@@ -146,10 +146,10 @@ class QuickLook:
         return float(seen.residuals.mean()) - noise > _COMPRESSION
 
     def _told_by(self, seen: PatchShifts, agrees: np.ndarray, fit: MotionFit,
-                 numbers: np.ndarray) -> Look:
+                 numbers: np.ndarray) -> ViewLook:
         share = self._structure.share(self._motion_fit.total(agrees * seen.worth))
-        return Look(share, fit.farthest_px(numbers), seen.surplus, fit.matrix(numbers),
-                    agrees.mean())
+        return ViewLook(share, fit.farthest_px(numbers), seen.surplus, fit.matrix(numbers),
+                        agrees.mean())
 
     def _tilted(self, seen: PatchShifts) -> Optional[Motion]:
         # The motion with a tilt, where that is certain.

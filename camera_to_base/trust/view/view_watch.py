@@ -18,7 +18,7 @@ from typing import Optional, Tuple
 
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.view.look import Look
+from camera_to_base.trust.view.look import ViewLook
 from camera_to_base.trust.view.quick_look import QuickLook
 from camera_to_base.trust.view.view_check import View, view_reason, ViewCheck
 import cv2
@@ -107,7 +107,7 @@ class ViewWatch:
         return reason
 
     def _checked(
-        self, frame: np.ndarray, look: Optional[Look], in_full: bool
+        self, frame: np.ndarray, look: Optional[ViewLook], in_full: bool
     ) -> Optional[Reason]:
         if look is None:
             self.view = View(None, 0.0, has_structure=False)
@@ -121,18 +121,18 @@ class ViewWatch:
             return self._held_back
         return self._full_reason(frame, look)
 
-    def _looked(self, frame: np.ndarray) -> Optional[Look]:
+    def _looked(self, frame: np.ndarray) -> Optional[ViewLook]:
         glance = self._look.glance(frame)
         is_enough = glance is not None and (
             not self._limits.max_shift_px or self._is_sure(glance))
         return glance if is_enough else self._look.look(frame)
 
-    def _is_sure(self, look: Look) -> bool:
+    def _is_sure(self, look: ViewLook) -> bool:
         limits = self._limits
         return (look.share >= max(_LEAST_SHARE, 1 - limits.max_changed_share)
                 and look.shift_px <= _LARGEST_MOTION * limits.max_shift_px)
 
-    def _full_reason(self, frame: np.ndarray, look: Look) -> Optional[Reason]:
+    def _full_reason(self, frame: np.ndarray, look: ViewLook) -> Optional[Reason]:
         limits = self._limits
         view = self._check.compare(frame)._replace(
             has_structure=True, tells_all=self._look.tells_all)
@@ -160,18 +160,18 @@ class ViewWatch:
         self._look.learn(look if left is None else left, in_full=True)
         return None
 
-    def _is_likely(self, look: Look, changed_share: float) -> bool:
+    def _is_likely(self, look: ViewLook, changed_share: float) -> bool:
         return any(
             look.share >= share and changed_share <= most_changed
             and look.shift_px <= motion * self._limits.max_shift_px
             for share, motion, most_changed in _LESS)
 
 
-def _is_tilt(left: Look) -> bool:
+def _is_tilt(left: ViewLook) -> bool:
     return left.share >= _LEAST_SHARE and len(left.matrix) == 3
 
 
-def _agrees(left: Look, changed_share: float) -> bool:
+def _agrees(left: ViewLook, changed_share: float) -> bool:
     return _is_tilt(left) or (
         left.share >= _LEAST_SHARE_OF_FULL and left.shift_px <= _LEFT_PX
         and left.patch_share >= _LEAST_PATCHES * (1 - changed_share))
@@ -191,7 +191,7 @@ def _farthest_px(matrix: np.ndarray, size: Tuple[int, int]) -> float:
     return float(np.linalg.norm(cv2.perspectiveTransform(places, matrix) - places, axis=2).max())
 
 
-def _unknown(look: Look) -> Reason:
+def _unknown(look: ViewLook) -> Reason:
     return Reason('view_unknown', Level.WARN, (
         f'whether the view has moved cannot be told, {look.share:.0%} of its structure is in '
         'place: uncover the surface, or clear it and call ~/capture_background'), is_passing=True)

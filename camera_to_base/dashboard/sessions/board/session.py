@@ -23,7 +23,7 @@ from camera_to_base.dashboard.sessions.board.options import BoardOptions
 from camera_to_base.dashboard.sessions.board.picture_taker import PictureTaker
 from camera_to_base.dashboard.sessions.board.placement_list import PlacementList
 from camera_to_base.dashboard.sessions.board.watch import BoardWatch
-from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.cell_values import CellChanges, CellValues
 from camera_to_base.dashboard.sessions.worker import sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
@@ -153,7 +153,7 @@ class BoardSession:
         self._worker.run(lambda: calibrate_placements(board, placements), self._take_fit)
         self._on_change()
 
-    def acceptance(self) -> Changes:
+    def acceptance(self) -> CellChanges:
         """
         Return what is to be set for the running nodes to use the fit.
 
@@ -164,7 +164,7 @@ class BoardSession:
         return self._values.with_part(
             {'calibration.device': self._device(), **part_values(self.calibration)}, SURFACE)
 
-    def set_accepted(self, changes: Changes) -> None:
+    def set_accepted(self, changes: CellChanges) -> None:
         """Remember that the nodes use the fit."""
         self.accepted_calibration = self.calibration
         sentence = ('The running camera node uses the new surface. Take the board away, and take '

@@ -18,7 +18,7 @@ import time
 from typing import Any, Callable, Deque, Dict, List, Mapping, Optional
 
 from camera_to_base.calibration import learned_markers, MARKERS
-from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.cell_values import CellChanges, CellValues
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.markers import Corners, lens_of_values, see_markers
 import numpy as np
@@ -90,7 +90,7 @@ class MarkerSession:
             self._is_on, self._error = False, str(error)
         self._on_change()
 
-    def learn(self, body: Mapping[str, Any]) -> Changes:
+    def learn(self, body: Mapping[str, Any]) -> CellChanges:
         """
         Return what is to be set for the running node to know the markers.
 

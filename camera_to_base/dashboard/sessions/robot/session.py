@@ -19,7 +19,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 from camera_to_base.calibration import (
     BASE, Calibration, part_values, read_typed_position, TouchedPair)
 from camera_to_base.checks import finite_number
-from camera_to_base.dashboard.sessions.cell_values import CellValues, Changes
+from camera_to_base.dashboard.sessions.cell_values import CellChanges, CellValues
 from camera_to_base.dashboard.sessions.robot.data import fit_data
 from camera_to_base.dashboard.sessions.robot.followed_object import FollowedObject, Point
 from camera_to_base.dashboard.sessions.robot.hints import (
@@ -221,7 +221,7 @@ class RobotSession:
             self._accepted = None
         self._on_change()
 
-    def acceptance(self) -> Changes:
+    def acceptance(self) -> CellChanges:
         """
         Return what is to be set for the running nodes to use the fit.
 
@@ -235,7 +235,7 @@ class RobotSession:
             raise InvalidValueError('robot_base_publisher does not run: start it')
         return self._values.with_part(part_values(calibration), BASE)
 
-    def set_accepted(self, changes: Changes) -> None:
+    def set_accepted(self, changes: CellChanges) -> None:
         """Remember that the nodes use the fit."""
         self.accepted_calibration = self._pairs.fit and self._pairs.fit.calibration
         self._accepted = {'sentence': 'The running transform node uses the new base frame. Save '
