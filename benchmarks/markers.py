@@ -35,8 +35,7 @@ from camera_to_base.markers import (
     lens_of_values, MarkedSurface, marker_values, see_markers)
 from camera_to_base.surface import Hull, MatchedPoints, SURFACE_DEFAULTS, surface_values
 from camera_to_base.trust import Limits, ViewWatch
-from camera_to_base.uncertainty import (
-    Lens, scales_at, SURFACE_COVARIANCE, triangle_of, warp_design)
+from camera_to_base.uncertainty import scales_at, SURFACE_COVARIANCE, triangle_of, warp_design
 import cv2
 import numpy as np
 from rows import print_rows
@@ -112,9 +111,7 @@ def errors(marked, seen, camera):
         return None
     pixels = camera.project(AREA)
     missed = new.surface.locate(pixels) - AREA
-    lens = new.surface.distortion
-    moves = scales_at(new.surface, pixels) @ warp_design(
-        pixels, SIZE, Lens(lens.coefficient, tuple(lens.centre)))
+    moves = scales_at(new.surface, pixels) @ warp_design(pixels, SIZE, new.surface.distortion)
     covariances = moves @ new.covariance @ moves.transpose(0, 2, 1)
     squares = np.einsum('ij,ij->i', missed,
                         np.linalg.solve(covariances, missed[:, :, None])[:, :, 0])

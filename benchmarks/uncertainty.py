@@ -32,7 +32,7 @@ from typing import Any, Dict, List, Optional
 
 from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.calibration.boards.board_frame import board_points
-from camera_to_base.calibration.covariances import lens_of, surface_error
+from camera_to_base.calibration.covariances import surface_error
 from camera_to_base.calibration.fits.homography_problem import HomographyProblem
 from camera_to_base.surface import MatchedPoints
 from camera_to_base.uncertainty import radius_for, scales_at, warp_design
@@ -92,7 +92,7 @@ def left_out_squares(pixels: np.ndarray, points: np.ndarray, used: np.ndarray, s
     surface = problem.surface(problem.solve()[0], np.arange(len(matched)))
     fit = surface_error(surface, matched, size, 'corner')
     scales = scales_at(surface, pixels[~used])
-    design = warp_design(pixels[~used], size, lens_of(surface, size))
+    design = warp_design(pixels[~used], size, surface.distortion)
     # A corner that is left out has the error of a corner, too.
     in_picture = (design @ fit.covariance @ design.transpose(0, 2, 1)
                   + fit.point_px ** 2 * np.eye(2))

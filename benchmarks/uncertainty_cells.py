@@ -18,12 +18,12 @@ from dataclasses import dataclass
 import math
 from typing import Dict, NamedTuple, Tuple
 
-from camera_to_base.calibration.covariances import lens_of, surface_error
+from camera_to_base.calibration.covariances import surface_error
 from camera_to_base.calibration.fits.alignment import align
 from camera_to_base.calibration.fits.homography_problem import HomographyProblem
 from camera_to_base.surface import HomographySurface, MatchedPoints, RadialDistortion
 from camera_to_base.uncertainty import (
-    base_covariance, base_error, CameraPlace, FrameState, Lens, PositionUncertainty, Shape,
+    base_covariance, base_error, CameraPlace, FrameState, PositionUncertainty, Shape,
     ShiftMean, Spread, WARP_NUMBERS)
 import numpy as np
 
@@ -133,27 +133,25 @@ class Cell:
         higher = tolerance * self.random.normal()
         exact, errors = np.zeros((WARP_NUMBERS,) * 2), {}
         place = CameraPlace(tuple(self.foot), self.height_cm)
-        lens = Lens(self.lens.coefficient, tuple(self.lens.centre))
-        truth = PositionUncertainty(self.surface, lens, exact, place, 0.0, 0.0)
+        truth = PositionUncertainty(self.surface, exact, place, 0.0, 0.0)
         still = FrameState(SIZE, noise)
         errors['detection'] = Outcome(
             self.surface.locate([shape.pixel])[0] - self.point,
             _plane(truth.covariance(shape, still)))
         at_truth = shape._replace(pixel=tuple(self.pixel))
         none = shape._replace(spread=Spread(0.0, 0.0, 0.0), pixel=tuple(self.pixel))
-        said = PositionUncertainty(fitted, lens_of(fitted, SIZE), fit.covariance, place)
+        said = PositionUncertainty(fitted, fit.covariance, place)
         errors['surface'] = Outcome(
             fitted.locate([self.pixel])[0] - self.point, said.at_pixels(self.pixel[None], SIZE)[0])
         seen = self._raised(higher)
-        high = PositionUncertainty(self.surface, lens, exact, place, 0.0, tolerance)
+        high = PositionUncertainty(self.surface, exact, place, 0.0, tolerance)
         errors['height'] = Outcome(self.surface.locate([seen])[0] - self.point,
                                    high.at_pixels(self.pixel[None], SIZE)[0])
         shifted = self.pixel + view[0]
         errors['view'] = Outcome(
             self.surface.locate([shifted])[0] - self.point,
             _plane(truth.covariance(none, FrameState(SIZE, noise, view[1]))))
-        everything = PositionUncertainty(
-            fitted, lens_of(fitted, SIZE), fit.covariance, place, 0.0, tolerance)
+        everything = PositionUncertainty(fitted, fit.covariance, place, 0.0, tolerance)
         pixel = seen + view[0] + centre_error
         said = everything.covariance(at_truth, FrameState(SIZE, noise, view[1])).matrix
         errors['base'] = self._touched(self.surface, self.point, np.zeros((6, 6)))

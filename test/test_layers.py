@@ -36,6 +36,8 @@ NUMPY_AND_OPENCV_ALONE = ['surface', 'markers', 'simulation', 'detection', 'trus
 NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]
 # Their inner rooms are not yet entered through the faces alone.
 INNER_ROOMS_ARE_OPEN = {'detection', 'trust'}
+# Names of two classes each, which are still to be renamed.
+NOT_YET_UNIQUE = {'Found', 'Limits'}
 # Each is imported within the functions that need it.
 HEAVY = {'matplotlib', 'rosbags', 'scipy', 'tqdm'}
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
@@ -191,6 +193,12 @@ def test_the_transform_node_starts_without_opencv():
         '-c', 'import sys; import camera_to_base.nodes.robot_base_publisher; '
         "sys.exit('cv2' in sys.modules)")
     assert child.returncode == 0, child.stderr
+
+
+def test_no_two_classes_have_one_name():
+    names = [node.name for module in MODULES for node in module.tree.body
+             if isinstance(node, ast.ClassDef)]
+    assert {name for name in names if names.count(name) > 1} <= NOT_YET_UNIQUE
 
 
 def test_the_core_neither_logs_nor_prints():

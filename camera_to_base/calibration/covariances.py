@@ -20,7 +20,7 @@ from camera_to_base.calibration.fits.rigid_fit import RigidFit
 from camera_to_base.surface import (
     HomographySurface, ImageSize, MatchedPoints, PointPairs, PolynomialSurface)
 from camera_to_base.uncertainty import (
-    base_error, BaseError, fit_error, FitError, Lens, plain_lens, scales_at, warp_design)
+    base_error, BaseError, fit_error, FitError, scales_at, warp_design)
 import numpy as np
 
 # The usual error of a coordinate: corners are found by the command, points are clicked.
@@ -43,20 +43,10 @@ def surface_error(
     cm_per_px = scales_at(surface, matched.pixels)
     errors_cm = matched.points - surface.locate(matched.pixels)
     residuals = np.linalg.solve(cm_per_px, errors_cm[:, :, None])[:, :, 0]
-    design = warp_design(matched.pixels, image_size, lens_of(surface, image_size))
+    design = warp_design(matched.pixels, image_size, surface.distortion)
     motions = np.linalg.solve(cm_per_px, _motion_design(matched.points, counts))
     return fit_error(np.concatenate([design, motions], axis=2), residuals, matched.points,
                      expected_px=_EXPECTED_PX[points_are])
-
-
-def lens_of(
-    surface: Union[HomographySurface, PolynomialSurface], image_size: ImageSize
-) -> Lens:
-    """Return the lens of a surface; one without distortion where it has none."""
-    distortion = getattr(surface, 'distortion', None)
-    if distortion is None:
-        return plain_lens(image_size)
-    return Lens(distortion.coefficient, tuple(distortion.centre))
 
 
 def transform_error(pairs: PointPairs, fit: RigidFit) -> BaseError:

@@ -17,13 +17,11 @@
 from typing import NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.markers import CELLS
+from camera_to_base.markers import paper_corners
 import cv2
 import numpy as np
 
 _LIMIT_CM = 1e5
-# A marker's paper is this much wider than its black square: a cell of white on each side.
-_PAPER = (CELLS + 2) / CELLS
 
 
 class Area:
@@ -75,9 +73,7 @@ class Areas(NamedTuple):
 
         :param markers: Each of shape (4, 2), the corners of its black square, in cm.
         """
-        papers = (corners.mean(axis=0) + _PAPER * (corners - corners.mean(axis=0))
-                  for corners in markers)
-        return self._replace(ignored=(*self.ignored, *map(Area, papers)))
+        return self._replace(ignored=(*self.ignored, *map(Area, map(paper_corners, markers))))
 
 
 def read_areas(work_area: Sequence[float], ignored_areas: str) -> Areas:

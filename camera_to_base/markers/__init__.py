@@ -23,7 +23,7 @@ module aruco, everything else works.
 
 from camera_to_base.markers.agreement import judge_markers, Verdict
 from camera_to_base.markers.aruco import (
-    CELLS, find_markers, has_markers, marker_cells, MARKER_COUNT, NO_ARUCO)
+    CELLS, find_markers, has_markers, marker_cells, MARKER_COUNT, NO_ARUCO, paper_corners)
 from camera_to_base.markers.marked_surface import MarkedSurface, MarkerLook, NewSurface
 from camera_to_base.markers.new_surface import (
     lens_of_values, marker_surface, new_surface_values)
@@ -36,6 +36,6 @@ __all__ = [
     'CELLS', 'Corners', 'find_markers', 'has_markers', 'judge_markers', 'known_markers',
     'LEAST_MARKERS', 'lens_of_values', 'MarkedSurface', 'MARKER_COUNT', 'MARKER_SPECS',
     'marker_cells', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook',
-    'new_surface_values', 'NewSurface', 'NO_ARUCO', 'refuse_polynomial',
+    'new_surface_values', 'NewSurface', 'NO_ARUCO', 'paper_corners', 'refuse_polynomial',
     'see_markers', 'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
 ]

@@ -150,3 +150,14 @@ def _aruco() -> ModuleType:
 def _dictionary(aruco: ModuleType) -> Any:
     get = getattr(aruco, 'getPredefinedDictionary', None) or aruco.Dictionary_get
     return get(aruco.DICT_4X4_250)
+
+
+def paper_corners(corners: np.ndarray) -> np.ndarray:
+    """
+    Return the corners of a marker's paper: of a white cell on each side of its black square.
+
+    :param corners: Of the black square, shape (4, 2), in any unit.
+    :returns: The same shape.
+    """
+    middle = corners.mean(axis=0)
+    return middle + (CELLS + 2) / CELLS * (corners - middle)

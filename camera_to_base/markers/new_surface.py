@@ -24,12 +24,12 @@ from typing import Any, Dict, List
 from camera_to_base.errors import CalibrationError
 from camera_to_base.image_size import ImageSize
 from camera_to_base.markers.camera_place import moved_place
-from camera_to_base.markers.surface_fit import lens_of, MarkerFit
+from camera_to_base.markers.surface_fit import MarkerFit
 from camera_to_base.parameters import Values
 from camera_to_base.surface import (
     Hull, make_hull, make_surface, RadialDistortion, Surface, surface_values)
 from camera_to_base.uncertainty import (
-    HOMOGRAPHY_NUMBERS, plain_lens, scales_at, SURFACE_COVARIANCE, surface_covariance,
+    HOMOGRAPHY_NUMBERS, scales_at, SURFACE_COVARIANCE, surface_covariance,
     triangle_of, warp_design, WARP_NUMBERS)
 import numpy as np
 
@@ -84,7 +84,7 @@ def deviation_cm(surface: Surface, covariance: np.ndarray, points: np.ndarray) -
     """
     pixels = surface.pixels(points)
     moves = scales_at(surface, pixels) @ warp_design(
-        pixels, surface.image_size, lens_of(surface.distortion))
+        pixels, surface.image_size, surface.distortion)
     squares = np.linalg.eigvalsh(moves @ covariance @ moves.transpose(0, 2, 1))
     return float(np.sqrt(squares.max()))
 
@@ -111,12 +111,9 @@ def new_covariance(
     :param calibrated_covariance: Of the calibrated picture's warp, shape (14, 14).
     :returns: Of the new picture's warp, shape (14, 14), see `uncertainty.picture_warp`.
     """
-    lens = lens_of(fit.surface.distortion)
     there = calibrated.pixels(fit.points)
-    old_lens = getattr(calibrated, 'distortion', None)
-    old = warp_design(there, image_size, plain_lens(image_size) if old_lens is None
-                      else lens_of(old_lens))
-    new = warp_design(fit.pixels, image_size, lens)
+    old = warp_design(there, image_size, calibrated.distortion)
+    new = warp_design(fit.pixels, image_size, fit.surface.distortion)
     # How the calibration's errors move the corners in the new picture.
     moves = np.linalg.solve(scales_at(fit.surface, fit.pixels), scales_at(calibrated, there) @ old)
     lens_columns = np.s_[HOMOGRAPHY_NUMBERS:]

@@ -22,7 +22,7 @@ from typing import Dict, NamedTuple, Tuple
 
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.surface import HomographySurface, ImageSize, RadialDistortion
-from camera_to_base.uncertainty import HOMOGRAPHY_NUMBERS, Lens, pooled_variance, warp_design
+from camera_to_base.uncertainty import HOMOGRAPHY_NUMBERS, pooled_variance, warp_design
 import cv2
 import numpy as np
 
@@ -70,7 +70,7 @@ def fit_markers(
     points = np.concatenate([known[number] for number in numbers])
     pixels = np.concatenate([seen[number] for number in numbers])
     outwards = outward_moves(pixels)
-    design = warp_design(pixels, image_size, lens_of(lens))[:, :, :HOMOGRAPHY_NUMBERS]
+    design = warp_design(pixels, image_size, lens)[:, :, :HOMOGRAPHY_NUMBERS]
     columns = np.concatenate([design, outwards[:, :, None]], axis=2)
     gain = np.linalg.pinv(columns.reshape(-1, HOMOGRAPHY_NUMBERS + 1))
     inset = 0.0
@@ -84,11 +84,6 @@ def fit_markers(
     return MarkerFit(surface, numbers, pixels + inset * outwards, points, gain[:-1],
                      float(np.sqrt(squares / freedom)),
                      pooled_variance(squares, freedom, expected, _EXPECTED_WORTH))
-
-
-def lens_of(lens: RadialDistortion) -> Lens:
-    """Return the lens as the uncertainty takes it."""
-    return Lens(lens.coefficient, tuple(lens.centre))
 
 
 def scale_of(image_size: ImageSize) -> float:

@@ -22,6 +22,7 @@ from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
 
+# Of the kept picture, which goes into a parameter file as text.
 _SIZE = 64, 48
 # Of a pixel that something hid, such as the chessboard.
 _UNKNOWN = 0

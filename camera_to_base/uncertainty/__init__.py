@@ -32,7 +32,7 @@ from camera_to_base.uncertainty.ellipse import (
 from camera_to_base.uncertainty.from_parameters import position_uncertainty
 from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
 from camera_to_base.uncertainty.picture_warp import (
-    HOMOGRAPHY_NUMBERS, Lens, plain_lens, warp_design, WARP_NUMBERS)
+    HOMOGRAPHY_NUMBERS, Lens, warp_design, WARP_NUMBERS)
 from camera_to_base.uncertainty.position import PositionUncertainty, scales_at
 from camera_to_base.uncertainty.position_covariance import FrameState, PositionCovariance
 from camera_to_base.uncertainty.scatter import pooled_variance
@@ -49,7 +49,7 @@ __all__ = [
     'base_covariance', 'base_error', 'BaseError', 'CameraPlace', 'centre_covariance',
     'CENTRE_FLOOR', 'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse',
     'fit_error', 'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE',
-    'HOMOGRAPHY_NUMBERS', 'Lens', 'LENS_DEVIATIONS', 'likely_place', 'plain_lens',
+    'HOMOGRAPHY_NUMBERS', 'Lens', 'LENS_DEVIATIONS', 'likely_place',
     'pooled_variance', 'pose_design', 'POSE_NUMBERS', 'position_uncertainty', 'PositionCovariance',
     'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread',
     'surface_covariance', 'SURFACE_COVARIANCE', 'symmetric', 'triangle_length', 'triangle_of',

@@ -16,14 +16,13 @@
 
 from camera_to_base.parameters import Values
 from camera_to_base.uncertainty.height import CameraPlace
-from camera_to_base.uncertainty.picture_warp import Lens
-from camera_to_base.uncertainty.position import PositionUncertainty, Surface
+from camera_to_base.uncertainty.position import PositionUncertainty, SurfaceModel
 from camera_to_base.uncertainty.specs import (
     CENTRE_FLOOR, HEIGHT_TOLERANCE, SURFACE_COVARIANCE, surface_covariance)
 import numpy as np
 
 
-def position_uncertainty(values: Values, surface: Surface) -> PositionUncertainty:
+def position_uncertainty(values: Values, surface: SurfaceModel) -> PositionUncertainty:
     """
     Make the uncertainty of positions in the camera frame.
 
@@ -31,10 +30,7 @@ def position_uncertainty(values: Values, surface: Surface) -> PositionUncertaint
     :param surface: Made of the same parameters.
     :raises InvalidValueError: If surface.covariance is no covariance.
     """
-    lens, camera = None, None
-    if values['surface.model'] == 'homography':
-        lens = Lens(values['surface.homography.distortion_coefficient'],
-                    tuple(values['surface.homography.distortion_centre']))
+    camera = None
     height_cm, foot = values['surface.camera_height_cm'], values['surface.camera_foot_cm']
     if height_cm > values['object_height_cm']:
         if not foot and values['surface.model'] == 'parallel':
@@ -42,5 +38,5 @@ def position_uncertainty(values: Values, surface: Surface) -> PositionUncertaint
         if foot:
             camera = CameraPlace(tuple(foot), height_cm - values['object_height_cm'])
     return PositionUncertainty(
-        surface, lens, surface_covariance(values[SURFACE_COVARIANCE]), camera,
+        surface, surface_covariance(values[SURFACE_COVARIANCE]), camera,
         values[CENTRE_FLOOR], values[HEIGHT_TOLERANCE], values['detector.method'] == 'tutorial')

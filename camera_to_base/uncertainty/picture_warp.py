@@ -22,7 +22,7 @@ fifth power, and two of a lens that is not centred). All numbers are without a u
 halves of the picture's diagonal, from its centre.
 """
 
-from typing import NamedTuple, Tuple
+from typing import Optional, Protocol, Tuple
 
 from camera_to_base.image_size import ImageSize
 import numpy as np
@@ -30,12 +30,12 @@ import numpy as np
 HOMOGRAPHY_NUMBERS, WARP_NUMBERS = 8, 14
 
 
-class Lens(NamedTuple):
+class Lens(Protocol):
     """
-    The calibrated lens, in the division model.
+    The calibrated lens, in the division model: a `RadialDistortion` of the room `surface`.
 
-    :param coefficient: See surface.homography.distortion_coefficient; 0 for none.
-    :param centre: u and v, in px.
+    `coefficient` is that of surface.homography.distortion_coefficient, 0 for none; `centre` is u
+    and v, in px.
     """
 
     coefficient: float
@@ -47,26 +47,27 @@ def picture_radius(image_size: ImageSize) -> float:
     return float(np.hypot(*image_size) / 2)
 
 
-def plain_lens(image_size: ImageSize) -> Lens:
-    """Return the lens without distortion."""
-    return Lens(0.0, ((image_size[0] - 1) / 2, (image_size[1] - 1) / 2))
-
-
-def warp_design(pixels: np.ndarray, image_size: ImageSize, lens: Lens) -> np.ndarray:
+def warp_design(
+    pixels: np.ndarray, image_size: ImageSize, lens: Optional[Lens]
+) -> np.ndarray:
     """
     Return how each number of the warp moves pixels.
 
     :param pixels: Shape (n, 2), columns u and v, in px, as the lens shows them.
+    :param lens: None for one without distortion.
     :returns: Shape (n, 2, 14), in px.
     """
+    picture_centre = np.subtract(image_size, 1) / 2
+    coefficient, centre = (
+        (0.0, picture_centre) if lens is None else (lens.coefficient, lens.centre))
     radius = picture_radius(image_size)
-    offsets = (np.asarray(pixels, float) - lens.centre) / radius
+    offsets = (np.asarray(pixels, float) - centre) / radius
     squares = np.einsum('ij,ij->i', offsets, offsets)[:, None]
-    scale = 1 / (1 + lens.coefficient * squares)
+    scale = 1 / (1 + coefficient * squares)
     # Derivative of the undistorted pixel by the pixel.
     slope = (scale[:, :, None] * _UNIT
-             - 2 * lens.coefficient * (scale ** 2 * offsets)[:, :, None] * offsets[:, None])
-    middle = (np.subtract(image_size, 1) / 2 - lens.centre) / radius
+             - 2 * coefficient * (scale ** 2 * offsets)[:, :, None] * offsets[:, None])
+    middle = (picture_centre - centre) / radius
     design = np.empty((len(pixels), 2, WARP_NUMBERS))
     _fill_homography(design, offsets * scale - middle)
     design[:, :, 8] = -offsets * scale ** 2 * squares

@@ -23,7 +23,7 @@ from camera_to_base.image_size import ImageSize
 from camera_to_base.uncertainty.centre import (
     centre_covariance, Shape, Spread, TUTORIAL_FLOOR_PX, UNKNOWN_ANGLE, yaw_variance)
 from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
-from camera_to_base.uncertainty.picture_warp import Lens, plain_lens, warp_design
+from camera_to_base.uncertainty.picture_warp import Lens, warp_design
 from camera_to_base.uncertainty.position_covariance import (
     FrameState, LEAST_Z_CM, PositionCovariance, UNKNOWN_POSITION)
 import numpy as np
@@ -33,13 +33,15 @@ _CELL_PX = 8
 _MOST_CELLS = 20000
 
 
-class Surface(Protocol):
-    """Maps pixels to the surface, see the room `surface`."""
+class SurfaceModel(Protocol):
+    """Maps pixels to the surface: a `Surface` of the room of that name, as far as is needed."""
+
+    distortion: Optional[Lens]
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels (n, 2), in px, to points (n, 2), in cm."""
 
-    def for_image_size(self, image_size: ImageSize) -> 'Surface':
+    def for_image_size(self, image_size: ImageSize) -> 'SurfaceModel':
         """Give the model for pictures of a size."""
 
 
@@ -63,7 +65,6 @@ class PositionUncertainty:
     How uncertain positions are in the camera frame.
 
     :param surface: Maps pixels to the surface below the objects' tops.
-    :param lens: The calibrated lens; None for one without distortion.
     :param warp_covariance: Of the calibration, shape (14, 14), see `picture_warp`.
     :param camera: Where the camera is, above the objects' tops; None where it is not known.
     :param centre_floor_px: What light does to a centre, see `centre`.
@@ -71,8 +72,7 @@ class PositionUncertainty:
     :param is_tutorial: Whether the detector is the tutorial's.
     """
 
-    surface: Surface
-    lens: Optional[Lens]
+    surface: SurfaceModel
     warp_covariance: np.ndarray
     camera: Optional[CameraPlace] = None
     centre_floor_px: float = 0.0
@@ -159,19 +159,18 @@ class PositionUncertainty:
         self, pixels: np.ndarray, image_size: ImageSize
     ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return scales (n, 2, 2), covariances (n, 2, 2) and slopes (n, 2), see `_Place`."""
-        surface, lens, camera = self._of_size(image_size)
+        surface, camera = self._of_size(image_size)
         scales = scales_at(surface, pixels)
-        moves = scales @ warp_design(pixels, image_size, lens)
+        moves = scales @ warp_design(pixels, image_size, surface.distortion)
         return (scales, moves @ self.warp_covariance @ moves.transpose(0, 2, 1),
                 height_slopes(surface.locate(pixels), camera))
 
-    def _of_size(self, image_size: ImageSize) -> Tuple[Surface, Lens, CameraPlace]:
+    def _of_size(self, image_size: ImageSize) -> Tuple[SurfaceModel, CameraPlace]:
         found = self._places.get(image_size)
         if found is None:
             surface = self.surface.for_image_size(image_size)
             found = self._places[image_size] = (
-                surface, self.lens or plain_lens(image_size),
-                self.camera or likely_place(surface.locate, image_size))
+                surface, self.camera or likely_place(surface.locate, image_size))
         return found
 
 
@@ -184,7 +183,7 @@ def _projected(spread: Spread, scale: Tuple[float, float, float, float]
             y_u * y_u * uu + 2 * y_u * y_v * uv + y_v * y_v * vv)
 
 
-def scales_at(surface: Surface, pixels: np.ndarray) -> np.ndarray:
+def scales_at(surface: SurfaceModel, pixels: np.ndarray) -> np.ndarray:
     """
     Return the steps on the surface that correspond to a step of 1 px.
 

@@ -50,7 +50,7 @@ def test_object_that_is_cut_off_may_have_a_part_as_large_as_itself_missing():
 
 
 def test_direction_is_known_better_for_a_long_object():
-    parts = PositionUncertainty(ParallelSurface(36.0, 640), None, EXACT, centre_floor_px=0.2)
+    parts = PositionUncertainty(ParallelSurface(36.0, 640), EXACT, centre_floor_px=0.2)
     bar = Shape((320.0, 240.0), 800.0, Spread(533.0, 0.0, 8.3), 100.0, has_yaw=True)
     stub = bar._replace(spread=Spread(40.0, 0.0, 25.0))
     assert parts.covariance(COIN, STILL).yaw == UNKNOWN_ANGLE
@@ -58,7 +58,7 @@ def test_direction_is_known_better_for_a_long_object():
 
 
 def test_error_in_the_picture_becomes_one_on_the_surface():
-    parts = PositionUncertainty(ParallelSurface(32.0, 640), None, EXACT, centre_floor_px=2.0)
+    parts = PositionUncertainty(ParallelSurface(32.0, 640), EXACT, centre_floor_px=2.0)
     covariance = parts.covariance(COIN, STILL)
     assert math.sqrt(covariance.xx) == pytest.approx(0.1, rel=0.01)
     assert covariance.zz == pytest.approx(0.01)
@@ -66,7 +66,7 @@ def test_error_in_the_picture_becomes_one_on_the_surface():
 
 def test_height_counts_by_the_tangent_of_the_viewing_angle():
     parts = PositionUncertainty(
-        ParallelSurface(32.0, 640), None, EXACT, CameraPlace((16.0, 12.0), 50.0),
+        ParallelSurface(32.0, 640), EXACT, CameraPlace((16.0, 12.0), 50.0),
         height_tolerance_cm=1.0)
     below = parts.at_pixels(np.array([[320.0, 240.0]]), SIZE)[0]
     aside = parts.at_pixels(np.array([[620.0, 240.0]]), SIZE)[0]
@@ -93,7 +93,7 @@ def test_shift_of_the_view_counts_by_its_mean_square_and_is_forgotten():
 
 
 def test_calibration_without_covariance_counts_as_uncertain():
-    parts = PositionUncertainty(ParallelSurface(36.0, 640), None, surface_covariance([]))
+    parts = PositionUncertainty(ParallelSurface(36.0, 640), surface_covariance([]))
     pixels = np.array([[320.0, 240.0], [635.0, 475.0]])
     middle, corner = np.sqrt(parts.at_pixels(pixels, SIZE)[:, [0, 1], [0, 1]].max(axis=1))
     assert 0.3 < middle < 0.7 and 1.0 < corner < 2.0
@@ -101,7 +101,7 @@ def test_calibration_without_covariance_counts_as_uncertain():
 
 def test_place_beyond_the_horizon_is_not_known_but_finite():
     tilted = HomographySurface(np.array([[0.05, 0, 0], [0, 0.05, 0], [0, 0.004, -0.3]]))
-    found = PositionUncertainty(tilted, None, EXACT).covariance(
+    found = PositionUncertainty(tilted, EXACT).covariance(
         COIN._replace(pixel=(320.0, 20.0)), STILL)
     assert all(map(math.isfinite, found)) and found.xx == 1e6
 

@@ -17,7 +17,8 @@ import io
 from textwrap import wrap
 from typing import Any, Tuple
 
-from camera_to_base.calibration.boards.sheet import draw_ruler, GREY, MM_PER_INCH, PAPERS, PNG_DPI
+from camera_to_base.calibration.boards.sheet import (
+    draw_ruler, GREY, largest_tile_mm, MM_PER_INCH, PAPERS, PNG_DPI)
 from camera_to_base.checks import finite_number
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.markers import CELLS, marker_cells
@@ -27,7 +28,7 @@ NUMBERS = (0, 1, 2, 3)
 LEAST_MM, LARGEST_MM = 10.0, 200.0
 # A white margin of a cell on each side belongs to a marker; the cut line is beyond it.
 _MARGIN_CELLS, _GAP_MM = 1.2, 3.0
-_SIDE_MM, _TOP_MM, _BOTTOM_MM = 6.0, 10.0, 64.0
+_TOP_MM, _BOTTOM_MM = 10.0, 64.0
 _CROSS_MM = 4.0
 _TEXT = (
     'Cut along the dashed lines; the white margin belongs to the marker. Glue each marker flat, '
@@ -82,9 +83,8 @@ def _columns(paper: str, marker_mm: float) -> int:
     """Return how many markers stand side by side; refuse markers that are too large."""
     largest = 0.0
     for columns in (4, 2):
-        width, height = _size(paper, columns)
-        room = min((width - 2 * _SIDE_MM) / columns,
-                   (height - _TOP_MM - _BOTTOM_MM) / (len(NUMBERS) // columns))
+        room = largest_tile_mm(
+            _size(paper, columns), (columns, len(NUMBERS) // columns), _TOP_MM + _BOTTOM_MM)
         if room >= _tile_mm(marker_mm):
             return columns
         largest = max(largest, (room - _GAP_MM) / (_tile_mm(1.0) - _GAP_MM))

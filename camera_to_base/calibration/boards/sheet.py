@@ -78,6 +78,20 @@ def sheet_content(
     return content.getvalue()
 
 
+def largest_tile_mm(
+    size_mm: Tuple[float, float], counts: Tuple[int, int], above_and_below_mm: float
+) -> float:
+    """
+    Return how large the equal squares on a sheet can be.
+
+    :param size_mm: The sheet's width and height.
+    :param counts: Of squares along a row, and along a column.
+    :param above_and_below_mm: What the texts and the ruler take of the height.
+    """
+    (width, height), (columns, rows) = size_mm, counts
+    return min((width - 2 * _SIDE_MM) / columns, (height - above_and_below_mm) / rows)
+
+
 def has_one_origin(columns: int, rows: int) -> bool:
     """Return whether a board has one end with dark corner squares, and so one first corner."""
     return (columns + rows) % 2 == 1
@@ -89,9 +103,8 @@ def _size(paper: str, columns: int, rows: int) -> Tuple[float, float]:
 
 
 def _refuse_too_large(paper: str, columns: int, rows: int, square_mm: float) -> None:
-    width, height = _size(paper, columns, rows)
-    largest = min((width - 2 * _SIDE_MM) / (columns + 1),
-                  (height - _TOP_MM - _BOTTOM_MM) / (rows + 1))
+    largest = largest_tile_mm(
+        _size(paper, columns, rows), (columns + 1, rows + 1), _TOP_MM + _BOTTOM_MM)
     if square_mm > largest:
         cure = f'squares of {int(largest)} mm do' if largest >= 1 else 'choose fewer'
         raise InvalidValueError(

@@ -35,6 +35,7 @@ _EDGE_SHARE = 0.4
 _WHOLE_EDGE = 0.8
 # Rounds of the fit of smooth light, and what counts half in it, in shares of the light.
 _ROUNDS, _HALF_WEIGHT = 8, 0.03
+# Smooth light is fitted to every fourth cell each way, which saves time.
 _GRID_STEP = 4
 # On a surface whose own levels vary by this much, an arm is like it here and there: gaps of up to
 # 4 cells are closed there.

@@ -27,6 +27,7 @@ _SECTORS, _LEAST_PIXELS = 8, 12
 # mean correlation of the sectors, their means, and their contrasts beside their means. An edge of
 # a shadow that crosses a sector leaves this much.
 _LEAST_CORRELATION, _LEAST_MEAN_CORRELATION = 0.7, 0.85
+# As factors of the light and of the contrast at the start, least and most.
 _LIGHTS, _CONTRASTS = (0.2, 1.3), (0.6, 1.6)
 
 

@@ -24,12 +24,15 @@ import numpy as np
 _LIGHT_WIDTH, _NOISE_SIGMA, _PLACE_SIGMA, _GREY_LEVELS = 49, 1.0, 6.0, 40.0
 # Contrast that is less than this many levels, or deviations of the noise, is not made stronger.
 _FAINTEST_LEVELS, _NOISE_DEVIATIONS = 1.0, 4.0
+# Contrast above so many deviations of the noise is structure.
 _STRUCTURE_DEVIATIONS = 2.0
 # Corners are looked for in each cell, so that they are spread over the picture.
 _CELL_PX, _CORNERS_PER_CELL, _QUALITY, _DISTANCE, _SIZE = 64, 6, 0.15, 8, 7
+# None so close to the picture's edge: half its window would lie beyond.
 _EDGE_PX = 8
 # What noise of an even picture does to a shift; and what interpolation does, in px.
 _SLOPE_NOISE, _MODEL_PX = 0.2, 0.03
+# Of Lucas and Kanade: OpenCV's usual one, and a smaller one where the pictures nearly agree.
 _WINDOW, _CLOSE_WINDOW = (21, 21), (17, 17)
 
 

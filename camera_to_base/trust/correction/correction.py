@@ -23,7 +23,7 @@ from camera_to_base.surface import NudgedSurface, Surface
 from camera_to_base.trust.correction.nudge_meter import Nudge
 from camera_to_base.trust.surface_in_force import SurfaceInForce
 from camera_to_base.uncertainty import (
-    Lens, plain_lens, radius_for, scales_at, warp_design, WARP_NUMBERS)
+    radius_for, scales_at, warp_design, WARP_NUMBERS)
 import numpy as np
 
 # The error is that of an ellipse with so many of all errors, at the worst of these places.
@@ -123,9 +123,8 @@ def _places(size: ImageSize) -> np.ndarray:
 
 def _covariances(nudge: Nudge, frame_places: np.ndarray, size: ImageSize) -> np.ndarray:
     # Of the places, shape (n, 2, 2), in px².
-    lens = nudge.frame_from_background.lens
-    design = warp_design(frame_places, size, plain_lens(size) if lens is None else Lens(
-        lens.coefficient, lens.centre))[:, :, :len(nudge.covariance)]
+    design = warp_design(
+        frame_places, size, nudge.frame_from_background.lens)[:, :, :len(nudge.covariance)]
     return design @ nudge.covariance @ design.transpose(0, 2, 1)
 
 

@@ -30,7 +30,6 @@ from camera_to_base.trust.correction.corners import (
 from camera_to_base.trust.correction.repeats import is_repeated
 from camera_to_base.trust.correction.warp_fit import (
     first_homography, fit_warp, warp_matrix, WarpFit)
-from camera_to_base.uncertainty import Lens, plain_lens
 import cv2
 import numpy as np
 
@@ -67,8 +66,6 @@ class NudgeMeter:
         self._size, self._lens = (width, height), lens
         self._scale = max(1.0, max(width, height) / _LONGEST)
         self._small_size = tuple(max(1, round(length / self._scale)) for length in self._size)
-        self._warp_lens = (plain_lens(self._size) if lens is None
-                           else Lens(lens.coefficient, lens.centre))
         self._grey = self._small_grey(background)
         self._even = even_picture(self._grey)
         self._corners = find_corners(self._even)
@@ -91,7 +88,7 @@ class NudgeMeter:
             return _FEW
         information = corner_information(warped, pairs.here) / self._scale ** 2
         pairs = Pairs(self._full(pairs.here), self._full(pairs.there))
-        fit = fit_warp(pairs, information, self._size, self._warp_lens)
+        fit = fit_warp(pairs, information, self._size, self._lens)
         doubt = self._doubt(pairs, fit)
         if doubt is not None:
             return doubt

@@ -21,8 +21,11 @@ from camera_to_base.uncertainty import Lens, warp_design
 import cv2
 import numpy as np
 
+# Of a homography close to the identity.
 NUMBERS = 8
+# How far corners that agree may be off the first homography, which has no weights yet.
 _AGREE_PX = 2.5
+# Of reweighting the corners.
 _ROUNDS = 8
 # Cauchy's weights; squared deviations, in variances, of corners that do not agree; and the least
 # variance, as a factor of what the corners' information says.
@@ -60,7 +63,7 @@ def first_homography(here: np.ndarray, there: np.ndarray) -> Optional[np.ndarray
 
 
 def fit_warp(
-    pairs: Pairs, information: np.ndarray, size: Tuple[int, int], lens: Lens
+    pairs: Pairs, information: np.ndarray, size: Tuple[int, int], lens: Optional[Lens]
 ) -> WarpFit:
     """
     Fit the warp that takes places to those close by, by least squares with robust weights.

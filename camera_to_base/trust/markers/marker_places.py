@@ -17,16 +17,15 @@ import math
 from typing import List, Sequence, Tuple
 
 from camera_to_base.detection import Area, LeftOut, LocatedObject, Pixel
-from camera_to_base.markers import CELLS, Corners
+from camera_to_base.markers import Corners, paper_corners
 from camera_to_base.reason import Level, Reason
 import cv2
 import numpy as np
 
-# A marker's paper is this much wider than its black square.
-_PAPER = (CELLS + 2) / CELLS
 _ON_MARKER = Reason('on_marker', Level.OK, 'it lies on a marker', is_passing=True)
 # Of a marker's own area in the picture.
 _LEAST_SHARE, _LARGEST_SHARE = 0.3, 4.0
+# An object closer than this to a place of the last look is the one that was there, in px.
 _SAME_PX = 5.0
 
 
@@ -38,8 +37,7 @@ class MarkerPlaces:
     """
 
     def __init__(self, seen: Corners) -> None:
-        self._areas: List[Area] = [Area(corners.mean(axis=0) + _PAPER * (
-            corners - corners.mean(axis=0))) for corners in seen.values()]
+        self._areas: List[Area] = [Area(paper_corners(corners)) for corners in seen.values()]
         self._marker_px2 = max(
             (cv2.contourArea(corners.astype(np.float32)) for corners in seen.values()),
             default=0.0)

@@ -24,6 +24,7 @@ import numpy as np
 
 # The smoothing that the background's gradient is taken with, in px: the better one for a patch.
 _SIGMAS, _USUAL_LENGTH = (0.7, 1.2, 2.5), 1280
+# Shifts are told by differences over this much at least: noise covers those of less.
 _LEAST_HALF_PX = 1.0
 # A coarser gradient is taken where it tells this much more.
 _CLEARLY_BETTER = 1.5
@@ -31,6 +32,7 @@ _CLEARLY_BETTER = 1.5
 _TOO_LARGE = 1.25
 # What the linear model misses of a shift, in px: no patch tells one better.
 _MODEL_PX = 0.2
+# The variance of a shift that a patch does not tell.
 _UNTOLD_PX2 = 1e6
 # At least this share of a patch's energy is taken for structure.
 _LEAST_TRUE = 0.2

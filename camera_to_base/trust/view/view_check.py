@@ -42,6 +42,7 @@ _PLACE_SIGMA, _GREY_LEVELS = 6.0, 60.0
 _CELLS, _CORNERS_PER_CELL, _CORNER_QUALITY, _CORNER_DISTANCE, _CORNER_SIZE = 4, 10, 0.1, 15, 11
 # A higher pyramid finds larger shifts, and an object covers more of it.
 _FLOW_WINDOW, _PYRAMID_LEVELS = (21, 21), (3, 5)
+# How far a corner may be off after it was followed there and back, and off the common movement.
 _THERE_AND_BACK_PX, _AGREE_PX = 1.0, 1.5
 # On noise 5 corners agree by chance, and those of one object do not tell a rotation.
 _LEAST_AGREEING, _LEAST_EXTENT = 16, 0.2

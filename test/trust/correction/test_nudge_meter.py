@@ -16,7 +16,7 @@
 
 from camera_to_base.surface import RadialDistortion
 from camera_to_base.trust.correction import NudgeMeter
-from camera_to_base.uncertainty import Lens, plain_lens, warp_design
+from camera_to_base.uncertainty import warp_design
 import cv2
 from nudged_table import grid, HEIGHT, nudge, NudgedTable, plain, SIZE, WIDTH
 import numpy as np
@@ -64,7 +64,7 @@ def test_covariance_describes_the_errors():
         table = NudgedTable(seed=seed)
         measured = NudgeMeter(table.shoot(), None).measure(table.shoot(NUDGES['all']))
         off = errors_px(measured, NUDGES['all'])
-        design = warp_design(PLACES, SIZE, plain_lens(SIZE))[:, :, :8]
+        design = warp_design(PLACES, SIZE, None)[:, :, :8]
         spread = design @ measured.covariance @ design.transpose(0, 2, 1)
         squares.append(np.einsum('ni,nij,nj->n', off, np.linalg.inv(spread), off).mean() / 2)
     assert 0.3 < np.mean(squares) < 2.0
@@ -97,6 +97,6 @@ def test_lens_of_the_uncertainty_is_that_of_the_surface():
     lens = RadialDistortion.of_picture(SIZE, -0.2)
     table = NudgedTable(coefficient=-0.2)
     measured = NudgeMeter(table.shoot(), lens).measure(table.shoot(NUDGES['shift']))
-    design = warp_design(PLACES, SIZE, Lens(lens.coefficient, lens.centre))[:, :, :8]
+    design = warp_design(PLACES, SIZE, lens)[:, :, :8]
     spread = design @ measured.covariance @ design.transpose(0, 2, 1)
     assert np.sqrt(np.linalg.eigvalsh(spread)[:, 1]).max() < 0.5

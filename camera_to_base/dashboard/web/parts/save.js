@@ -18,12 +18,11 @@ import {act} from '../base/actions.js';
 import {button, card, element, fillRow, row, setText, show, sync, table} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
 import {sentence as asSentence} from '../base/numbers.js';
+import {hasAnotherSurface} from '../base/reasons.js';
 import {address} from '../base/state.js';
 
 const NODES = {camera: 'camera_publisher', transform: 'robot_base_publisher', both: 'both'};
 const LONGEST_TEXT = 60;
-// Reasons of a surface that is not the calibrated one.
-const CORRECTIONS = ['view_corrected', 'surface_by_markers'];
 
 /** Make the part. */
 export function createSave(store) {
@@ -39,7 +38,7 @@ export function createSave(store) {
     element('p', {class: 'buttons'}, keep));
   show(nudged, false);
   store.on('health', ({nodes}) => {
-    const one = nodes.find(({reason}) => CORRECTIONS.includes(reason));
+    const one = nodes.find(({reason}) => hasAnotherSurface(reason));
     show(nudged, Boolean(one));
     if (one) setText(corrected, asSentence(one.sentence));
   });

@@ -16,18 +16,13 @@
 
 import {sentence as asSentence} from '../base/numbers.js';
 import {setAttribute, setText, show} from '../base/dom.js';
+import {isOfTheView, wayOut} from '../base/reasons.js';
 
 const LOST = 'The dashboard does not answer.';
 const LOST_CURE = 'What you see is old. Check that the program "dashboard" runs and that the ' +
   'network works; this page connects again by itself.';
 
 const BOARD_COVERS = 'No positions are published while the board covers the view. This is normal.';
-// Where a reason leads to, by the beginning of its name.
-const WAYS = [
-  [['view_corrected', 'not_calibrated', 'other_camera', 'frame_size'], '#calibrate', 'Calibrate'],
-  [['view_', 'background_', 'taken_away', 'other_view'], '#detect', 'Take the background again'],
-  [['camera_', 'no_publisher', 'damaged', 'old_frames', 'topic_'], '#health', 'Look at Health'],
-];
 
 /** Keep the sentence and the mark of the connection up to date. */
 export function createBanner(store) {
@@ -55,7 +50,7 @@ function state(store) {
   const problem = watch.silence ?? watch.warning;
   const board = store.get('board');
   const isCovered = board && board.step !== 'off' && !board.accepted;
-  if (isCovered && problem?.reason?.startsWith('view_')) {
+  if (isCovered && isOfTheView(problem?.reason ?? '')) {
     return {level: 'calm', sentence: BOARD_COVERS};
   }
   if (problem) return problemState(problem);
@@ -63,11 +58,11 @@ function state(store) {
 }
 
 function fillWay(link, reason) {
-  const way = WAYS.find(([names]) => names.some((name) => reason.startsWith(name)));
+  const way = wayOut(reason);
   show(link, way);
   if (!way) return;
-  setAttribute(link, 'href', way[1]);
-  setText(link, way[2]);
+  setAttribute(link, 'href', way.href);
+  setText(link, way.words);
 }
 
 function problemState({level, sentence, reason}) {

@@ -15,10 +15,9 @@
 // The way to a calibrated cell, as a list of steps; it disappears when all are done.
 
 import {button, element, setAttribute, setText, show, sync} from '../base/dom.js';
+import {lacksBackground} from '../base/reasons.js';
 
 const KEPT_AS = 'setup-closed';
-const BACKGROUND_REASONS = [
-  'background_missing', 'background_dark', 'background_unsettled', 'other_view'];
 
 /** Make the list. */
 export function createSetup(store) {
@@ -58,7 +57,7 @@ function stepsOf(store) {
     {part: 'calibrate', name: 'Surface', isDone: Boolean(value(store, 'camera', 'calibration.surface')),
       todo: 'lay a printed board on the table'},
     {part: 'detect', name: 'Background',
-      isDone: Boolean(watch) && !BACKGROUND_REASONS.includes(watch.silence?.reason),
+      isDone: Boolean(watch) && !lacksBackground(watch.silence?.reason),
       todo: 'clear the table, and take the background'},
     {part: 'robot', name: 'Robot', isDone: Boolean(value(store, 'transform', 'calibration.base')),
       todo: 'touch five objects with the robot'},
