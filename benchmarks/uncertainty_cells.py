@@ -61,6 +61,7 @@ class WarpedSurface:
 
     def __init__(self, surface: HomographySurface, numbers: np.ndarray) -> None:
         self._surface, self._numbers = surface, numbers
+        self.distortion = surface.distortion
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the surface, both of shape (n, 2)."""

@@ -115,7 +115,7 @@ def test_a_full_disk_is_told_and_the_old_file_stays(page, tmp_path, monkeypatch)
     assert path.read_text() == '/**: {ros__parameters: {reach_cm: 30.0}}\n'
     assert os.listdir(tmp_path) == ['cell.yaml']
     monkeypatch.undo()
-    assert act(page, 'save', path=str(path))['saved']['kept']
+    assert act(page, 'save', path=str(path))['saved']['sentence'].endswith('cell.yaml.bak.')
     assert 'reach_cm' in (tmp_path / 'cell.yaml.bak').read_text()
 
 

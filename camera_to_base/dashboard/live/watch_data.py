@@ -102,5 +102,4 @@ def _flat(pose: Pose) -> Dict[str, Any]:
 
 def _in_space(base: Pose, camera: Pose) -> Dict[str, Any]:
     yaw = None if camera.yaw == 0.0 else round(math.degrees(base.yaw), 2)
-    return {'x': round(base.x, _DIGITS), 'y': round(base.y, _DIGITS),
-            'z': round(base.z, _DIGITS), 'yaw_deg': yaw}
+    return {'x': round(base.x, _DIGITS), 'y': round(base.y, _DIGITS), 'yaw_deg': yaw}

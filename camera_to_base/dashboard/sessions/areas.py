@@ -14,7 +14,7 @@
 
 """Areas that a person draws on the picture, as the parameters of the detector."""
 
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, Mapping
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.dashboard.sessions.cell_values import CellChanges, CellValues
@@ -71,6 +71,4 @@ def _text(corners: np.ndarray) -> str:
 
 
 def _area_data(area: Area, values: CellValues) -> Dict[str, Any]:
-    corners = area.corners.tolist()
-    pixels: List[Optional[List[float]]] = [values.pixel_of(corner) for corner in corners]
-    return {'cm': corners, 'px': pixels}
+    return {'px': [values.pixel_of(corner) for corner in area.corners.tolist()]}

@@ -14,7 +14,6 @@
 
 """Saves a cell's parameters in a file."""
 
-from datetime import datetime
 import os
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
@@ -109,11 +108,8 @@ class SaveSession:
             self._path, self._read_at, self._file = path, None, None
         kept = write_files({path: text().encode()}, keep_old=True)
         self._read()
-        self._saved = {
-            'path': path, 'kept': kept[0] if kept else None,
-            'at': datetime.now().strftime('%H:%M:%S'),
-            'sentence': f'Written to {path}' + (
-                f'; the old file is {kept[0]}.' if kept else '.')}
+        self._saved = {'sentence': f'Written to {path}' + (
+            f'; the old file is {kept[0]}.' if kept else '.')}
         self._on_change()
 
     def _checked_path(self, wanted: Any) -> str:

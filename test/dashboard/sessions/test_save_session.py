@@ -53,7 +53,7 @@ def test_after_a_start_from_the_file_everything_is_as_it_was(calibrated, tmp_pat
     cell.values['transform']['reach_cm'] = 55.5
     cell.tell()
     saved = cell.do('save', 'save')
-    assert saved['saved']['path'] == str(path) and saved['saved']['kept'] is None
+    assert saved['saved']['sentence'] == f'Written to {path}.'
     assert saved['changes'] == [] and saved['error'] is None
     for node, name in (('camera', 'camera_publisher'), ('transform', 'robot_base_publisher')):
         held = read_node_parameters(str(path), f'/{name}')
@@ -105,7 +105,7 @@ def test_what_changes_is_shown_by_name_with_old_and_new(calibrated, tmp_path):
     assert changes['period']['new'] is None
     assert 'other.thing' not in changes
     saved = cell.do('save', 'save')
-    assert saved['saved']['kept'] == f'{path}.bak'
+    assert saved['saved']['sentence'].endswith(f'; the old file is {path}.bak.')
     assert read_parameter_file(str(path)).values['other.thing'] == 3
     assert read_parameter_file(f'{path}.bak').values['reach_cm'] == 80.0
 

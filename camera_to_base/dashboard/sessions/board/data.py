@@ -30,7 +30,7 @@ def look_data(image: np.ndarray, look: BoardLook) -> Dict[str, Any]:
     return {'found': look.is_found, 'sentence': look.sentence,
             'corners': np.round(look.corners, 1).tolist(), 'covered': round(covered, 2),
             'sharp_px': None if look.edge_px is None else round(look.edge_px, 1),
-            'sharpness': look.sharpness, 'image': {'width': width, 'height': height}}
+            'sharpness': look.sharpness}
 
 
 def placement_data(number: int, placement: Placement) -> Dict[str, Any]:
