@@ -226,7 +226,7 @@ class Cell:
                              for fold, one, other in zip(folds, camera, base)])
         error = base_error(camera @ fit[0].T, left_out, flat=True)
         spot = np.append(point, 0.0)
-        covariance = base_covariance(said, spot, fit[0], error.covariance)
+        covariance = base_covariance(said, spot, fit[0], error)
         found = fit[0] @ spot + fit[1] - rotation @ np.append(self.point, 0.0)
         return Outcome(found[:2], covariance[:2, :2])
 

@@ -57,7 +57,7 @@ def calibrate_base(
         None if left_out is None else np.linalg.norm(left_out, axis=1))
     found = {'rotation_deg': list(fit.rotation_deg),
              'displacement_cm': list(fit.displacement_cm)}
-    values = {**found, 'base_covariance': triangle_of(transform_error(pairs, fit).covariance)}
+    values = {**found, 'base_covariance': triangle_of(transform_error(pairs, fit))}
     report = {**origin_fields('rigid', source), **found, **figure_fields(figures, points_are),
               'warnings': [*warnings(figures), *doubts]}
     if surface_values is not None:

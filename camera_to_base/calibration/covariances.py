@@ -20,7 +20,7 @@ from camera_to_base.calibration.fits.rigid_fit import RigidFit
 from camera_to_base.surface import (
     HomographySurface, ImageSize, MatchedPoints, PointPairs, PolynomialSurface)
 from camera_to_base.uncertainty import (
-    base_error, BaseError, fit_error, FitError, scales_at, warp_design)
+    base_error, fit_error, FitError, scales_at, warp_design)
 import numpy as np
 
 # The usual error of a coordinate: corners are found by the command, points are clicked.
@@ -49,8 +49,8 @@ def surface_error(
                      expected_px=_EXPECTED_PX[points_are])
 
 
-def transform_error(pairs: PointPairs, fit: RigidFit) -> BaseError:
-    """Estimate how uncertain a fitted base transform is."""
+def transform_error(pairs: PointPairs, fit: RigidFit) -> np.ndarray:
+    """Estimate the covariance of a fitted base transform, see `base_error`."""
     is_flat = not (pairs.camera_points[:, 2].any() or pairs.base_points[:, 2].any())
     return base_error(pairs.camera_points @ fit.rotation.T, fit.left_out_residuals, is_flat)
 

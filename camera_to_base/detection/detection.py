@@ -83,19 +83,9 @@ class Detection:
         The direction of the longest axis.
 
         :returns: Angle from the u axis towards the v axis, in rad, in (-pi/2, pi/2]. It is
-            meaningless if `elongation` is close to 1: a round object has no direction.
+            meaningless if the axes are about equal: a round object has no direction.
         """
         return principal_axes(self.spread).angle
-
-    @property
-    def elongation(self) -> float:
-        """
-        The ratio of the object's length to its width.
-
-        :returns: Long axis / short axis of the ellipse with the same second moments: 1 for a disc
-            or a square, infinite for a line.
-        """
-        return principal_axes(self.spread).elongation
 
 
 def check_frame(frame: np.ndarray, name: str = 'frame') -> None:

@@ -24,7 +24,7 @@ Callers: all rooms below. It imports numpy alone: the transform node starts with
 """
 
 from camera_to_base.uncertainty.base import (
-    base_covariance, base_error, BaseError, pose_design, POSE_NUMBERS, UNKNOWN_BASE)
+    base_covariance, base_error, pose_design, POSE_NUMBERS, UNKNOWN_BASE)
 from camera_to_base.uncertainty.centre import (
     centre_covariance, Shape, Spread, UNKNOWN_ANGLE, yaw_variance)
 from camera_to_base.uncertainty.ellipse import (
@@ -46,7 +46,7 @@ from camera_to_base.uncertainty.triangle import symmetric, triangle_length, tria
 from camera_to_base.uncertainty.view import ShiftMean
 
 __all__ = [
-    'base_covariance', 'base_error', 'BaseError', 'CameraPlace', 'centre_covariance',
+    'base_covariance', 'base_error', 'CameraPlace', 'centre_covariance',
     'CENTRE_FLOOR', 'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse',
     'fit_error', 'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE',
     'HOMOGRAPHY_NUMBERS', 'Lens', 'LENS_DEVIATIONS', 'likely_place',

@@ -21,7 +21,7 @@ the transform was fitted to: from the places of the points, and from the error o
 told by the residuals of each pair that was left out of the fit.
 """
 
-from typing import NamedTuple, Optional
+from typing import Optional
 
 from camera_to_base.uncertainty.scatter import pooled_variance
 import numpy as np
@@ -33,19 +33,7 @@ _TOUCH_CM, _TOUCH_WORTH = 0.1, 8.0
 UNKNOWN_BASE = np.diag([1.0] * 3 + [np.radians(1.0) ** 2] * 3)
 
 
-class BaseError(NamedTuple):
-    """
-    How uncertain a base transform is.
-
-    :param covariance: Of displacement (cm) and rotation (rad), shape (6, 6), in the base frame.
-    :param touch_cm: Standard deviation of a touch, of each coordinate.
-    """
-
-    covariance: np.ndarray
-    touch_cm: float
-
-
-def base_error(arms: np.ndarray, left_out: Optional[np.ndarray], flat: bool) -> BaseError:
+def base_error(arms: np.ndarray, left_out: Optional[np.ndarray], flat: bool) -> np.ndarray:
     """
     Estimate how uncertain a fitted base transform is.
 
@@ -54,6 +42,7 @@ def base_error(arms: np.ndarray, left_out: Optional[np.ndarray], flat: bool) -> 
     :param left_out: Shape (n, 3): residual of each pair under the fit to the others, in cm; None
         where that is not known.
     :param flat: Whether z was not measured, but is the same for all.
+    :returns: Covariance of displacement (cm) and rotation (rad), shape (6, 6), in the base frame.
     """
     design = pose_design(arms)
     inverse = np.linalg.pinv(np.einsum('nij,nik->jk', design, design), hermitian=True)
@@ -63,7 +52,7 @@ def base_error(arms: np.ndarray, left_out: Optional[np.ndarray], flat: bool) -> 
         freedom = float(axes * len(arms) - (3 if flat else 6))
         squares = freedom * float(np.mean(_relative_squares(design, left_out, axes)))
     variance = pooled_variance(squares, freedom, _TOUCH_CM, _TOUCH_WORTH)
-    return BaseError(variance * inverse, float(np.sqrt(variance)))
+    return variance * inverse
 
 
 def _relative_squares(design: np.ndarray, left_out: np.ndarray, axes: int) -> np.ndarray:
@@ -109,7 +98,7 @@ def base_covariance(
         the camera frame.
     :param point: x, y and z, in cm, in the camera frame.
     :param rotation: From the camera frame to the base frame, shape (3, 3).
-    :param transform_covariance: Of the transform, shape (6, 6), see :class:`BaseError`.
+    :param transform_covariance: Of the transform, shape (6, 6), see :func:`base_error`.
     :returns: Shape (6, 6), in the base frame.
     """
     both = np.zeros((6, 6))

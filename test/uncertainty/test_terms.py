@@ -123,11 +123,13 @@ def test_base_is_less_certain_where_pairs_are_few_or_near_each_other():
     random = np.random.default_rng(3)
     near = np.pad(random.uniform(-5, 5, (6, 2)), ((0, 0), (0, 1)))
     left_out = np.pad(random.normal(0, 0.1, (6, 2)), ((0, 0), (0, 1)))
-    by_near, by_far = (base_error(scale * near, left_out, True).covariance for scale in (1, 4))
+    by_near, by_far = (base_error(scale * near, left_out, True) for scale in (1, 4))
     assert by_near[5, 5] == pytest.approx(16 * by_far[5, 5], rel=1e-6)
     rough = base_error(near, 5 * left_out, True)
-    assert rough.touch_cm > 2 * base_error(near, left_out, True).touch_cm
-    assert base_error(near, None, True).touch_cm == pytest.approx(0.1)
+    assert rough[5, 5] > 4 * base_error(near, left_out, True)[5, 5]
+    # Without residuals a touch counts with 1 mm, in each of two pairs' 20 cm apart.
+    ends = np.array([[-10.0, 0.0, 0.0], [10.0, 0.0, 0.0]])
+    assert base_error(ends, None, True)[5, 5] == pytest.approx(0.1 ** 2 / 200)
 
 
 def test_ellipse_of_a_share_contains_it():

@@ -18,6 +18,7 @@ from collections import deque
 from statistics import median
 from typing import Deque, Optional
 
+from camera_to_base.sources.live.silence_limit import INTERRUPTED_INTERVALS
 from camera_to_base.sources.live.stream_clock import StreamClock
 
 # A frame that could be read faster than this was there already, unless the camera is faster yet.
@@ -30,8 +31,8 @@ _LONGEST_RUSH_S = 0.2
 # A longer rush means that the camera has become faster: no buffer holds that many frames.
 _NEW_RATE_S = 2.0
 _RUSH_WAITS = 32
+# A shorter silence is no stall, however fast the camera is.
 _STALL_S = 0.25
-_STALL_INTERVALS = 2.5
 
 
 class Freshness:
@@ -84,7 +85,7 @@ class Freshness:
         interval = ended_at - (self._ended_at if self._ended_at is not None else begun_at)
         self._ended_at = ended_at
         usual = median(self._intervals) if self._intervals else 0.0
-        if interval > max(_STALL_S, _STALL_INTERVALS * usual):
+        if interval > max(_STALL_S, INTERRUPTED_INTERVALS * usual):
             self._waits_needed = 2
         elif ended_at - begun_at >= self._waited_s and interval >= _WAITED_INTERVALS * usual:
             self._waits_needed = max(0, self._waits_needed - 1)

@@ -20,7 +20,9 @@ from typing import Deque
 
 from camera_to_base.sources.live.reader_status import LOST_AFTER_S
 
-_USUAL_INTERVALS = 2.5
+# After so many usual intervals without a frame a stream is interrupted: two frames are missing.
+INTERRUPTED_INTERVALS = 2.5
+# A slower camera counts as lost after this time.
 _LONGEST_S = 10.0
 
 
@@ -28,8 +30,9 @@ class SilenceLimit:
     """
     Measures the rate of pictures, which is not known in advance.
 
-    The limit is 2.5 usual intervals, but at least 1 s and at most 10 s. The usual interval is the
-    lower median of the last five, so that a single silence does not change it.
+    The limit is some usual intervals, but at least the time after which any camera is lost. The
+    usual interval is the lower median of the last five, so that a single silence does not change
+    it.
     """
 
     def __init__(self) -> None:
@@ -45,4 +48,4 @@ class SilenceLimit:
         arrivals = [*self._arrivals]
         intervals = [later - earlier for earlier, later in zip(arrivals, arrivals[1:])]
         usual = median_low(intervals) if intervals else 0.0
-        return min(_LONGEST_S, max(LOST_AFTER_S, _USUAL_INTERVALS * usual))
+        return min(_LONGEST_S, max(LOST_AFTER_S, INTERRUPTED_INTERVALS * usual))
