@@ -123,7 +123,7 @@ def test_another_camera_is_told_and_strict_writes_nothing(run):
     surface(run)
     text = Path('cell.yaml').read_text().replace('device: simulated', 'device: /dev/video7')
     Path('cell.yaml').write_text(text.replace('{device:', '{strict: true, device:'))
-    code, output, asked = live(run)
+    code, output, asked = live(run, answers={0: 'q\n'})
     assert (code, output) == (1, '')
     assert "was made with '/dev/video7', but the frames come from 'simulated'" in asked
     Path('cell.yaml').write_text(text)
