@@ -34,7 +34,8 @@ import time
 from camera_to_base.detection import LocatedObject, PreciseDifferenceDetector
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources import Camera
-from camera_to_base.trust import DamageCheck, PositionGate, Sighting
+from camera_to_base.surface.models import ParallelSurface
+from camera_to_base.trust import DamageCheck, FrameRecord, PositionGate, Standpoint
 import cv2
 import numpy as np
 
@@ -46,6 +47,7 @@ from scenes import StillCoin  # noqa: E402
 
 TRUE, WRONG_PX = np.array([400, 300]), 4
 SHARE = 0.3
+STANDPOINT = Standpoint.as_calibrated(ParallelSurface(36.0, 640))
 UNDAMAGED_COUNT = 20
 KINDS = ['black', 'repeated', 'old_end', 'flat_end', 'large_change']
 
@@ -75,9 +77,10 @@ class Checks:
             return
         self._note(objects, 'wrong behind damage check', 'right behind damage check')
         with self._timed('gate'):
-            sighting = self._gate.judge(Sighting(objects), time.monotonic())
-        if sighting.reason is None:
-            error_px = self._note(sighting.objects, 'wrong published', 'right published')
+            record = self._gate.judge(FrameRecord(
+                frame, STANDPOINT, time.monotonic(), objects=objects))
+        if record.reason is None:
+            error_px = self._note(record.objects, 'wrong published', 'right published')
             self.largest_error_px = max(self.largest_error_px, error_px)
 
     def _note(self, objects, if_wrong, if_right):

@@ -34,7 +34,8 @@ from camera_to_base.detection import Detection, DetectorSettings, ObjectLocator
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface import HomographySurface
 from camera_to_base.trust import (
-    ArmCheck, CameraPipeline, DamageCheck, Limits, PositionGate, Sighting, ViewWatch)
+    ArmCheck, CameraPipeline, DamageCheck, FrameRecord, Limits, PositionGate, Standpoint,
+    ViewWatch)
 import cv2
 from detection_accuracy import versions
 from methods import METHODS
@@ -124,6 +125,7 @@ class Parts:
         self._view = ViewWatch(background, Limits(), background)
         self._locator = ObjectLocator(background, surface_of(background), settings)
         self.seconds['detection'] = settings.seconds
+        self._standpoint = Standpoint.as_calibrated(surface_of(background))
         self._arms = ArmCheck(background)
         self._gate = PositionGate(Limits().max_frame_age_s, Limits().confirm_jump_px)
 
@@ -132,8 +134,11 @@ class Parts:
         self._timed('damage', self._damage.reason, frame)
         self._timed('view', self._view.reason, frame)
         found = self._timed('detection and location', self._locator.find, frame)
-        found = self._timed('arms', self._arms.check, frame, found, time.monotonic(), 0.0)
-        self._timed('gate', self._gate.judge, Sighting(found.objects), time.monotonic())
+        now = time.monotonic()
+        record = self._timed('arms', self._arms.judge, FrameRecord(
+            frame, self._standpoint, now, now, aligned=frame, objects=found.objects,
+            left_out=found.left_out))
+        self._timed('gate', self._gate.judge, record)
 
     def medians_ms(self) -> Dict[str, float]:
         """Give the median of each stage, in ms."""

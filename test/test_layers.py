@@ -29,8 +29,8 @@ PACKAGE = Path(camera_to_base.__file__).parent
 # the modules beside the rooms.
 GROUND = 'ground'
 ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'markers', 'sources', 'simulation',
-         'detection', 'trust', 'drawing', 'calibration', 'settings', 'ros', 'nodes', 'commands',
-         'dashboard', 'launching']
+         'detection', 'trust', 'drawing', 'calibration', 'settings', 'cell', 'ros', 'nodes',
+         'commands', 'dashboard', 'launching']
 WITH_ROS = {'ros', 'nodes', 'dashboard'}
 NUMPY_AND_OPENCV_ALONE = ['surface', 'markers', 'simulation', 'detection', 'trust']
 NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]
@@ -72,7 +72,7 @@ class Module:
     def __init__(self, path):
         self.path = path
         parts = path.relative_to(PACKAGE).with_suffix('').parts
-        self.room = parts[0] if len(parts) > 1 else GROUND
+        self.room = parts[0] if len(parts) > 1 or parts[0] in ROOMS else GROUND
         self.name = '.'.join(['camera_to_base', *parts]).removesuffix('.__init__')
         self.tree = ast.parse(path.read_text())
 
@@ -199,6 +199,14 @@ def test_no_two_classes_have_one_name():
     names = [node.name for module in MODULES for node in module.tree.body
              if isinstance(node, ast.ClassDef)]
     assert {name for name in names if names.count(name) > 1} <= NOT_YET_UNIQUE
+
+
+def test_the_face_for_python_loads_opencv_only_where_it_is_asked_for():
+    child = run_python(
+        '-c', 'import sys; import camera_to_base; assert "Cell" in dir(camera_to_base); '
+        'assert "cv2" not in sys.modules; from camera_to_base import Cell, Seen, SeenObject; '
+        "assert 'cv2' in sys.modules and 'rclpy' not in sys.modules")
+    assert child.returncode == 0, child.stderr
 
 
 def test_the_core_neither_logs_nor_prints():

@@ -23,7 +23,7 @@ position may be published.
 """
 
 from camera_to_base.detection.areas import Area, Areas, read_areas
-from camera_to_base.detection.background_taker import BackgroundTaker
+from camera_to_base.detection.background_taker import BackgroundTaker, median_of
 from camera_to_base.detection.detection import (
     Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
 from camera_to_base.detection.frame_blocks import changed_blocks, has_changed_block, mean_blocks
@@ -41,6 +41,7 @@ __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame', 'check_same_size', 'Detection',
     'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'has_changed_block', 'LeftOut', 'locate_pixel',
-    'LocatedObject', 'mean_blocks', 'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel',
-    'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'touches_edge',
+    'LocatedObject', 'mean_blocks', 'median_of', 'object_on_surface', 'object_shape',
+    'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas',
+    'touches_edge',
 ]

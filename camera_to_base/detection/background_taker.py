@@ -14,9 +14,11 @@
 
 """Takes the background: the surface without an object, as the median of some frames."""
 
-from typing import List, Optional
+from typing import List, Optional, Sequence
 
+from camera_to_base.detection.detection import check_frame, check_same_size
 from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.reason import Level, Reason
 import numpy as np
 
@@ -110,6 +112,23 @@ class BackgroundTaker:
         return before if self.reason is _MISSING else None
 
 
+def median_of(frames: Sequence[np.ndarray]) -> np.ndarray:
+    """
+    Make a background of frames of the empty surface.
+
+    :param frames: Each of shape (h, w, 3), uint8, BGR, all of one size.
+    :returns: Their median, of the same shape.
+    :raises InvalidValueError: If there is none, or one of them is no frame.
+    :raises FrameSizeError: If their sizes differ.
+    """
+    if not frames:
+        raise InvalidValueError('a background needs at least one frame')
+    for frame in frames:
+        check_frame(frame)
+        check_same_size(frame, frames[0])
+    return _median(frames)
+
+
 def _agree(frame: np.ndarray, other: np.ndarray) -> bool:
     if frame.shape != other.shape:
         return False
@@ -118,7 +137,7 @@ def _agree(frame: np.ndarray, other: np.ndarray) -> bool:
         mean_blocks(frame), mean_blocks(other)).mean() <= _LARGEST_SHARE
 
 
-def _median(frames: List[np.ndarray]) -> np.ndarray:
+def _median(frames: Sequence[np.ndarray]) -> np.ndarray:
     if len(frames) == 1:
         return frames[0]
     # Row by row: the median of a whole stack of many large frames would not fit into memory.

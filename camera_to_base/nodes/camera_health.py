@@ -74,7 +74,7 @@ def _correction_text(correction: Optional[Correction]) -> str:
 def camera_values(reader: Optional[ReaderStatus], pipeline: CameraPipeline) -> Dict[str, str]:
     """Return all numbers about a camera, as text for the diagnostics."""
     values = {'background': _background_text(pipeline),
-              'view shift (px)': _shift_text(pipeline.standpoint.view),
+              'view shift (px)': _shift_text(pipeline.view),
               'view corrected by': _correction_text(pipeline.standpoint.correction)}
     values.update((name, str(number)) for name, number in sorted(pipeline.counts.items()))
     if reader is not None:

@@ -35,12 +35,11 @@ from camera_to_base.nodes.positions import PublishedPositions
 from camera_to_base.nodes.process import run, whole_or_gone
 from camera_to_base.parameters import (
     all_names, gives_other_values, TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS)
-from camera_to_base.reason import Reason
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
-    CalibratedFor, camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
+    camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
 from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
-from camera_to_base.trust import CameraPipeline, OwnCamera, read_thumbnail, Sighting
+from camera_to_base.trust import Sighting
 import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Header
@@ -53,7 +52,6 @@ class CameraPublisher(Node):
     """Publishes the positions of objects on the work surface, in the camera frame."""
 
     _feed: Optional[Feed] = None
-    _calibrated_for: Optional[CalibratedFor] = None
 
     def __init__(self, **node_options) -> None:
         super().__init__('camera_publisher', **node_options)
@@ -64,9 +62,7 @@ class CameraPublisher(Node):
             settings = self._settings
             self._source = open_named_source(
                 settings, may_be_random=not self._is_configured(node_options.get('cli_args')))
-            self._pipeline = CameraPipeline(
-                settings.surface, settings.detector, settings.limits, settings.background_frames,
-                self._source.kind, settings.markers)
+            self._pipeline = settings.pipeline(self._source.name, self._source.kind)
             self._positions = PublishedPositions(self, self._source)
             self._debug_images = DebugImages(self)
             self._pictures = CameraPictures(self)
@@ -77,8 +73,9 @@ class CameraPublisher(Node):
                 lambda: self._feed.reason)
             CorrectionService(self, self._pipeline, lambda: self._settings)
             self._warn_of_settings_without_effect()
-            self._follow_calibration()
-            watch = CameraWatch(self, self._pipeline, self._is_calibrated, self._doubt)
+            self._calibrated_for = settings.calibrated_for
+            self.get_logger().info(self._calibrated_for.summary)
+            watch = CameraWatch(self, self._pipeline, self._is_calibrated)
             self._started_at = time.monotonic()
             self._feed = self._start_feed()
             watch.start(self._feed)
@@ -105,14 +102,6 @@ class CameraPublisher(Node):
         return (self._settings.is_calibrated
                 or self._source.kind.form in (RANDOM.form, SIMULATED.form))
 
-    def _follow_calibration(self) -> None:
-        calibrated = self._settings.calibrated_for
-        if calibrated != self._calibrated_for:
-            self._calibrated_for = calibrated
-            self._own_camera = OwnCamera(
-                self._source.name, calibrated.device, read_thumbnail(calibrated.thumbnail))
-            self.get_logger().info(calibrated.summary)
-
     def _start_feed(self) -> Feed:
         feed = start_feed(self, self._source, self._settings, self._positions.topic, FeedCallbacks(
             self._on_frame, self._on_pixel, self._may_start, self._on_end))
@@ -126,9 +115,7 @@ class CameraPublisher(Node):
 
     def _on_frame(self, frame: np.ndarray, taken_at: Optional[float], stamp: Time) -> None:
         header, settings = self._header(stamp), self._settings
-        sighting = self._own_camera.judge(
-            self._pipeline.process(frame, taken_at), self._pipeline.background,
-            settings.calibrated_for.is_strict)
+        sighting = self._pipeline.process(frame, taken_at)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
         in_force = self._pipeline.standpoint.surface
         self._positions.publish_sighting(
@@ -155,15 +142,9 @@ class CameraPublisher(Node):
     def _note(self, sighting: Sighting) -> str:
         if sighting.reason is not None:
             return sighting.reason.sentence
-        doubt = self._doubt()
-        if doubt is not None:
-            return doubt.sentence
+        if self._pipeline.doubt is not None:
+            return self._pipeline.doubt.sentence
         return f'background taken {self._pipeline.backgrounds.current.age_s:.0f} s ago'
-
-    def _doubt(self) -> Optional[Reason]:
-        return self._own_camera.reason(
-            self._pipeline.background,
-            self._settings.calibrated_for.is_strict) or self._pipeline.doubt
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)
@@ -174,11 +155,15 @@ class CameraPublisher(Node):
                 or time.monotonic() - self._started_at >= _LONGEST_WAIT_S)
 
     def _on_new_settings(self) -> None:
-        settings = self._settings
+        settings, calibrated = self._settings, self._settings.calibrated_for
+        is_same = calibrated == self._calibrated_for
         self._pipeline.configure(
-            settings.surface, settings.detector, settings.limits, settings.markers)
+            settings.surface, settings.detector, settings.limits, settings.markers,
+            None if is_same else calibrated.own_camera(self._source.name))
         self._warn_of_settings_without_effect()
-        self._follow_calibration()
+        if not is_same:
+            self._calibrated_for = calibrated
+            self.get_logger().info(calibrated.summary)
         self._feed.configure(settings)
 
     def _warn_of_settings_without_effect(self) -> None:

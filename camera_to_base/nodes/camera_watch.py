@@ -38,16 +38,14 @@ class CameraWatch:
     :param node: The camera node.
     :param pipeline: Its pipeline.
     :param is_calibrated: Returns whether the surface is calibrated for the camera in use.
-    :param doubt: Returns why positions are published with a warning, or None.
     """
 
     def __init__(
-        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool],
-        doubt: Callable[[], Optional[Reason]],
+        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool]
     ) -> None:
         self._logger = node.get_logger()
         self._pipeline = pipeline
-        self._is_calibrated, self._doubt = is_calibrated, doubt
+        self._is_calibrated = is_calibrated
         self._told_doubt: Optional[str] = None
         self._reason: Optional[Reason] = None
         self._blind_spot: Optional[str] = None
@@ -72,12 +70,12 @@ class CameraWatch:
         if _kind(self._reason) != _kind(before):
             self._tell(self._reason)
             self._diagnostics.publish()
-        self._tell_doubt(self._doubt())
+        self._tell_doubt(self._pipeline.doubt)
         faintness = self._pipeline.faintness
         if faintness is not None and not self._told_faintness:
             self._told_faintness = True
             self._logger.info(faintness)
-        knew, self._blind_spot = self._blind_spot, blind_spot(self._pipeline.standpoint.view)
+        knew, self._blind_spot = self._blind_spot, blind_spot(self._pipeline.view)
         if self._blind_spot not in (None, knew):
             self._logger.info(self._blind_spot)
 
@@ -101,7 +99,7 @@ class CameraWatch:
                   **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
-        return Health(self._reason or self._doubt() or well, values)
+        return Health(self._reason or self._pipeline.doubt or well, values)
 
 
 def _kind(reason: Optional[Reason]) -> Optional[str]:

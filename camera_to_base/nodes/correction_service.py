@@ -72,7 +72,7 @@ class CorrectionService:
 
     def _values(self) -> Dict[str, Any]:
         settings, standpoint = self._settings(), self._pipeline.standpoint
-        picture = standpoint.scene.background.picture
+        picture = standpoint.background.picture
         how = _HOW.get(standpoint.surface.reason.kind, 'computed anew from markers')
         values = kept_values(
             standpoint.surface, settings.surface, settings.uncertainty, settings.hull,

@@ -29,9 +29,10 @@ from camera_to_base.parameters import (
     calibration_date, calibration_summary, grouped, transform_settings, Values)
 from camera_to_base.settings.camera_specs import CAMERA_SPECS
 from camera_to_base.simulation import simulation_settings, SimulationSettings
-from camera_to_base.sources import kind_of, SIMULATED
+from camera_to_base.sources import kind_of, SIMULATED, SourceKind
 from camera_to_base.surface import Hull, make_hull, make_surface, Surface
-from camera_to_base.trust import Limits, make_limits, MarkerSettings, read_thumbnail
+from camera_to_base.trust import (
+    CameraPipeline, DamageCheck, Limits, make_limits, MarkerSettings, OwnCamera, read_thumbnail)
 from camera_to_base.uncertainty import position_uncertainty, PositionUncertainty
 
 # Parameters that can be set without setting up a camera or a robot.
@@ -58,6 +59,14 @@ class CalibratedFor(NamedTuple):
     date: Optional[datetime]
     is_strict: bool
     summary: str
+
+    def own_camera(self, source: str) -> OwnCamera:
+        """
+        Make the check that it is the camera in use.
+
+        :param source: Name of the source in use.
+        """
+        return OwnCamera(source, self.device, read_thumbnail(self.thumbnail), self.is_strict)
 
 
 @dataclass(frozen=True)
@@ -97,6 +106,22 @@ class CameraSettings:
         """Sentences about parameters that were set but have no effect."""
         return [f'detector.{name} has no effect with detector.method {self.detector.method}'
                 for name in self.detector.without_effect]
+
+    def pipeline(
+        self, source: str, kind: SourceKind, background_frames: Optional[int] = None,
+        damage: Optional[DamageCheck] = None,
+    ) -> CameraPipeline:
+        """
+        Make the pipeline of a source: the same one for the node, the commands and `Cell`.
+
+        :param source: The source's name.
+        :param background_frames: None for as many as the parameter says.
+        :param damage: None where a reader finds damaged frames, and for recordings.
+        """
+        return CameraPipeline(
+            self.surface, self.detector, self.limits,
+            self.background_frames if background_frames is None else background_frames, kind,
+            self.markers, self.calibrated_for.own_camera(source), damage)
 
 
 def camera_settings(values: Values) -> CameraSettings:

@@ -17,8 +17,9 @@ Trust: decides whether the positions of a frame may be published.
 
 In: frames. Out: one sighting for each frame, with its objects, or with the reason why none of them
 may be published. There are checks for damage, a moved view, objects that reach in from the edge,
-jumps and age; the pipeline runs them in order. A nudge of the camera is corrected: `standpoint`
-keeps the surface and the background that hold where the camera stands. Markers on the surface tell
+jumps, age and another camera. Each is a stage (`stage`): it takes the frame's record and returns
+it; `pipeline` lists them in order. A nudge of the camera is corrected: a `standpoint` is a place
+of the camera, with the surface and the background that hold there. Markers on the surface tell
 where a camera stands that was moved farther.
 
 Callers: `nodes` and `commands`. It imports only numpy and OpenCV.
@@ -31,18 +32,20 @@ from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.limits import LIMIT_SPECS, Limits, make_limits
-from camera_to_base.trust.markers.marker_view import MarkerSettings
+from camera_to_base.trust.markers.marker_watch import MarkerSettings
 from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.stage import FrameRecord
+from camera_to_base.trust.standpoint import Standpoint
 from camera_to_base.trust.surface_in_force import SurfaceInForce
 from camera_to_base.trust.thumbnail import read_thumbnail, view_thumbnail
 from camera_to_base.trust.view.view_check import View, ViewCheck
 from camera_to_base.trust.view.view_watch import ViewWatch
 
 __all__ = [
-    'ArmCheck', 'CameraPipeline', 'Correction', 'DamageCheck', 'FrameUncertainty', 'kept_values',
-    'LIMIT_SPECS', 'Limits', 'make_limits', 'MarkerSettings', 'OwnCamera', 'PositionGate',
-    'read_thumbnail', 'Sighting', 'SurfaceInForce', 'View', 'view_thumbnail', 'ViewCheck',
-    'ViewWatch',
+    'ArmCheck', 'CameraPipeline', 'Correction', 'DamageCheck', 'FrameRecord', 'FrameUncertainty',
+    'kept_values', 'LIMIT_SPECS', 'Limits', 'make_limits', 'MarkerSettings', 'OwnCamera',
+    'PositionGate', 'read_thumbnail', 'Sighting', 'Standpoint', 'SurfaceInForce', 'View',
+    'view_thumbnail', 'ViewCheck', 'ViewWatch',
 ]

@@ -15,11 +15,13 @@
 """The background: takes it, keeps the one before, and knows how old it is."""
 
 import time
-from typing import NamedTuple, Optional
+from typing import Optional
 
 from camera_to_base.detection import BackgroundTaker
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.camera_at_rest import CameraAtRest
+from camera_to_base.trust.stage import FrameRecord, Stage
+from camera_to_base.trust.standpoint import Background
 import numpy as np
 
 # The median of more frames outvotes a short movement, and to take it again would take long.
@@ -29,32 +31,9 @@ _MOVING = Reason(
     'taking the background: the view moves: wait until the camera stands still')
 
 
-class Background(NamedTuple):
+class BackgroundKeeper(Stage):
     """
-    A background.
-
-    :param picture: Shape (h, w, 3), uint8, BGR.
-    :param taken_at: When it was taken, by time.monotonic().
-    :param witness: Another frame from then, of the same shape; None where there is none.
-    :param is_restored: Whether it is from a file.
-    :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
-    """
-
-    picture: np.ndarray
-    taken_at: float
-    witness: Optional[np.ndarray] = None
-    is_restored: bool = False
-    unknown: Optional[np.ndarray] = None
-
-    @property
-    def age_s(self) -> float:
-        """Its age, in s."""
-        return time.monotonic() - self.taken_at
-
-
-class BackgroundKeeper:
-    """
-    Takes backgrounds.
+    Takes backgrounds; holds frames back while there is none.
 
     :param confirm: Whether a frame counts only if the next one agrees with it.
 
@@ -113,6 +92,13 @@ class BackgroundKeeper:
         self.frame_count = self._taker.taken_count
         self.use(Background(picture, time.monotonic(), frame if self._confirm else None))
         return self.current
+
+    def _judged(self, record: FrameRecord) -> FrameRecord:
+        if self.current is None:
+            taken = self.add(record.frame, record.now)
+            if taken is not None:
+                record = record._replace(standpoint=record.standpoint.with_background(taken))
+        return record if self.reason is None else record.held(self.reason)
 
     def _may_use(self, picture: np.ndarray, frame: np.ndarray, now: float) -> bool:
         return self._taker.taken_count > _MOST_RETAKEN or self._rest.may_use(picture, frame, now)

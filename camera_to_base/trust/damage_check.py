@@ -17,8 +17,10 @@
 from collections import deque
 from typing import Any, Optional
 
-from camera_to_base.detection import changed_blocks, has_changed_block, mean_blocks
+from camera_to_base.detection import (
+    changed_blocks, check_frame, has_changed_block, mean_blocks)
 from camera_to_base.reason import Level, Reason
+from camera_to_base.trust.stage import FrameRecord, Stage
 import cv2
 import numpy as np
 
@@ -53,6 +55,25 @@ _USUAL_COUNT, _LATER_USUAL_COUNT = 5, 25
 _SAME_COLOUR = 2
 # Below these grey levels noise hides all objects: the surface would look empty.
 _BLACK_LEVEL = 6
+
+
+class FrameCheck(Stage):
+    """
+    The first stage: whether it is a frame, and undamaged.
+
+    :param damage: Compares it with the frames before it. None where a reader has asked that of
+        every frame that it read, also of those that it dropped; and for recordings, whose frames
+        are not damaged.
+    """
+
+    def __init__(self, damage: Optional['DamageCheck'] = None) -> None:
+        self._damage = damage
+
+    def _judged(self, record: FrameRecord) -> FrameRecord:
+        check_frame(record.frame)
+        reason = None if self._damage is None else self._damage.reason(record.frame)
+        return record if reason is None else record.held(
+            reason._replace(sentence=f'the frame cannot be used: {reason.sentence}'))
 
 
 class DamageCheck:

@@ -17,10 +17,10 @@
 import time
 from typing import List, Optional, Sequence
 
-from camera_to_base.detection import LeftOut, LocatedObject
+from camera_to_base.detection import LocatedObject
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.jump_filter import JumpFilter
-from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.stage import FrameRecord, Stage
 
 _UNCONFIRMED = Reason(
     'unconfirmed', Level.WARN,
@@ -29,9 +29,9 @@ _UNCONFIRMED = Reason(
 _JUMPED = Reason('unconfirmed', Level.OK, 'not confirmed by a second frame', is_passing=True)
 
 
-class PositionGate:
+class PositionGate(Stage):
     """
-    Passes on the objects whose positions an arm may follow.
+    Passes on the objects whose positions an arm may follow: confirmed ones, on a new frame.
 
     For live sources only: the frames of other sources do not age and are not damaged.
 
@@ -48,24 +48,17 @@ class PositionGate:
         self._max_age_s = max_age_s
         self._jumps.radius_px = jump_radius_px
 
-    def judge(self, seen: Sighting, taken_at: Optional[float]) -> Sighting:
-        """
-        Return the sighting with only those objects that may be published.
-
-        If the largest object is not confirmed, none is published. Other objects are left out until
-        they are confirmed.
-
-        :param taken_at: The frame's capture time by time.monotonic(); None for now.
-        """
-        if taken_at is None:
-            taken_at = time.monotonic()
-        believed = self._believed(seen.objects, taken_at)
+    def _judged(self, record: FrameRecord) -> FrameRecord:
+        # If the largest object is not confirmed, none is published. Other objects are left out
+        # until they are confirmed.
+        taken_at = time.monotonic() if record.taken_at is None else record.taken_at
+        believed = self._believed(record.objects, taken_at)
         reason = _UNCONFIRMED if believed is None else self._age_reason(taken_at)
         if reason is not None:
-            return seen._replace(reason=reason)
-        left_out = (LeftOut(found.detection, _JUMPED, found.point) for found in seen.objects
-                    if not any(found is other for other in believed))
-        return seen._replace(objects=believed, left_out=(*seen.left_out, *left_out))
+            return record._replace(reason=reason)
+        return record.without([
+            None if any(found is other for other in believed) else _JUMPED
+            for found in record.objects])
 
     def _age_reason(self, taken_at: float) -> Optional[Reason]:
         age_s = time.monotonic() - taken_at

@@ -18,54 +18,48 @@ from typing import Optional
 
 from camera_to_base.reason import Level, Reason
 from camera_to_base.sources import is_other_camera, lasting_name
-from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.stage import FrameRecord, Stage
 from camera_to_base.trust.thumbnail import shares_structure
 import numpy as np
 
 
-class OwnCamera:
+class OwnCamera(Stage):
     """
     Compares the camera in use with the one that was calibrated.
 
-    :param source: Name of the source in use.
+    :param source: Name of the source in use; '' if it is not known.
     :param calibrated: Lasting name of the calibrated camera; '' if it is not known.
     :param thumbnail: The calibrated view, see `read_thumbnail`; None if it is not known.
+    :param is_strict: Whether frames of another camera or view are held back; otherwise their
+        positions are published with a warning.
     """
 
     def __init__(
-        self, source: str, calibrated: str = '', thumbnail: Optional[np.ndarray] = None
+        self, source: str = '', calibrated: str = '', thumbnail: Optional[np.ndarray] = None,
+        is_strict: bool = False,
     ) -> None:
-        self._thumbnail = thumbnail
+        self._thumbnail, self._is_strict = thumbnail, is_strict
         self._background: Optional[np.ndarray] = None
         self._other_view = False
         self._device_reason: Optional[Reason] = None
-        if is_other_camera(source, calibrated):
+        if source and is_other_camera(source, calibrated):
             self._device_reason = _reason(
                 'other_camera', f"the calibration was made with '{calibrated}', but the frames "
                 f"come from '{lasting_name(source)}': use that camera, or calibrate this one")
 
-    def reason(
-        self, background: Optional[np.ndarray], is_strict: bool = False
-    ) -> Optional[Reason]:
+    def reason(self, background: Optional[np.ndarray]) -> Optional[Reason]:
         """
         Return why the calibration is not this camera's; None if nothing shows that.
 
         :param background: Shape (h, w, 3), uint8, BGR; None if none was taken yet.
-        :param is_strict: Whether that is an error, not a warning.
+        :returns: An error if frames are held back for it, otherwise a warning.
         """
         reason = self._device_reason or self._view_reason(background)
-        return reason._replace(level=Level.ERROR) if reason and is_strict else reason
+        return reason._replace(level=Level.ERROR) if reason and self._is_strict else reason
 
-    def judge(
-        self, sighting: Sighting, background: Optional[np.ndarray], is_strict: bool
-    ) -> Sighting:
-        """
-        Hold a sighting back if the calibration is another camera's.
-
-        :param is_strict: False returns the sighting as it is.
-        """
-        reason = self.reason(background, is_strict) if is_strict else None
-        return sighting if reason is None or sighting.reason else Sighting([], reason)
+    def _judged(self, record: FrameRecord) -> FrameRecord:
+        reason = self.reason(record.standpoint.taken.picture) if self._is_strict else None
+        return record if reason is None else record.held(reason)
 
     def _view_reason(self, background: Optional[np.ndarray]) -> Optional[Reason]:
         if background is not None and background is not self._background:

@@ -12,26 +12,32 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""From frames to objects that may be published: background, detection, checks, gate."""
+"""From frames to objects that may be published: the stages, in order."""
 
 import time
-from typing import Optional
+from typing import Optional, Tuple
 
-from camera_to_base.detection import check_frame, check_same_size, DetectorSettings
+from camera_to_base.detection import DetectorSettings, median_of
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.reason import Reason
 from camera_to_base.sources import SIMULATED, SourceKind
 from camera_to_base.surface import Surface
-from camera_to_base.trust.background import Background, BackgroundKeeper
+from camera_to_base.trust.arms.arm_check import ArmStage
+from camera_to_base.trust.background import BackgroundKeeper
+from camera_to_base.trust.damage_check import DamageCheck, FrameCheck
+from camera_to_base.trust.detection_stage import DetectionStage, SizeCheck
 from camera_to_base.trust.frame_uncertainty import FrameUncertainty
 from camera_to_base.trust.gate import PositionGate
 from camera_to_base.trust.held_back import HeldBack
 from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.markers.marker_view import MarkerSettings, MarkerView
-from camera_to_base.trust.markers.marker_watch import MarkerWatch
+from camera_to_base.trust.markers.marker_watch import MarkerSettings, MarkerWatch
+from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.sighting import FrameCounts, Sighting, unusable_reason
-from camera_to_base.trust.standpoint import Standpoint
-from camera_to_base.uncertainty import FrameState, PositionUncertainty
+from camera_to_base.trust.stage import FrameRecord, Stage
+from camera_to_base.trust.standpoint import Background, Standpoint
+from camera_to_base.trust.view.view_check import View
+from camera_to_base.trust.view.view_stage import ViewStage
+from camera_to_base.uncertainty import PositionUncertainty
 import numpy as np
 
 
@@ -45,9 +51,11 @@ class CameraPipeline:
     :param kind: The kind of source. Age and jumps are checked for live sources only, the view
         for all sources but recordings.
     :param markers: The markers on the surface; None for none.
+    :param own_camera: Compares the camera with the one that was calibrated.
+    :param damage: Finds damaged frames; None where a reader does that, see :class:`FrameCheck`.
 
-    `backgrounds` knows the background in use and takes new ones, `standpoint` knows what the
-    pixels of the last frame mean and how the camera was nudged, and `counts` counts the frames.
+    `backgrounds` knows the background in use and takes new ones, `standpoint` is where the camera
+    stood for the last frame, and `counts` counts the frames.
     """
 
     def __init__(
@@ -58,39 +66,49 @@ class CameraPipeline:
         background_frames: int = 1,
         kind: SourceKind = SIMULATED,
         markers: Optional[MarkerSettings] = None,
+        own_camera: Optional[OwnCamera] = None,
+        damage: Optional[DamageCheck] = None,
     ) -> None:
         self._kind = kind
-        self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
         self._held_back = HeldBack()
         self.counts = FrameCounts()
-        self._detector, self._limits = detector, self._limits_here(limits)
+        self.standpoint = Standpoint.as_calibrated(surface)
+        limits = self._limits_here(limits)
+        self._damage = FrameCheck(damage)
         self.backgrounds = BackgroundKeeper(confirm=kind.is_live)
-        self.standpoint = Standpoint(surface, self._limits)
-        self._markers = MarkerWatch(markers) if markers is not None else None
+        self._view = ViewStage(limits)
+        self._detection = DetectionStage(detector)
+        self._sizes = SizeCheck(self._detection.prepare)
+        self._arms = ArmStage(detector)
+        self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
+        self._markers = MarkerWatch(markers)
+        self._own_camera = own_camera or OwnCamera()
         self.capture_background(background_frames)
 
     def configure(
         self, surface: Surface, detector: DetectorSettings, limits: Limits,
-        markers: Optional[MarkerSettings] = None,
+        markers: Optional[MarkerSettings] = None, own_camera: Optional[OwnCamera] = None,
     ) -> None:
         """
         Use new settings from the next frame on, with the same background.
 
         Parts whose settings have not changed keep their state, so that no frame is held back.
+
+        :param own_camera: None for the one before.
         """
-        if detector != self._detector:
-            self._detector = detector
-            if self.standpoint.scene is not None:
-                self.standpoint.scene.forget_objects()
-        self._limits = self._limits_here(limits)
-        self._gate.configure(self._limits.max_frame_age_s, self._limits.confirm_jump_px)
-        self.standpoint.configure(surface, self._limits)
+        limits = self._limits_here(limits)
+        self._detection.configure(detector)
+        self._arms.configure(detector)
+        self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
+        self.standpoint = self.standpoint.recalibrated(
+            surface, is_held_back=self._view.reason is not None)
+        self._view.configure(limits)
+        if not limits.may_correct:
+            self.standpoint = self.standpoint.without_correction()
         if self.backgrounds.current is not None:
-            self.backgrounds.use(self.standpoint.background)
-        if markers is None or self._markers is None:
-            self._markers = MarkerWatch(markers) if markers is not None else None
-        else:
-            self._markers.configure(markers)
+            self.backgrounds.use(self.standpoint.taken)
+        self._markers.configure(markers)
+        self._own_camera = own_camera or self._own_camera
 
     def capture_background(self, frame_count: int) -> None:
         """
@@ -115,8 +133,17 @@ class CameraPipeline:
         """
         restored = Background(
             background, time.monotonic() - age_s, is_restored=True, unknown=unknown)
-        self.backgrounds.use(restored)
         self._use_background(restored, may_correct)
+
+    def use_background(self, *frames: np.ndarray) -> None:
+        """
+        Use frames of the empty surface as the background, from the next frame on.
+
+        :param frames: Each of shape (h, w, 3), uint8, BGR; their median is the background.
+        :raises InvalidValueError: If there is none, or one of them is no such frame.
+        """
+        self._use_background(Background(
+            median_of(frames), time.monotonic(), frames[-1] if len(frames) > 1 else None))
 
     @property
     def background(self) -> Optional[np.ndarray]:
@@ -125,24 +152,26 @@ class CameraPipeline:
         return None if current is None else current.picture
 
     @property
+    def view(self) -> Optional[View]:
+        """Result of the last comparison of a frame's view with the background; None for none."""
+        return self._view.view(self.standpoint)
+
+    @property
     def doubt(self) -> Optional[Reason]:
-        """Why positions are published with a warning: other surface, moved marker; or None."""
-        marker_doubt = None if self._markers is None else self._markers.doubt
-        return marker_doubt or self.standpoint.surface.reason
+        """Why positions are published with a warning: another camera, a nudge...; or None."""
+        return (self._own_camera.reason(self.background) or self._markers.doubt
+                or self.standpoint.surface.reason)
 
     @property
     def faintness(self) -> Optional[str]:
         """Say how faint an object may be with the noise of the frames; None for not known."""
-        noise = None if self.standpoint.scene is None else self.standpoint.scene.noise
-        return None if noise is None else self._detector.faintness(noise)
+        return self._detection.faintness(self.standpoint)
 
     def frame_uncertainty(
         self, frame: np.ndarray, uncertainty: PositionUncertainty
     ) -> FrameUncertainty:
         """Return that of the positions on the last frame; `uncertainty` is the calibration's."""
-        if self.standpoint.scene is not None:
-            return self.standpoint.scene.frame_uncertainty(frame, uncertainty)
-        return FrameUncertainty(uncertainty, frame, None, FrameState(frame.shape[1::-1]))
+        return self._detection.frame_uncertainty(frame, self.standpoint, uncertainty)
 
     @property
     def reason(self) -> Optional[Reason]:
@@ -162,63 +191,44 @@ class CameraPipeline:
         :returns: The objects, and the reason if they may not be published. A frame that cannot be
             used also gives a reason: no frame makes this method raise.
         """
-        sighting = self._by_markers(frame, self._see(frame, taken_at), taken_at)
+        record = FrameRecord(frame, self.standpoint, taken_at, self._time_of(taken_at))
+        for stage in self._stages:
+            record = self._judged(record, stage)
+        self._stand_at(record.standpoint)
+        if record.retaken:
+            self.capture_background(record.retaken)
+        sighting = record.sighting
         self.counts.add(sighting)
         self._held_back.note(sighting.warning)
         return sighting
 
-    def _limits_here(self, limits: Limits) -> Limits:
-        return limits.for_recording if self._kind.ends else limits
+    @property
+    def _stages(self) -> Tuple[Stage, ...]:
+        # Frames of a recording do not age, and each stands for itself.
+        gate = (self._gate,) if self._kind.is_live else ()
+        return (self._damage, self.backgrounds, self._sizes, self._view, self._detection,
+                self._arms, *gate, self._markers, self._own_camera)
 
-    def _see(self, frame: np.ndarray, taken_at: Optional[float]) -> Sighting:
-        # Each step runs the next check; the first reason that a check returns is kept.
+    def _judged(self, record: FrameRecord, stage: Stage) -> FrameRecord:
         try:
-            check_frame(frame)
-            now = self._time_of(taken_at)
-            reason = self._background_reason(frame, now)
-            if reason is not None:
-                return Sighting([], reason)
-            self.standpoint.scene.prepare(self._detector)
-            check_same_size(frame, self.background)
-            reason = self.standpoint.reason(frame, now)
-            if reason is not None:
-                return Sighting([], reason)
-            found = self.standpoint.scene.find(frame, self._detector, now)
+            return stage.judge(record)
         except CameraToBaseError as error:
             # A new background does not change the picture size of the surface's calibration.
-            may_retake = self.standpoint.scene is not None and self.standpoint.scene.is_prepared
-            return Sighting([], unusable_reason(error, may_retake))
-        seen = Sighting(found.objects, left_out=found.left_out)
-        return self._gate.judge(seen, taken_at) if self._kind.is_live else seen
+            return record.held(unusable_reason(
+                error, may_retake=self._detection.is_prepared(record.standpoint)))
 
-    def _by_markers(
-        self, frame: np.ndarray, sighting: Sighting, taken_at: Optional[float]
-    ) -> Sighting:
-        background = self.backgrounds.current
-        if self._markers is None or background is None:
-            return sighting
-        now = time.monotonic() if taken_at is None else taken_at
-        scene = self.standpoint.scene
-        step = self._markers.step(frame, sighting, MarkerView(
-            background, scene.background, self.standpoint.surface,
-            self.standpoint.correction is not None, scene.view.shift_px), now)
-        if step.surface is not None:
-            self.standpoint.stand_at(step.surface)
-        if step.retakes:
-            self.capture_background(self._markers.background_frames)
-        return step.sighting
+    def _limits_here(self, limits: Limits) -> Limits:
+        return limits.for_recording if self._kind.ends else limits
 
     def _time_of(self, taken_at: Optional[float]) -> Optional[float]:
         # Each frame of a recording stands for itself.
         return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
 
-    def _background_reason(self, frame: np.ndarray, now: Optional[float]) -> Optional[Reason]:
-        if self.backgrounds.current is None:
-            taken = self.backgrounds.add(frame, now)
-            if taken is not None:
-                self._use_background(taken)
-        return self.backgrounds.reason
-
     def _use_background(self, background: Background, may_correct: bool = True) -> None:
-        self.standpoint.use_background(background, may_correct)
-        self._held_back = HeldBack()
+        self.backgrounds.use(background)
+        self._stand_at(self.standpoint.with_background(background, may_correct))
+
+    def _stand_at(self, standpoint: Standpoint) -> None:
+        if standpoint.taken is not self.standpoint.taken:
+            self._held_back = HeldBack()
+        self.standpoint = standpoint

@@ -14,220 +14,218 @@
 
 """Where the camera stands: the surface and the background that hold there."""
 
-from typing import Optional
+from dataclasses import dataclass, replace
+import time
+from typing import Callable, Generic, List, NamedTuple, Optional, Tuple, TypeVar
 
+from camera_to_base.errors import FrameSizeError
 from camera_to_base.image_size import ImageSize
-from camera_to_base.reason import Reason
 from camera_to_base.surface import flat_surface, is_same_surface, NudgedSurface, Surface
-from camera_to_base.trust.background import Background
 from camera_to_base.trust.correction.correction import corrected_surface, Correction
-from camera_to_base.trust.correction.corrector import Corrector
 from camera_to_base.trust.correction.seen_background import SeenBackground
-from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.scene import Scene
 from camera_to_base.trust.surface_in_force import SurfaceInForce
-from camera_to_base.trust.view.pace import Pace
-from camera_to_base.trust.view.view_check import View
 import numpy as np
 
+T = TypeVar('T')
 
+
+class Background(NamedTuple):
+    """
+    A background as it was taken.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    :param taken_at: When it was taken, by time.monotonic().
+    :param witness: Another frame from then, of the same shape; None where there is none.
+    :param is_restored: Whether it is from a file.
+    :param unknown: What it does not show, shape (h, w), uint8, 255 there; None for nothing.
+    """
+
+    picture: np.ndarray
+    taken_at: float
+    witness: Optional[np.ndarray] = None
+    is_restored: bool = False
+    unknown: Optional[np.ndarray] = None
+
+    @property
+    def age_s(self) -> float:
+        """Its age, in s."""
+        return time.monotonic() - self.taken_at
+
+
+@dataclass(frozen=True, eq=False)
 class Standpoint:
     """
-    Follows the camera where it is nudged: keeps the surface and the background that hold there.
+    Where the camera stands. It does not change: a camera that stands elsewhere has another one.
 
-    :param surface: As calibrated.
+    A background belongs to one place of the camera. Two standpoints with the same object as
+    `background` differ in the surface at most, and two with the same `uncorrected.background` in
+    a nudge.
 
-    `scene` is what frames are compared with, `background` is the background as it was taken, and
-    `background_as_calibrated` is the background as the camera sees it from where it was
-    calibrated; all are None before the first background.
+    :param calibrated: The surface as calibrated.
+    :param surface: What the pixels of the camera's frames mean.
+    :param taken: The background as it was taken; this and the next two are None before the first.
+    :param background: The same as the camera sees it from here.
+    :param background_as_calibrated: The same as the camera sees it from where it was calibrated.
+    :param may_correct: Whether a nudge may be corrected: the background's pixels are those that
+        the surface maps.
+    :param correction: How the camera was nudged since the background was taken; None for not at
+        all.
+    :param before_nudge: Where it stood when the background was taken; None for here.
+    :param follows: The background at the standpoint before, where that is no farther than a nudge
+        from here; None elsewhere.
     """
 
-    def __init__(self, surface: Surface, limits: Limits) -> None:
-        self._surface, self._limits = surface, limits
-        # What the camera's pixels mean where the background was taken.
-        self._base = SurfaceInForce(surface)
-        self.background: Optional[Background] = None
-        self.background_as_calibrated: Optional[SeenBackground] = None
-        self._corrector: Optional[Corrector] = None
-        self._reason: Optional[Reason] = None
-        self._pace = Pace()
-        self.scene: Optional[Scene] = None
-        self._uncorrected: Optional[Scene] = None
+    calibrated: Surface
+    surface: SurfaceInForce
+    taken: Optional[Background] = None
+    background: Optional[SeenBackground] = None
+    background_as_calibrated: Optional[SeenBackground] = None
+    may_correct: bool = False
+    correction: Optional[Correction] = None
+    before_nudge: Optional['Standpoint'] = None
+    follows: Optional[SeenBackground] = None
+
+    @classmethod
+    def as_calibrated(cls, surface: Surface) -> 'Standpoint':
+        """Give that of a camera which stands where it was calibrated, without a background."""
+        return cls(surface, SurfaceInForce(surface))
 
     @property
-    def surface(self) -> SurfaceInForce:
-        """What the pixels of the last frame mean."""
-        return self._base if self.scene is None else self.scene.surface
+    def uncorrected(self) -> 'Standpoint':
+        """Where the camera stood when the background was taken."""
+        return self if self.before_nudge is None else self.before_nudge
 
-    @property
-    def correction(self) -> Optional[Correction]:
-        """How the camera was nudged since the background was taken; None for not at all."""
-        return None if self._corrector is None else self._corrector.correction
+    def with_background(self, taken: Background, may_correct: bool = True) -> 'Standpoint':
+        """Give the same place with a background that the camera has taken from there."""
+        seen = _seen(taken)
+        return replace(
+            self, taken=taken, background=seen,
+            background_as_calibrated=seen.as_calibrated(
+                self.surface.frame_from_calibrated, self.background_as_calibrated),
+            may_correct=may_correct, correction=None, before_nudge=None, follows=None)
 
-    @property
-    def view(self) -> Optional[View]:
-        """Result of the last comparison of a frame's view with the background; None for none."""
-        return None if self.scene is None else self.scene.view.view
-
-    def configure(self, surface: Surface, limits: Limits) -> None:
+    def with_surface(self, surface: Optional[SurfaceInForce]) -> 'Standpoint':
         """
-        Use a new calibration and new limits from the next frame on.
+        Give another place, where another surface holds.
 
-        Another calibration ends a correction: where the camera stood for it is not known. One that
-        says what the correction says makes it needless.
-        """
-        if surface != self._surface:
-            if self.surface.reason is not None and self._is_in_force(surface):
-                self._keep(surface)
-            else:
-                self._recalibrate(surface)
-        self._limits = limits
-        self._pace.reset()
-        if self.scene is not None:
-            self.scene.view.configure(limits)
-            self._uncorrected.view.configure(limits)
-        if not limits.may_correct:
-            self._end_correction()
-
-    def use_background(self, background: Background, may_correct: bool = True) -> None:
-        """
-        Use a background that the camera has taken from where it stands now.
-
-        :param may_correct: Whether its pixels are those that the surface in force maps.
-        """
-        self._base, self.background = self.surface, background
-        self._corrector = Corrector(
-            background.picture, self._base.surface) if may_correct else None
-        self.background_as_calibrated = self._taken.as_calibrated(
-            self._base.frame_from_calibrated, self.background_as_calibrated)
-        self._begin()
-
-    def use_surface(self, surface: Optional[SurfaceInForce]) -> None:
-        """
-        Use another surface from the next frame on: the camera stands elsewhere.
-
-        Frames are held back until there is a background of the new place, and the movement from
-        the old one is not corrected.
+        Frames are held back until there is a background of it, and the movement from the old
+        place is not corrected.
 
         :param surface: None for the calibrated one.
         """
-        self._base = SurfaceInForce(self._surface) if surface is None else surface
-        self._corrector = None
-        if self.background is not None:
-            self._begin()
+        return replace(
+            self, surface=SurfaceInForce(self.calibrated) if surface is None else surface,
+            background=None if self.taken is None else _seen(self.taken),
+            may_correct=False, correction=None, before_nudge=None, follows=None)
 
-    def stand_at(self, surface: SurfaceInForce) -> None:
-        """Use another surface for the place where the background was taken, and frames are."""
-        self.use_surface(surface)
-        self.use_background(self.background)
-
-    def reason(self, frame: np.ndarray, now: Optional[float]) -> Optional[Reason]:
+    def nudged(self, correction: Optional[Correction], frame: np.ndarray) -> 'Standpoint':
         """
-        Tell why the view of a frame cannot be believed, and correct a nudge.
+        Give the place to which the camera was nudged.
 
-        :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :param now: The frame's time, in s; None for a recording, of which each frame stands for
-            itself.
+        :param correction: None for that where the background was taken.
+        :param frame: Shape (h, w, 3), uint8, BGR, of the camera there.
         """
-        self._reason = self._judged(frame, self._pace.begin(now))
-        may_correct = self._may_correct
-        self._pace.end(
-            is_held_back=self._reason is not None,
-            may_be_corrected=may_correct and self._corrector.may_correct(
-                self.view.shift_px, self._limits))
-        return self._corrector.explained(self._reason) if may_correct else self._reason
+        before = self.uncorrected
+        if correction is None:
+            return replace(before, follows=self.background)
+        return replace(
+            before, surface=corrected_surface(correction, before.surface, self._size),
+            background=before.background.seen_after(correction.nudge.frame_from_background, frame),
+            correction=correction, before_nudge=before, follows=self.background)
 
-    @property
-    def _may_correct(self) -> bool:
-        return self._corrector is not None and self._limits.may_correct
+    def recalibrated(self, surface: Surface, is_held_back: bool) -> 'Standpoint':
+        """
+        Give the place by a new calibration.
 
-    def _judged(self, frame: np.ndarray, in_full: bool) -> Optional[Reason]:
-        reason = self.scene.view.reason(frame, in_full)
-        if not self._may_correct:
-            return reason
-        if reason is not None and self._is_back(frame, in_full):
-            reason = None
-        if reason is not None and not in_full:
-            return reason
-        if self._corrector.has_changed(
-                frame, self._limits, is_held_back=reason is not None,
-                shift_px=self.scene.view.shift_px):
-            self._correct(frame)
-            return self.scene.view.reason(frame)
-        return reason
+        It ends a correction: where the camera stood for it is not known. One that says what the
+        correction says makes it needless.
 
-    def _end_correction(self) -> None:
+        :param is_held_back: Whether the view cannot be believed.
+        """
+        if surface == self.calibrated:
+            return self
+        try:
+            if self.surface.reason is not None and self._is_in_force(surface):
+                return self._kept(surface)
+            in_force = self._surface_by(surface, is_held_back)
+        except FrameSizeError:
+            # There is no such place: the detection tells why.
+            in_force = None
+        there = replace(self, calibrated=surface)
+        if in_force is None:
+            return there.with_surface(None)
+        before = replace(self.uncorrected, calibrated=surface, surface=in_force)
+        if self.correction is None:
+            return before
+        return replace(there, surface=corrected_surface(self.correction, in_force, self._size),
+                       before_nudge=before)
+
+    def without_correction(self) -> 'Standpoint':
+        """Give the place as it is known without a correction."""
+        before = self.uncorrected.surface
         # A surface by markers is measured, not corrected.
-        if self._base.replaces and self.correction is not None:
-            self.use_surface(self._base)
-        elif not self._base.replaces and self.surface.frame_from_calibrated is not None:
-            self.use_surface(None)
+        if before.replaces:
+            return self if self.correction is None else self.with_surface(before)
+        return self if self.surface.frame_from_calibrated is None else self.with_surface(None)
 
-    def _recalibrate(self, surface: Surface) -> None:
-        is_same = flat_surface(surface) is flat_surface(self._surface)
-        before, self._surface = self.surface, surface
-        moved = self._base.frame_from_calibrated
-        if before.reason is None and (is_same or self._reason is None):
-            self._base = SurfaceInForce(surface)
-        elif is_same and not before.replaces:
-            self._base = self._base._replace(surface=surface if moved is None else NudgedSurface(
+    def _surface_by(self, surface: Surface, is_held_back: bool) -> Optional[SurfaceInForce]:
+        # Where the background was taken; None if that place is not known.
+        is_same = flat_surface(surface) is flat_surface(self.calibrated)
+        before = self.uncorrected.surface
+        moved = before.frame_from_calibrated
+        if self.surface.reason is None and (is_same or not is_held_back):
+            return SurfaceInForce(surface)
+        if is_same and not before.replaces:
+            return before._replace(surface=surface if moved is None else NudgedSurface(
                 surface, moved.inverse, self._size))
-        else:
-            self.use_surface(None)
-            return
-        if self._corrector is not None:
-            self._corrector.use_surface(self._base.surface)
-        if self.scene is not None:
-            self._uncorrected.use_surface(self._base)
-            self.scene.use_surface(self._surface_here())
+        return None
 
     def _is_in_force(self, surface: Surface) -> bool:
-        return self.scene is not None and is_same_surface(
+        return self.taken is not None and is_same_surface(
             flat_surface(surface), flat_surface(self.surface.surface), self._size)
 
-    def _keep(self, surface: Surface) -> None:
+    def _kept(self, surface: Surface) -> 'Standpoint':
         # The background as the camera sees it is one that was taken from here.
-        before, self._surface = self.scene, surface
-        before.use_surface(SurfaceInForce(surface))
-        self.use_background(self.background._replace(**before.background._asdict()))
-        self.scene.remember_arms(before)
-
-    def _begin(self) -> None:
-        self.scene = self._uncorrected = Scene(self._taken, self._base, self._limits)
-        self._pace.reset()
-
-    @property
-    def _taken(self) -> SeenBackground:
-        taken = self.background
-        return SeenBackground(taken.picture, taken.witness, taken.unknown)
-
-    def _correct(self, frame: np.ndarray) -> None:
-        # The background as the camera sees it from where it stands.
-        before = self.scene
-        if self.correction is None:
-            self.scene = self._uncorrected
-            self.scene.forget_objects()
-            self.scene.remember_arms(before)
-            return
-        seen = self._uncorrected.background.seen_after(
-            self.correction.nudge.frame_from_background, frame)
-        self.scene = Scene(seen, self._surface_here(), self._limits)
-        self.scene.remember_arms(before)
-
-    def _is_back(self, frame: np.ndarray, in_full: bool) -> bool:
-        # Whether a camera that was nudged stands where it stood before.
-        if self.correction is None or self._uncorrected.view.reason(frame, in_full) is not None:
-            return False
-        self._corrector.forget()
-        self._correct(frame)
-        return True
+        there = replace(self, calibrated=surface, surface=SurfaceInForce(surface))
+        taken = self.taken._replace(**self.background._asdict())
+        return replace(there.with_background(taken), follows=self.background)
 
     @property
     def _size(self) -> ImageSize:
-        height, width = self.background.picture.shape[:2]
+        height, width = self.taken.picture.shape[:2]
         return width, height
 
-    def _surface_here(self) -> SurfaceInForce:
-        correction = self.correction
-        return self._base if correction is None else corrected_surface(
-            correction, self._base, self._size)
+
+class PerBackground(Generic[T]):
+    """
+    What a stage knows for each background of a standpoint: as it was taken, and after a nudge.
+
+    :param make: Makes it for a background.
+    """
+
+    def __init__(self, make: Callable[[SeenBackground], T]) -> None:
+        self._make = make
+        self._made: List[Tuple[SeenBackground, T]] = []
+
+    def of(self, background: SeenBackground) -> T:
+        """Give what belongs to a background."""
+        for known, made in self._made:
+            if known is background:
+                return made
+        made = self._make(background)
+        self._made.append((background, made))
+        return made
+
+    def made(self) -> List[T]:
+        """Give all that was made and kept."""
+        return [made for _, made in self._made]
+
+    def keep(self, standpoint: Standpoint) -> None:
+        """Forget what does not belong to a standpoint."""
+        both = standpoint.background, standpoint.uncorrected.background
+        self._made = [(known, made) for known, made in self._made
+                      if any(known is other for other in both)]
+
+
+def _seen(taken: Background) -> SeenBackground:
+    return SeenBackground(taken.picture, taken.witness, taken.unknown)

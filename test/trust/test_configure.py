@@ -57,10 +57,10 @@ def pipeline():
 
 
 def test_settings_that_are_the_same_hold_no_frame_back_and_keep_the_detector(pipeline):
-    locator = pipeline.standpoint.scene._locator
+    locator = pipeline._detection._locator
     pipeline.configure(surface(), replace(DETECTOR), Limits(max_frame_age_s=60.0))
     assert len(see(pipeline, picture())) == 1
-    assert pipeline.standpoint.scene._locator is locator
+    assert pipeline._detection._locator is locator
 
 
 def test_new_surface_or_detector_takes_effect_and_holds_no_frame_back(pipeline):
@@ -76,7 +76,7 @@ def test_new_surface_or_detector_takes_effect_and_holds_no_frame_back(pipeline):
 @pytest.mark.parametrize('limits', [
     Limits(max_frame_age_s=50.0), Limits(max_frame_age_s=60.0, confirm_jump_px=5.0)])
 def test_new_limits_keep_the_detector_and_hold_no_frame_back(pipeline, limits):
-    locator = pipeline.standpoint.scene._locator
+    locator = pipeline._detection._locator
     pipeline.configure(surface(), DETECTOR, limits)
     assert len(see(pipeline, picture())) == 1
-    assert pipeline.standpoint.scene._locator is locator
+    assert pipeline._detection._locator is locator

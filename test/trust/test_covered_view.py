@@ -83,7 +83,7 @@ def test_covered_view_is_held_back_with_its_reason_and_rarely_compared(watched, 
     assert {one.reason.kind for one in seen} <= {'view_changed', 'view_unknown'}
     assert len(compared) < len(seen) / 2
     assert watched.pipeline.reason.kind == seen[-1].reason.kind
-    assert watched.pipeline.standpoint.view.changed_share > 0.7
+    assert watched.pipeline.view.changed_share > 0.7
     assert not any(one.objects for one in seen)
 
 

@@ -15,8 +15,10 @@
 """Whether a calibration belongs to the camera in use."""
 
 from camera_to_base.reason import Level
+from camera_to_base.surface.models import ParallelSurface
 from camera_to_base.trust.own_camera import OwnCamera
-from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.stage import FrameRecord
+from camera_to_base.trust.standpoint import Background, Standpoint
 from camera_to_base.trust.thumbnail import read_thumbnail, view_thumbnail
 import cv2
 import numpy as np
@@ -29,6 +31,7 @@ def table(seed):
     return np.repeat((150 + 25 * blurred / blurred.std()).astype(np.uint8)[:, :, None], 3, axis=2)
 
 
+SURFACE = ParallelSurface(36.0, 640)
 HOME = read_thumbnail(view_thumbnail(table(1)))
 
 
@@ -54,11 +57,16 @@ def test_another_view_is_told_once_there_is_a_background():
     assert camera.reason(table(1)) is None
 
 
+def judged(background, is_strict):
+    standpoint = Standpoint.as_calibrated(SURFACE).with_background(Background(background, 0.0))
+    return OwnCamera('0', '', HOME, is_strict).judge(
+        FrameRecord(background, standpoint, objects=[object()]))
+
+
 def test_strict_holds_back_what_another_view_shows():
-    camera, seen = OwnCamera('0', '', HOME), Sighting([object()])
-    assert camera.judge(seen, table(1), is_strict=True) is seen
-    other = table(2)
-    assert camera.judge(seen, other, is_strict=False) is seen
-    held = camera.judge(seen, other, is_strict=True)
+    for seed, is_strict in (1, True), (2, False):
+        passed = judged(table(seed), is_strict)
+        assert passed.objects and passed.reason is None
+    held = judged(table(2), is_strict=True)
     assert held.objects == [] and held.reason.kind == 'other_view'
     assert held.reason.level == Level.ERROR

@@ -15,12 +15,16 @@
 import os
 import time
 
+from camera_to_base.errors import CameraToBaseError
 from camera_to_base.reason import Level
 from camera_to_base.sources.source_kind import DEVICE, SIMULATED, VIDEO_FILE
 from camera_to_base.surface.models import ParallelSurface
+from camera_to_base.trust.damage_check import DamageCheck
 from camera_to_base.trust.limits import Limits
+from camera_to_base.trust.own_camera import OwnCamera
 from camera_to_base.trust.pipeline import CameraPipeline
 from camera_to_base.trust.sighting import Sighting
+from camera_to_base.trust.thumbnail import read_thumbnail, view_thumbnail
 import cv2
 import numpy as np
 import pytest
@@ -238,3 +242,39 @@ def test_first_background_cannot_be_given_up():
     camera.process(table())
     assert camera.backgrounds.keep_before() is None
     assert not camera.process(table()).objects and camera.background is not None
+
+
+@pytest.mark.parametrize('is_strict', [False, True])
+def test_another_camera_is_a_doubt_and_strict_holds_its_frames_back(is_strict):
+    other = cv2.flip(table(size=(640, 480)), -1)
+    camera = CameraPipeline(ParallelSurface(36.0, 640), own_camera=OwnCamera(
+        calibrated='', thumbnail=read_thumbnail(view_thumbnail(other)), is_strict=is_strict))
+    camera.process(table())
+    sighting = camera.process(table(disc=(320, 240)))
+    assert camera.doubt.kind == 'other_view'
+    assert len(sighting.objects) == (0 if is_strict else 1)
+    assert camera.reason == (camera.doubt if is_strict else None)
+    assert camera.counts['frames held back: other_view'] == (2 if is_strict else 0)
+
+
+def test_damaged_frame_is_a_reason_where_no_reader_has_looked_for_damage():
+    camera = CameraPipeline(ParallelSurface(36.0, 640), damage=DamageCheck())
+    noise = np.random.default_rng(1).integers(0, 5, (2, 480, 640, 3), np.uint8)
+    first, second = cv2.add(table(), noise[0]), cv2.add(table(disc=(320, 240)), noise[1])
+    camera.process(first)
+    assert camera.process(second).objects
+    reason = camera.process(second.copy()).reason
+    assert reason.kind == 'repeated' and reason.sentence.startswith('the frame cannot be used: ')
+
+
+def test_background_is_the_median_of_the_frames_that_are_given():
+    camera = pipeline(Limits(), kind=DEVICE)
+    camera.use_background(*(table(disc=disc) for disc in ((100, 100), None, (300, 300))))
+    assert (camera.background == table()).all()
+    for _ in range(2):
+        seen = published(camera, table(disc=(320, 240)), time.monotonic())
+    assert len(seen) == 1
+    for frames, said in (((), 'at least one'), ((table(), None), 'expected a frame'),
+                         ((table(), table(size=(64, 48))), 'use one picture size')):
+        with pytest.raises(CameraToBaseError, match=said):
+            camera.use_background(*frames)

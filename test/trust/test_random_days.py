@@ -78,7 +78,8 @@ def test_many_random_days_have_no_wrong_point_and_no_lasting_silence(part, tell)
 
 
 def test_day_fails_where_a_hand_is_published(monkeypatch):
-    monkeypatch.setattr('camera_to_base.trust.scene._leaves_out_cut_off', lambda settings: False)
+    monkeypatch.setattr(
+        'camera_to_base.trust.arms.arm_check._leaves_out_cut_off', lambda settings: False)
     day = Day(3, tuple(Event('hand', 2.0 + number, number) for number in range(12)))
     failure, _ = play(day)
     assert failure.kind == 'wrong'

@@ -33,7 +33,7 @@ from camera_to_base.settings import CameraSettings, NodeSettings, read_node_sett
 from camera_to_base.sources import (
     BAG, BagFile, kind_of, LiveRecording, open_frame_source, PlayedRecording, Recording,
     SIMULATED, TimedFrame)
-from camera_to_base.trust import Sighting
+from camera_to_base.trust import DamageCheck, Sighting
 from camera_to_base.uncertainty import uncertain_transform, UncertainTransform
 
 # The simulated objects repeat their path after this time.
@@ -104,7 +104,9 @@ def _locate(
     options: argparse.Namespace, settings: NodeSettings, recording: Recording,
     frames: Iterator[TimedFrame],
 ) -> None:
-    counter, beyond_reach = SightingCounter(settings.camera, recording.kind), 0
+    counter, beyond_reach = SightingCounter(
+        settings.camera, recording.kind, options.source,
+        DamageCheck() if recording.kind.is_live else None), 0
     transform = uncertain_transform(settings.transform)
     with ExitStack() as files:
         rows = _csv_writer(files, options.csv) if options.csv else None

@@ -15,13 +15,13 @@
 """Runs the camera's pipeline on a recording, and counts the results."""
 
 from collections import Counter
-from typing import Dict, List
+from typing import Dict, List, Optional
 
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import SourceKind, TimedFrame, VIDEO_FILE
-from camera_to_base.trust import CameraPipeline, FrameUncertainty, Sighting
+from camera_to_base.trust import DamageCheck, FrameUncertainty, Sighting
 import numpy as np
 
 # Kinds of reasons that do not depend on the detector's settings.
@@ -34,16 +34,20 @@ class SightingCounter:
 
     :param settings: The camera node's settings.
     :param kind: The kind of source.
+    :param source: The source's name; '' if it is not known.
+    :param damage: Finds damaged frames; None for a recording.
     """
 
-    def __init__(self, settings: CameraSettings, kind: SourceKind = VIDEO_FILE) -> None:
-        self._pipeline = CameraPipeline(
-            settings.surface, settings.detector, settings.limits, settings.background_frames, kind,
-            settings.markers)
+    def __init__(
+        self, settings: CameraSettings, kind: SourceKind = VIDEO_FILE, source: str = '',
+        damage: Optional[DamageCheck] = None,
+    ) -> None:
+        self._pipeline = settings.pipeline(source, kind, damage=damage)
         self._uncertainty = settings.uncertainty
         self.frames = self._with_one = self._with_more = 0
         self._counts: Counter = Counter()
         self._first: Dict[str, Reason] = {}
+        self._doubts: Dict[str, Reason] = {}
 
     def see(self, timed: TimedFrame) -> Sighting:
         """
@@ -86,13 +90,18 @@ class SightingCounter:
         """Return the counts as lines of text."""
         lines = [f'{self.frames} frames: {self._with_one + self._with_more} with an object '
                  f'({self._with_one} with one, {self._with_more} with more)']
-        return lines + [
+        lines += [
             f'frames held back: {count} ({kind}, the first: {self._first[kind].sentence})'
             for kind, count in self._counts.most_common()]
+        return lines + [f'warning: {doubt.sentence}' for doubt in self._doubts.values()]
 
     def _sighting(self, timed: TimedFrame) -> Sighting:
         try:
             frame = timed.frame
         except CameraToBaseError as error:
             return Sighting([], Reason('damaged', Level.ERROR, str(error)))
-        return self._pipeline.process(frame, timed.taken_at)
+        sighting = self._pipeline.process(frame, timed.taken_at)
+        doubt = self._pipeline.doubt
+        if doubt is not None and sighting.reason is None:
+            self._doubts.setdefault(doubt.kind, doubt)
+        return sighting

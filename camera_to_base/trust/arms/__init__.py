@@ -15,12 +15,12 @@
 """
 Hands and arms: what reaches in from the edge of the picture, and what it touches or shades.
 
-In: a frame, and the objects that were found on it. Out: the same, without those that are not free.
+In: a frame's record with its objects. Out: the same, without those that are not free.
 
 Caller: `trust.pipeline`.
 """
 
-from camera_to_base.trust.arms.arm_check import ArmCheck
+from camera_to_base.trust.arms.arm_check import ArmCheck, ArmStage
 from camera_to_base.trust.arms.reaching_in import ReachingIn
 
-__all__ = ['ArmCheck', 'ReachingIn']
+__all__ = ['ArmCheck', 'ArmStage', 'ReachingIn']

@@ -18,13 +18,15 @@ from collections import deque
 from functools import reduce
 from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection import Detection, Found, LeftOut, LocatedObject
+from camera_to_base.detection import Detection, DetectorSettings, LocatedObject
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.arms.cells import covered_share
 from camera_to_base.trust.arms.left_behind import LeftBehind
 from camera_to_base.trust.arms.reaching_in import Changes, ReachingIn
 from camera_to_base.trust.arms.remains import Remains
 from camera_to_base.trust.arms.rim import Rim, rim_of
+from camera_to_base.trust.stage import FrameRecord, Stage
+from camera_to_base.trust.standpoint import PerBackground, Standpoint
 import cv2
 import numpy as np
 
@@ -68,6 +70,47 @@ class _Known(NamedTuple):
     seen_at: float
 
 
+class ArmStage(Stage):
+    """
+    Leaves out objects that are not free, by an :class:`ArmCheck` for each background.
+
+    :param settings: The detector's settings.
+    """
+
+    def __init__(self, settings: DetectorSettings) -> None:
+        self._settings = settings
+        self._checks: PerBackground[ArmCheck] = PerBackground(
+            lambda background: ArmCheck(background.picture, background.unknown))
+        self._standpoint: Optional[Standpoint] = None
+
+    def configure(self, settings: DetectorSettings) -> None:
+        """Use other settings from the next frame on."""
+        if settings != self._settings:
+            self._settings = settings
+            for check in self._checks.made():
+                check.forget_objects()
+
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Judge a frame, and note where the camera stands even for a frame that is held back."""
+        if record.standpoint is not self._standpoint and record.standpoint.background is not None:
+            self._stand_at(record.standpoint)
+        return super().judge(record)
+
+    def _judged(self, record: FrameRecord) -> FrameRecord:
+        if not record.motion.is_in_place or not _leaves_out_cut_off(self._settings):
+            return record
+        return self._checks.of(record.standpoint.background).judge(record)
+
+    def _stand_at(self, standpoint: Standpoint) -> None:
+        before, self._standpoint = self._standpoint, standpoint
+        check = self._checks.of(standpoint.background)
+        check.forget_objects()
+        if (before is not None and standpoint.background is not before.background
+                and standpoint.follows is before.background):
+            check.remember(self._checks.of(before.background))
+        self._checks.keep(standpoint)
+
+
 class ArmCheck:
     """
     Tells free objects from what reaches in, what that touches, and what it leaves behind.
@@ -93,54 +136,49 @@ class ArmCheck:
         grown = np.ones((reach, reach), np.uint8)
         self._fills = deque((at, cv2.dilate(fill, grown)) for at, fill in before._fills)
 
-    def check(self, frame: np.ndarray, found: Found, taken_at: Optional[float],
-              shift_px: float = 0.0) -> Found:
-        """
-        Leave out what is not free, and add known objects that are only shaded.
-
-        :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :param taken_at: In s; None for a recording, of which each frame stands for itself.
-        :param shift_px: How far the view has moved, in px.
-        """
-        if not found.objects and not found.left_out and not self._fills:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Leave out what is not free, and add known objects that are only shaded."""
+        if not record.objects and not record.left_out and not self._fills:
             self._known = []
-            return found
-        doubtful = [one for one in found.objects if not self._is_unchanged(one, frame)]
+            return record
+        frame, taken_at = record.aligned, record.now
+        doubtful = [one for one in record.objects if not self._is_unchanged(one, frame)]
         changes = self._reaching_in.find(
-            frame, shift_px, [one.detection.outline for one in doubtful])
-        found = self._without_left(frame, found, doubtful, changes)
+            frame, record.motion.shift_px, [one.detection.outline for one in doubtful])
+        record = self._without_left(record, doubtful, changes)
         fill = changes.reaching_in if changes.any_reaching_in else None
         if taken_at is None:
-            return _divided(found, [_TOUCHED if self._is_covered(one, fill) else None
-                                    for one in found.objects])
-        found = self._without_remains(found, taken_at)
+            return record.without([_TOUCHED if self._is_covered(one, fill) else None
+                                   for one in record.objects])
+        record = self._without_remains(record)
         recent = self._recent(fill, taken_at)
-        found = _divided(found, [
+        record = record.without([
             self._reason(one, _is_among(one, doubtful), frame, fill, recent, taken_at)
-            for one in found.objects])
-        return _with(found, self._shaded(frame, recent, taken_at))
+            for one in record.objects])
+        return _with(record, self._shaded(frame, recent, taken_at))
 
     def _is_unchanged(self, one: LocatedObject, frame: np.ndarray) -> bool:
         # Whether it rests, and all around it looks as when it was found to be free.
         known = self._known_as(one)
         return known is not None and known.rim.is_unchanged(frame, self._most_noise)
 
-    def _without_left(self, frame: np.ndarray, found: Found, doubtful: Sequence[LocatedObject],
-                      changes: Changes) -> Found:
-        left = [one for one in doubtful if self._is_left(one.detection.outline, frame, changes)]
-        return _divided(found, [
-            _LEFT if _is_among(one, left) else None for one in found.objects])
+    def _without_left(self, record: FrameRecord, doubtful: Sequence[LocatedObject],
+                      changes: Changes) -> FrameRecord:
+        left = [one for one in doubtful
+                if self._is_left(one.detection.outline, record.aligned, changes)]
+        return record.without([
+            _LEFT if _is_among(one, left) else None for one in record.objects])
 
     def _is_left(self, outline: np.ndarray, frame: np.ndarray, changes: Changes) -> bool:
         return (self._share(outline, changes.differs) < _LEAST_CHANGED
                 or self._left_behind.is_part_of(frame, outline, changes.gain))
 
-    def _without_remains(self, found: Found, taken_at: float) -> Found:
+    def _without_remains(self, record: FrameRecord) -> FrameRecord:
         self._remains.note(
-            (left.detection for left in found.left_out if left.reason is _LEFT), taken_at)
-        return _divided(found, [
+            (left.detection for left in record.left_out if left.reason is _LEFT), record.now)
+        return record.without([
             _WAS_LEFT if self._remains.may_be_part(one.detection) and self._known_as(one) is None
-            else None for one in found.objects])
+            else None for one in record.objects])
 
     def _recent(self, fill: _Mask, taken_at: float) -> _Mask:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
@@ -204,13 +242,11 @@ def _is_among(one: LocatedObject, others: Sequence[LocatedObject]) -> bool:
     return any(one is other for other in others)
 
 
-def _divided(found: Found, reasons: Sequence[Optional[Reason]]) -> Found:
-    pairs = list(zip(found.objects, reasons))
-    touched = tuple(LeftOut(one.detection, reason, one.point)
-                    for one, reason in pairs if reason is not None)
-    return Found([one for one, reason in pairs if reason is None], (*found.left_out, *touched))
+def _with(record: FrameRecord, more: Sequence[LocatedObject]) -> FrameRecord:
+    objects = sorted([*record.objects, *more], key=lambda one: -one.detection.area)
+    return record._replace(objects=objects) if more else record
 
 
-def _with(found: Found, more: Sequence[LocatedObject]) -> Found:
-    objects = sorted([*found.objects, *more], key=lambda one: -one.detection.area)
-    return found._replace(objects=objects) if more else found
+def _leaves_out_cut_off(settings: DetectorSettings) -> bool:
+    # An arm that reaches in is a cut-off object; it is an object if these are published.
+    return settings.method == 'precise' and not settings.publish_cut_off

@@ -20,7 +20,7 @@ undistorted pixels, with its covariance, where it is believed. `corners` and `wa
 `nudge_meter` judges a single frame, `corrector` decides from frame to frame, and `correction` says
 what it does to positions. `kept` gives the parameters with which it is kept.
 
-Caller: `trust.pipeline` and its `scene`.
+Callers: `trust.standpoint` and `trust.view.view_stage`.
 """
 
 from camera_to_base.trust.correction.correction import corrected_surface, Correction

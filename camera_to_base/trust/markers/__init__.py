@@ -14,13 +14,13 @@
 """
 Markers on the surface: whether the camera stands where the surface in use holds.
 
-In: frames, why the view of each cannot be believed, and the surface in use. Out: a surface for
-where the camera stands, whether to take a new background, reasons, and where markers are seen.
+In: the records of frames, also of those whose view cannot be believed. Out: the records, with
+another standpoint where the camera was moved, with the wish for a new background, with reasons,
+and without the markers that were found as objects.
 
 Caller: `trust.pipeline`.
 """
 
-from camera_to_base.trust.markers.marker_view import MarkerSettings, MarkerView
-from camera_to_base.trust.markers.marker_watch import MarkerWatch
+from camera_to_base.trust.markers.marker_watch import MarkerSettings, MarkerWatch
 
-__all__ = ['MarkerSettings', 'MarkerView', 'MarkerWatch']
+__all__ = ['MarkerSettings', 'MarkerWatch']

@@ -17,7 +17,7 @@ The view: whether the camera still sees the surface from where the background wa
 
 In: the background, and frames of the same size. Out: how far the view has moved, or the reason why
 that cannot be told. `quick_look` looks at every frame, `view_check` compares all of a frame, and
-`view_watch` decides between them.
+`view_watch` decides between them; `view_stage` also follows a camera that is nudged.
 
 Caller: `trust.pipeline`.
 """

@@ -14,7 +14,7 @@
 
 """Asks of every frame whether its view is that of the background."""
 
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.limits import Limits
@@ -39,6 +39,34 @@ _LEAST_MOVED_PX = 0.8
 _IN_PLACE_PX = 2.0
 
 
+class FrameMotion(NamedTuple):
+    """
+    How the view of a frame has moved since the background was taken.
+
+    :param shift_px: How far, as far as that is known, in px.
+    :param is_in_place: Whether it can be compared with the background place by place.
+    :param matrix: Shape (2, 3) or (3, 3), maps the background's pixels to the frame's; None where
+        that is not known well.
+    """
+
+    shift_px: float = 0.0
+    is_in_place: bool = True
+    matrix: Optional[np.ndarray] = None
+
+    def moved_back(self, frame: np.ndarray) -> np.ndarray:
+        """
+        Give the frame as the camera would see it from where the background was taken.
+
+        An edge of the surface that has moved by a pixel would be an object to a detector.
+
+        :param frame: Shape (h, w, 3), uint8, BGR.
+        :returns: The same array where it has hardly moved, or its motion is not known well.
+        """
+        if self.matrix is None or self.shift_px < _LEAST_MOVED_PX:
+            return frame
+        return _moved_back(frame, self.matrix)
+
+
 class ViewWatch:
     """
     Compares each frame with the background: a quick look first, all of it where that is not sure.
@@ -50,15 +78,14 @@ class ViewWatch:
     :param background: Shape (h, w, 3), uint8, BGR.
     :param witness: See :class:`QuickLook`.
 
-    `view` and `is_in_place` are about the last frame: what was found, and whether it can be
-    compared with the background place by place.
+    `view` is what was found of the last frame, and `motion` what follows for its pixels.
     """
 
     def __init__(
         self, background: np.ndarray, limits: Limits, witness: Optional[np.ndarray] = None
     ) -> None:
         self.view: Optional[View] = None
-        self.is_in_place = True
+        self._is_in_place = True
         self._matrix: Optional[np.ndarray] = None
         self._held_back: Optional[Reason] = None
         self._look = QuickLook(background, witness)
@@ -66,22 +93,10 @@ class ViewWatch:
         self._limits = limits
 
     @property
-    def shift_px(self) -> float:
-        """How far the view of the last frame had moved, as far as that is known, in px."""
-        return (self.view.shift_px or 0.0) if self.view is not None else 0.0
-
-    def moved_back(self, frame: np.ndarray) -> np.ndarray:
-        """
-        Give the last frame as the camera would see it from where the background was taken.
-
-        An edge of the surface that has moved by a pixel would be an object to a detector.
-
-        :param frame: The frame that `reason` was asked of last.
-        :returns: The same array where it has hardly moved, or its shift is not known well.
-        """
-        if self._matrix is None or self.shift_px < _LEAST_MOVED_PX:
-            return frame
-        return _moved_back(frame, self._matrix)
+    def motion(self) -> FrameMotion:
+        """How the view of the last frame has moved."""
+        shift_px = (self.view.shift_px or 0.0) if self.view is not None else 0.0
+        return FrameMotion(shift_px, self._is_in_place, self._matrix)
 
     def configure(self, limits: Limits) -> None:
         """Use other limits from the next frame on."""
@@ -99,11 +114,11 @@ class ViewWatch:
         look = self._looked(frame)
         if not self._limits.max_shift_px:
             self.view = None
-            self.is_in_place = not self._look.surface_moves and (look is None or (
+            self._is_in_place = not self._look.surface_moves and (look is None or (
                 look.share >= _LEAST_SHARE and look.shift_px <= _IN_PLACE_PX))
             return None
         reason = self._held_back = self._checked(frame, look, in_full)
-        self.is_in_place = reason is None and not self._look.surface_moves
+        self._is_in_place = reason is None and not self._look.surface_moves
         return reason
 
     def _checked(

@@ -119,6 +119,18 @@ def test_giving_up_writes_nothing(run):
         assert not Path('cell.yaml.bak').exists()
 
 
+def test_another_camera_is_told_and_strict_writes_nothing(run):
+    surface(run)
+    text = Path('cell.yaml').read_text().replace('device: simulated', 'device: /dev/video7')
+    Path('cell.yaml').write_text(text.replace('{device:', '{strict: true, device:'))
+    code, output, asked = live(run, answers={0: 'q\n'})
+    assert (code, output) == (1, '')
+    assert "was made with '/dev/video7', but the frames come from 'simulated'" in asked
+    Path('cell.yaml').write_text(text)
+    code, output, asked = live(run)
+    assert code == 0 and "was made with '/dev/video7'" in asked
+
+
 def test_base_frame_is_replaced_when_told_to_only(run):
     surface(run)
     assert live(run)[0] == 0

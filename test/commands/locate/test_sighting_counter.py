@@ -21,6 +21,8 @@ from camera_to_base.settings.node_settings import read_node_settings
 from camera_to_base.sources.recording import TimedFrame
 from camera_to_base.sources.source_kind import DEVICE, VIDEO_FILE
 from camera_to_base.surface.models import HomographySurface
+from camera_to_base.trust import DamageCheck
+from camera_to_base.trust.thumbnail import view_thumbnail
 import cv2
 import numpy as np
 import pytest
@@ -106,3 +108,34 @@ def test_moved_view_holds_back_a_camera_and_not_a_recording():
         while time.monotonic() < end:
             sighting, = seen(counter, lambda: np.roll(table, 20, axis=1))
         assert kind_of(sighting) == kind
+
+
+def test_calibration_of_another_view_holds_frames_back_where_it_is_strict():
+    other = view_thumbnail(cv2.flip(wood(), -1))
+    for is_strict, with_any in (False, 1), (True, 0):
+        calibrated_for = SETTINGS.calibrated_for._replace(thumbnail=other, is_strict=is_strict)
+        counter = SightingCounter(replace(SETTINGS, calibrated_for=calibrated_for))
+        seen(counter, wood, lambda: cv2.circle(wood(), (150, 100), 20, (20, 20, 20), -1))
+        assert counter.with_any == with_any
+        assert ('the picture shares nothing with the surface that was calibrated'
+                in '\n'.join(counter.summary()))
+
+
+def test_frame_that_a_camera_repeats_is_held_back_and_one_of_a_recording_is_not():
+    for source, damage, with_any in (DEVICE, DamageCheck(), 2), (VIDEO_FILE, None, 3):
+        counter, coin = SightingCounter(AT_ONCE, source, damage=damage), noisy((60, 60))
+        for number, frame in enumerate((noisy(), noisy(), coin, coin.copy(), noisy((60, 60)))):
+            counter.see(TimedFrame(number, 0, lambda it=frame: it, time.monotonic()))
+        assert counter.with_any == with_any
+        assert any('repeated' in line for line in counter.summary()) == source.is_live
+
+
+def wood():
+    noise = np.random.default_rng(1).normal(0, 1, (240, 320))
+    blurred = cv2.GaussianBlur(noise, (0, 0), 9)
+    return cv2.merge([(150 + 25 * blurred / blurred.std()).clip(0, 255).astype(np.uint8)] * 3)
+
+
+def noisy(disc=None, random=np.random.default_rng(2)):
+    frame = disc_frame(disc)
+    return (frame + random.normal(0, 2, frame.shape)).clip(0, 255).astype(np.uint8)

@@ -17,12 +17,13 @@ from pathlib import Path
 import sys
 import time
 
-from camera_to_base.detection import Detection, DetectorSettings, Found, LocatedObject, Pixel
+from camera_to_base.detection import Detection, DetectorSettings, LocatedObject, Pixel
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.locator import Point
 from camera_to_base.sources import DEVICE, VIDEO_FILE
 from camera_to_base.surface.models import ParallelSurface
-from camera_to_base.trust import ArmCheck, CameraPipeline, Limits
+from camera_to_base.trust import (
+    ArmCheck, CameraPipeline, FrameRecord, Limits, Standpoint)
 import cv2
 import numpy as np
 import pytest
@@ -31,6 +32,7 @@ sys.path.insert(0, str(Path(__file__).parents[3] / 'benchmarks'))
 import attack_scenes as scenes  # noqa: E402, I100
 
 COIN = (200, 150)
+SURFACE = ParallelSurface(36.0, 640)
 WIDE = np.array([0.5, -0.5, 0.3, -0.3])
 
 
@@ -40,7 +42,7 @@ class Camera:
     def __init__(self, name='plain', detector=DetectorSettings(), kind=DEVICE, seed=5):
         self.table = scenes.Table(name, np.random.default_rng(seed))
         self.pipeline = CameraPipeline(
-            ParallelSurface(36.0, 640), detector, Limits(confirm_jump_px=0.0), kind=kind)
+            SURFACE, detector, Limits(confirm_jump_px=0.0), kind=kind)
         self._now = time.monotonic() + 3600
         self.sighting = None
         self.see(seconds=0.2)
@@ -210,9 +212,14 @@ def test_known_object_is_asked_anew_when_its_place_looks_different():
     outline = cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
     detection = Detection(Box(*cv2.boundingRect(outline)), Pixel(160, 120),
                           cv2.contourArea(outline), outline[:, 0], False)
-    found = Found([LocatedObject(detection, Point(9.0, 6.75))], ())
+    found = [LocatedObject(detection, Point(9.0, 6.75))]
     arms = ArmCheck(dark)
+
+    def judge(frame, now):
+        return arms.judge(FrameRecord(
+            frame, Standpoint.as_calibrated(SURFACE), now=now, aligned=frame, objects=found))
+
     for now in 0.0, 0.1, 0.2:
-        assert arms.check(light, found, now) == found
-    gone = arms.check(table, found, 0.3)
+        assert judge(light, now).objects == found
+    gone = judge(table, 0.3)
     assert not gone.objects and [one.reason.kind for one in gone.left_out] == ['taken_away']

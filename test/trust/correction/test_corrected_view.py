@@ -38,7 +38,7 @@ def test_coin_is_published_where_it_is_after_a_nudge(watched, scene):
     assert watched.see(MATRIX, [coin], **scene).reason.kind == 'view_moved'
     sighting = watched.see(MATRIX, [coin], 3, **scene)
     assert max(point_errors_mm(sighting, coin)) < 0.3
-    assert watched.pipeline.standpoint.view.shift_px < 0.5
+    assert watched.pipeline.view.shift_px < 0.5
 
 
 def test_correction_is_a_warning_with_its_size(watched):
@@ -211,11 +211,24 @@ def test_correction_can_be_switched_off_while_it_is_in_force(watched):
     assert watched.pipeline.doubt is None
 
 
+def test_calibration_for_another_picture_size_ends_a_correction_with_a_reason(watched):
+    watched.see(MATRIX, [COIN], 3)
+    assert watched.pipeline.standpoint.correction is not None
+    other = calibrated(**{'surface.image_size': [640, 480]})
+    watched.pipeline.configure(other, DetectorSettings(), LIMITS)
+    reason = watched.see(MATRIX, [COIN], 3).reason
+    assert reason.kind == 'frame_size' and '640 x 480 px' in reason.sentence
+    assert watched.pipeline.doubt is None
+    watched.pipeline.configure(calibrated(), DetectorSettings(), LIMITS)
+    assert max(point_errors_mm(watched.see(None, [COIN], 4), COIN)) < 0.3
+
+
 def test_another_surface_waits_for_its_background(watched):
     reason = watched.see(nudge(40, 0), count=3).reason._replace(kind='by_hand')
     surface = calibrated(**{'surface.homography.surface_from_pixel':
                             [CM_PER_PX, 0.0, -2.0, 0.0, CM_PER_PX, 0.0, 0.0, 0.0, 1.0]})
-    watched.pipeline.standpoint.use_surface(SurfaceInForce(surface, reason=reason))
+    watched.pipeline.standpoint = watched.pipeline.standpoint.with_surface(
+        SurfaceInForce(surface, reason=reason))
     assert watched.see(nudge(40, 0), [COIN], 12).reason.kind in ('view_moved', 'view_unknown')
     watched.pipeline.capture_background(1)
     watched.see(nudge(40, 0), count=3)

@@ -97,7 +97,7 @@ def test_frame_of_a_camera_that_has_drifted_is_moved_back():
     frame = surface.shoot((1.2, -1.0, 0.1, 0))
     view.reason(frame)
     inner = np.s_[10:-10, 10:-10]
-    moved_back = np.abs(view.moved_back(frame) - before)[inner].mean()
+    moved_back = np.abs(view.motion.moved_back(frame) - before)[inner].mean()
     assert moved_back < 0.8 * np.abs(frame - before)[inner].mean()
 
 

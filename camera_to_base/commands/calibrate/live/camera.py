@@ -20,9 +20,10 @@ from typing import Iterator, List, Tuple
 from camera_to_base.calibration import FRAMES, suggested_places, Suggestion
 from camera_to_base.commands.calibrate.prompts import ask, ask_for_object, tell
 from camera_to_base.errors import CalibrationError, FrameSourceError
+from camera_to_base.reason import Level
 from camera_to_base.settings import CameraSettings, NamedSource
 from camera_to_base.sources import FrameReader, SIMULATED, SourceKind
-from camera_to_base.trust import CameraPipeline, DamageCheck, view_thumbnail
+from camera_to_base.trust import DamageCheck, view_thumbnail
 import numpy as np
 
 # After a jump the first frames may be held back, or still show the hand.
@@ -42,9 +43,7 @@ class _SeenObjects:
         self.name = f"the camera '{name}'"
         self.thumbnail = ''
         self._settings = settings
-        self._pipeline = CameraPipeline(
-            settings.surface, settings.detector, settings.limits, _BACKGROUND_FRAMES, kind,
-            settings.markers)
+        self._pipeline = settings.pipeline(name, kind, _BACKGROUND_FRAMES)
 
     def suggestions(self) -> Iterator[Suggestion]:
         """Suggest places, see `Positions`."""
@@ -57,8 +56,16 @@ class _SeenObjects:
             reason = self._pipeline.process(*self._frame()).reason
             if self._pipeline.background is not None:
                 self.thumbnail = view_thumbnail(self._pipeline.background)
+                self._tell_doubt()
                 return
         raise CalibrationError(reason.sentence)
+
+    def _tell_doubt(self) -> None:
+        doubt = self._pipeline.doubt
+        if doubt is not None and doubt.level is Level.ERROR:
+            raise CalibrationError(doubt.sentence)
+        if doubt is not None:
+            tell(doubt.sentence)
 
     def _positions(self) -> List[List[Tuple[float, float]]]:
         for _ in range(_PASSED_OVER):
