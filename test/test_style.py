@@ -81,6 +81,6 @@ def test_source_files_name_their_licence():
 
 def test_shell_scripts_parse():
     for path in (ROOT / 'scripts').iterdir():
-        if path.suffix != '.py':
+        if path.is_file() and path.suffix != '.py':
             shell = subprocess.run(['bash', '-n', path], capture_output=True, text=True)
             assert shell.returncode == 0, shell.stderr
