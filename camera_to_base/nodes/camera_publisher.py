@@ -39,7 +39,7 @@ from camera_to_base.reason import Reason
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     CalibratedFor, camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
-from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
+from camera_to_base.sources import FirstCamera, is_reader_hanging, RANDOM, SIMULATED
 from camera_to_base.trust import CameraPipeline, OwnCamera, read_thumbnail, Sighting
 import numpy as np
 from rclpy.node import Node
@@ -64,6 +64,10 @@ class CameraPublisher(Node):
             settings = self._settings
             self._source = open_named_source(
                 settings, may_be_random=not self._is_configured(node_options.get('cli_args')))
+            if self._node_parameters.left_out and isinstance(self._source.frames, FirstCamera):
+                self.get_logger().warning(
+                    'a parameter was given in vain, see above: without a camera no random '
+                    'positions are published')
             self._pipeline = CameraPipeline(
                 settings.surface, settings.detector, settings.limits, settings.background_frames,
                 self._source.kind, settings.markers)
@@ -186,8 +190,12 @@ class CameraPublisher(Node):
             self.get_logger().warning(warning)
 
     def _on_end(self) -> None:
+        count = self._pipeline.counts['frames']
+        hint = '' if count != 1 else (
+            ', which has become the background: with the parameter repeat:=true a picture is '
+            'shown again and again')
         self.get_logger().info(
-            f"'{self._source.name}' has ended after {self._pipeline.counts['frames']} frames")
+            f"'{self._source.name}' has ended after {count} frame{'s' * (count != 1)}{hint}")
         self._positions.wait_until_received()
         self.context.try_shutdown()
 

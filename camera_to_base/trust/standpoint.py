@@ -17,7 +17,7 @@
 from typing import Optional
 
 from camera_to_base.image_size import ImageSize
-from camera_to_base.reason import Reason
+from camera_to_base.reason import Level, Reason
 from camera_to_base.surface import flat_surface, is_same_surface, NudgedSurface, Surface
 from camera_to_base.trust.background import Background
 from camera_to_base.trust.correction.correction import corrected_surface, Correction
@@ -29,6 +29,9 @@ from camera_to_base.trust.surface_in_force import SurfaceInForce
 from camera_to_base.trust.view.pace import Pace
 from camera_to_base.trust.view.view_check import View
 import numpy as np
+
+# A movement that can be corrected is measured within this time after the camera has come to rest.
+_MEASURED_WITHIN_S = 2.0
 
 
 class Standpoint:
@@ -50,6 +53,7 @@ class Standpoint:
         self.background_as_calibrated: Optional[SeenBackground] = None
         self._corrector: Optional[Corrector] = None
         self._reason: Optional[Reason] = None
+        self._moved_since: Optional[float] = None
         self._pace = Pace()
         self.scene: Optional[Scene] = None
         self._uncorrected: Optional[Scene] = None
@@ -135,7 +139,23 @@ class Standpoint:
             is_held_back=self._reason is not None,
             may_be_corrected=may_correct and self._corrector.may_correct(
                 self.view.shift_px, self._limits))
-        return self._corrector.explained(self._reason) if may_correct else self._reason
+        if not may_correct or self._reason is None or self._reason.kind != 'view_moved':
+            self._moved_since = None
+            return self._reason
+        return self._while_measured(now) or self._corrector.explained(self._reason)
+
+    def _while_measured(self, now: Optional[float]) -> Optional[Reason]:
+        # Until a movement could have been corrected, nobody has to do anything.
+        shift_px = self.view.shift_px
+        if now is None or self._corrector.is_refused or not self._corrector.may_correct(
+                shift_px, self._limits):
+            return None
+        self._moved_since = now if self._moved_since is None else self._moved_since
+        if now - self._moved_since > _MEASURED_WITHIN_S:
+            return None
+        return self._reason._replace(level=Level.WARN, sentence=(
+            f'the view has moved by {shift_px:.1f} px: no position is published until the '
+            'movement is measured, to correct it'))
 
     @property
     def _may_correct(self) -> bool:

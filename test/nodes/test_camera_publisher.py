@@ -484,6 +484,18 @@ def test_node_that_was_set_up_waits_for_a_camera_instead_of_random_pixels(
     ros.spin_for(0.5)
     assert received == []
     assert sum('no camera is attached' in line.text for line in lines) == 1
+    in_vain = text == '' or 'sourc:' in text or 'publsher' in text
+    assert sum('no random positions' in line.text for line in lines) == in_vain
+
+
+def test_misspelt_parameter_on_the_command_line_means_no_random_pixels(ros, monkeypatch):
+    monkeypatch.setattr('glob.glob', lambda pattern: [])
+    received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
+    ros.add(CameraPublisher, '-p', 'sorce:=simulated', '-p', 'period:=0.05')
+    assert ros.spin_until(lambda: any('no random positions' in line.text for line in lines))
+    assert any("no parameter 'sorce'" in line.text and "'source'" in line.text for line in lines)
+    ros.spin_for(0.5)
+    assert received == []
 
 
 @pytest.mark.parametrize('arguments', [

@@ -226,6 +226,15 @@ def test_two_interrupts_in_a_row_leave_no_traceback(ros, start):
     assert 'Traceback' not in node.output
 
 
+@pytest.mark.slow
+def test_picture_ends_with_the_parameter_that_shows_it_again(start, tmp_path):
+    picture = tmp_path / 'table.png'
+    cv2.imwrite(str(picture), np.full((480, 640, 3), 200, np.uint8))
+    node = start('camera_publisher', '-p', f'source:={picture}', '-p', 'wait_for_subscribers:=0')
+    assert node.wait() == 0
+    assert 'has ended after 1 frame, which' in node.output and 'repeat:=true' in node.output
+
+
 @pytest.mark.parametrize('arguments, said', [
     (['-p', 'source:=/does/not/exist.avi'], "cannot open video '/does/not/exist.avi'"),
     (['-p', 'source:=99', '-p', 'wait_for_camera:=false'], "cannot open camera '99'"),
