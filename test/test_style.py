@@ -66,6 +66,7 @@ def test_flake8_is_content():
     assert code == 0, output
 
 
+@pytest.mark.slow
 @without_ament
 def test_pydocstyle_is_content():
     code, output = run('pydocstyle', '--ignore', NOT_CHECKED, '--match', r'.*\.py', *PLACES)

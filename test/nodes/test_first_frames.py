@@ -108,6 +108,7 @@ def test_bad_first_pictures_of_a_topic_do_not_become_the_background(ros, spoil, 
     check_coin_is_found_and_nothing_else(positions, send, image_message)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', damaged_frames.DAMAGES)
 def test_damaged_first_jpegs_of_a_topic_do_not_become_the_background(ros, name):
     positions = ros.listen(CAMERA_TOPIC)

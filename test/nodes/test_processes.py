@@ -138,6 +138,7 @@ def test_random_pixels_reach_the_base_frame_by_the_tutorials_formula(ros, start)
         assert v == pytest.approx(round(v)) and 250 <= round(v) <= 450
 
 
+@pytest.mark.slow
 def test_video_is_published_frame_for_frame_as_by_the_tutorial_and_ends_with_0(
         ros, start, tmp_path):
     video = tmp_path / 'moving disc.avi'
@@ -173,6 +174,7 @@ def test_bad_messages_do_not_stop_the_transform_node(ros, start):
     assert 'Traceback' not in node.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize('executable, arguments', [
     ('robot_base_publisher', []),
@@ -235,6 +237,7 @@ def test_picture_ends_with_the_parameter_that_shows_it_again(start, tmp_path):
     assert 'has ended after 1 frame, which' in node.output and 'repeat:=true' in node.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('arguments, said', [
     (['-p', 'source:=/does/not/exist.avi'], "cannot open video '/does/not/exist.avi'"),
     (['-p', 'source:=99', '-p', 'wait_for_camera:=false'], "cannot open camera '99'"),

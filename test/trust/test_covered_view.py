@@ -77,6 +77,7 @@ def compared(monkeypatch):
     return frames
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('cover', COVERS)
 def test_covered_view_is_held_back_with_its_reason_and_rarely_compared(watched, compared, cover):
     seen = watched.play(4.0, cover)

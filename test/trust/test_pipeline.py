@@ -206,6 +206,7 @@ def test_object_that_jumps_in_beside_a_steady_one_is_left_out_until_a_second_fra
     assert len(camera.process(both, time.monotonic()).objects) == 2
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_frames(tell):
     camera = pipeline(Limits(check_period_s=0.5), kind=DEVICE)
     frames = [table(size=(64, 48)), table(disc=(30, 20), size=(64, 48))]

@@ -59,6 +59,7 @@ def check(day):
     return count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('day', SMALL_DAYS.values(), ids=SMALL_DAYS)
 def test_day_that_went_wrong_once_goes_well(day):
     check(day)

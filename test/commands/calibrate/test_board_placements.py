@@ -72,6 +72,7 @@ def test_four_places_calibrate_the_whole_picture(run):
     assert errors.max() < worse.max() / 3
 
 
+@pytest.mark.slow
 def test_origin_options_move_the_frame_of_the_first_place_alone(run):
     names = pictures()
     for corner in range(4):
@@ -87,6 +88,7 @@ def seen_from(**camera):
     return render(pixel_from_surface(29, 10, **camera) @ placed(*PLACES[2]), coefficient=-0.15)
 
 
+@pytest.mark.slow
 def test_a_camera_that_was_moved_a_little_is_doubted(run):
     names = pictures(PLACES[:2])
     cv2.imwrite('c.png', seen_from(away_cm=85.0))
