@@ -39,7 +39,7 @@ from camera_to_base.reason import Reason
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     CalibratedFor, camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
-from camera_to_base.sources import FirstCamera, is_reader_hanging, RANDOM, SIMULATED
+from camera_to_base.sources import FirstCamera, is_reader_hanging, RANDOM
 from camera_to_base.trust import CameraPipeline, OwnCamera, read_thumbnail, Sighting
 import numpy as np
 from rclpy.node import Node
@@ -105,9 +105,8 @@ class CameraPublisher(Node):
                     [*sys.argv, *(cli_args or ())], transform, TRANSFORM_SETUP_SPECS))
 
     def _is_calibrated(self) -> bool:
-        # Random pixels have their own warning, and the simulated camera matches the defaults.
-        return (self._settings.is_calibrated
-                or self._source.kind.form in (RANDOM.form, SIMULATED.form))
+        # Random pixels have their own warning.
+        return self._settings.is_calibrated or self._source.kind == RANDOM
 
     def _follow_calibration(self) -> None:
         calibrated = self._settings.calibrated_for

@@ -522,7 +522,11 @@ def test_surface_that_is_the_tutorials_is_told_once_and_a_warning_until_it_is_ca
     assert sum('is not calibrated' in line.text for line in lines) == 1
 
 
-def test_simulated_surface_needs_no_calibration(ros):
+@pytest.mark.parametrize('arguments, reason', [
+    ([], 'not_calibrated'), (['--params-file', OVERHEAD], 'not_calibrated'),
+    (['--params-file', OVERHEAD.replace('overhead', 'simulated')], 'ok')])
+def test_simulated_camera_is_calibrated_with_its_own_file_only(ros, arguments, reason):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
-    ros.add(CameraPublisher, '-p', 'source:=simulated')
-    assert ros.spin_until(lambda: statuses and statuses[-1].level == 0)
+    ros.add(CameraPublisher, '-p', 'source:=simulated', *arguments)
+    assert ros.spin_until(
+        lambda: statuses and statuses[-1].values.get('reason') == reason)

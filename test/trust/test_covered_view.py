@@ -121,6 +121,7 @@ def test_small_nudge_below_a_cover_is_corrected_within_a_second(watched):
         assert max(point_errors_mm(one, COIN)) < 0.3
 
 
+@pytest.mark.slow
 def test_nudged_camera_is_corrected_again_after_a_cover(watched, compared):
     matrix = nudge(7, -5, 3)
     watched.play(0.3, matrix=matrix)

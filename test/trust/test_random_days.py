@@ -78,6 +78,7 @@ def test_many_random_days_have_no_wrong_point_and_no_lasting_silence(part, tell)
     tell(f'random days {seeds[0]}, {seeds[0] + 4}, ... {seeds[-1]}: {count} points')
 
 
+@pytest.mark.slow
 def test_day_fails_where_a_hand_is_published(monkeypatch):
     monkeypatch.setattr('camera_to_base.trust.scene._leaves_out_cut_off', lambda settings: False)
     day = Day(3, tuple(Event('hand', 2.0 + number, number) for number in range(12)))

@@ -97,6 +97,7 @@ def test_a_camera_that_was_moved_a_little_is_doubted(run):
     assert 'warning: the placements of the board do not fit each other' in output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('spoil, said', [
     (lambda: cv2.imread('1.png'), 'the board lies in the same place twice, in 1.png and in c.png'),
     (lambda: cv2.imread('1.png')[:, :600],

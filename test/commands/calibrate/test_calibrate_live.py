@@ -85,6 +85,7 @@ def tip_errors_mm(tilt=0):
     return 10 * np.linalg.norm(base - true_points, axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tilt', [0, 30])
 def test_three_commands_make_a_cell_whose_tip_is_right(run, tilt):
     assert run('sheet', '-o', 'board.pdf')[0] == 0

@@ -119,6 +119,7 @@ def test_far_tilt_of_a_faint_surface_is_not_taken_for_a_small_shift(seed):
     assert all(view.reason(camera.shoot(nudge(1.0))) is not None for _ in range(10))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name,seed', [
     ('tiles', 0), ('tiles', 1), ('tiles', 2), ('table edge', 0), ('table edge', 1),
     ('table edge', 16)])
