@@ -31,7 +31,7 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.launching import (
     argument_warnings, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
     image_input, is_wanted, kept_background, LaunchedCamera, make_params_file, not_installed,
-    plays_recording, recording_failure, transform_arguments)
+    plays_recording, recording_failure, transform_arguments, unknown_arguments)
 from camera_to_base.shared_memory import shared_memory_environment
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
@@ -84,25 +84,35 @@ def generate_launch_description() -> LaunchDescription:
     ]
     names = [argument.name for argument in arguments]
     return LaunchDescription([
-        *arguments, OpaqueFunction(function=_warn, args=[names]), OpaqueFunction(function=_start)])
+        *arguments, *(OpaqueFunction(function=function, args=[names])
+                      for function in (_warn, _start))])
 
 
 def _warn(context, names):
-    # If another launch file includes this one, its arguments are among the given ones.
-    ours_alone = {'camera_to_base', 'camera_to_base.launch.py'} <= set(sys.argv)
-    for warning in argument_warnings(context.launch_configurations, names, ours_alone):
+    for warning in argument_warnings(context.launch_configurations, names, _ours_alone()):
         get_logger('camera_to_base').warning(warning)
 
 
-def _start(context):
+def _ours_alone():
+    # If another launch file includes this one, its arguments are among the given ones.
+    return {'camera_to_base', 'camera_to_base.launch.py'} <= set(sys.argv)
+
+
+def _start(context, names):
+    # The camera node publishes no random positions if something was given in vain.
+    given = context.launch_configurations
+    unknown = {name: ParameterValue(given[name], value_type=str)
+               for name in unknown_arguments(given, names, _ours_alone())}
     camera = LaunchedCamera(*(_value(context, name) for name in LaunchedCamera._fields))
     has_dashboard = is_wanted('dashboard', _value(context, 'dashboard'))
     if has_dashboard and not _value(context, 'cameras'):
         _make_params_file(camera)
     cameras = choose_cameras(_value(context, 'cameras'), camera, DEFAULT)
     playing, folder = set(cameras), _folder_of_this_launch()
-    actions = [action for number, camera in enumerate(cameras) for action in _camera_actions(
-        camera, playing, os.path.join(folder, f'background_{number}.png'))]
+    actions = []
+    for number, camera in enumerate(cameras):
+        background_file = os.path.join(folder, f'background_{number}.png')
+        actions += _camera_actions(camera, playing, background_file, unknown)
     if is_wanted('publish_tf', _value(context, 'publish_tf')):
         _require('tf2_ros', 'publish_tf:=true')
         check_frames(cameras)
@@ -127,7 +137,7 @@ def _folder_of_this_launch():
     return folder
 
 
-def _camera_actions(camera, playing, background_file):
+def _camera_actions(camera, playing, background_file, unknown):
     source, remappings = image_input(camera)
     # A node drops messages that are stamped in another frame.
     camera_frame = {'camera_frame_id': ParameterValue(frames(camera).camera, value_type=str)}
@@ -137,7 +147,7 @@ def _camera_actions(camera, playing, background_file):
             on_exit=functools.partial(_end_with_recordings, camera, playing),
             parameters=[camera.params_file, {
                 'source': ParameterValue(source, value_type=str),
-                **camera_frame, **kept_background(camera, background_file)}]),
+                **camera_frame, **kept_background(camera, background_file), **unknown}]),
         _node(camera, 'camera_to_base', 'robot_base_publisher', on_exit=_end_without_start,
               parameters=[camera.params_file, camera_frame]),
     ]

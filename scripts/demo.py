@@ -27,11 +27,14 @@ import time
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import read_node_settings
 from demo_bumps import Bumps
-from demo_report import PICTURE, Report
+from demo_claims import Claims
+from demo_report import Report
+from demo_terminal import Terminal
 
 # What is set up on the dashboard's page is saved here.
-CELL_FILE = 'cell.yaml'
-DASHBOARD_PORT = 8080
+CELL_FILE, PICTURE = 'cell.yaml', 'demo.png'
+# The address is printed below what the nodes log as they start.
+QUIET_S = 1.0
 # A signal only sets this flag: an exception raised inside rclpy is not always passed on.
 told_to_end = threading.Event()
 
@@ -39,28 +42,31 @@ told_to_end = threading.Event()
 def main(arguments):
     """Run the demo until Ctrl-C, or until the recording ends; return the exit code."""
     options = parse(arguments)
-    source = options.source
+    source, terminal, claims = options.source, Terminal(), Claims()
     # A separate ROS domain, unless one is set, so that no arm follows the demo.
-    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    os.environ.setdefault('ROS_DOMAIN_ID', str(claims.domain()))
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     if not os.environ['ROS_DOMAIN_ID'].isdecimal() or int(os.environ['ROS_DOMAIN_ID']) > 232:
         print(f'error: ROS_DOMAIN_ID must be 0..232, got {os.environ["ROS_DOMAIN_ID"]}',
               file=sys.stderr)
         return 1
-    remove_old_picture()
-    print(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the source '
-          f"'{source}'; Ctrl-C ends them", flush=True)
+    picture, page = claims.file(PICTURE), Page(claims.port())
+    if os.path.exists(picture):
+        os.remove(picture)
     nodes, others = [], []
     try:
-        nodes.append(start('robot_base_publisher', {}, options.params))
-        nodes.append(start('camera_publisher', {
+        terminal.say(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the '
+                     f"source '{source}'; Ctrl-C ends them")
+        params = options.params or calibration_of(source)
+        nodes.append(start(terminal, 'robot_base_publisher', {}, params))
+        nodes.append(start(terminal, 'camera_publisher', {
             'source': source, 'wait_for_subscribers': 2, 'wait_for_camera': False,
-            **method_for(source), **Bumps.parameters(options.bump)}, options.params))
+            **method_for(source), **Bumps.parameters(options.bump)}, params))
         # Positions are printed with or without it.
-        others.append(start('dashboard', {
-            'port': port_for_dashboard(),
-            'params_file': os.path.abspath(options.params or CELL_FILE)}))
-        return listen(nodes, options.bump)
+        if page.port:
+            others.append(start(terminal, 'dashboard', {
+                'port': page.port, 'params_file': os.path.abspath(options.params or CELL_FILE)}))
+        return listen(terminal, nodes, page, picture, options.bump)
     except BrokenPipeError:
         # The reader has closed the pipe. Further output is discarded.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -69,15 +75,37 @@ def main(arguments):
         stop([*nodes, *others])
 
 
-def port_for_dashboard():
-    """Return the usual port, or 0 for any one if that is taken."""
-    with socket.socket() as one:
-        one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+class Page:
+    """
+    The dashboard's page.
+
+    :param port: Its port; 0 if there is none.
+    """
+
+    def __init__(self, port):
+        self.port, self.address = port, f'http://127.0.0.1:{port}/'
+        self._began, self._is_told = time.monotonic(), not port
+
+    def tell(self, terminal):
+        """Print the address in a box, once it answers and the nodes have logged their start."""
+        if not self._is_told and time.monotonic() - self._began > QUIET_S and self._answers():
+            self._is_told = True
+            terminal.frame(['Watch it, and set it up, in your browser:', self.address])
+
+    def _answers(self):
         try:
-            one.bind(('127.0.0.1', DASHBOARD_PORT))
+            socket.create_connection(('127.0.0.1', self.port), 0.1).close()
         except OSError:
-            return 0
-    return DASHBOARD_PORT
+            self._began = time.monotonic()
+            return False
+        return True
+
+
+def calibration_of(source):
+    """Return the parameter file of the simulated camera; None for other sources."""
+    from ament_index_python.packages import get_package_share_directory
+    return os.path.join(get_package_share_directory('camera_to_base'), 'config',
+                        'simulated_camera.yaml') if source == 'simulated' else None
 
 
 def parse(arguments):
@@ -104,51 +132,56 @@ def method_for(source):
     return {'detector.method': 'tutorial'} if os.path.isfile(source) else {}
 
 
-def start(executable, parameters, file=None):
+def start(terminal, executable, parameters, file=None):
     """Start an installed executable like `ros2 run`, but without the terminal's Ctrl-C."""
     from ament_index_python.packages import get_package_prefix
     path = os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
     command = [path, '--ros-args', *(['--params-file', file] if file else [])]
     for name, value in parameters.items():
         command += ['-p', f'{name}:={json.dumps(value)}']
-    return subprocess.Popen(command, start_new_session=True)
+    process = subprocess.Popen(
+        command, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, errors='replace', env={
+            **os.environ, 'RCUTILS_COLORIZED_OUTPUT': str(int(sys.stdout.isatty()))})
+    process.printed = terminal.follow(process.stdout)
+    return process
 
 
-def listen(nodes, is_bumped):
+def listen(terminal, nodes, page, picture, is_bumped):
     """Print what the nodes publish until one of them ends; return its exit code."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('demo')
-    report = Report(node)
-    bumps = Bumps(node, report) if is_bumped else None
+    report = Report(node, terminal, picture)
+    bumps = Bumps(node, report, terminal) if is_bumped else None
     try:
         while not told_to_end.is_set() and all(process.poll() is None for process in nodes):
             rclpy.spin_once(node, timeout_sec=0.1)
+            page.tell(terminal)
         until = time.monotonic() + 0.5
         while not told_to_end.is_set() and time.monotonic() < until:
             rclpy.spin_once(node, timeout_sec=0.1)
+        codes = [process.poll() or 0 for process in nodes]
     finally:
+        terminal.settle()
+        stop(nodes)
         if bumps is not None:
             bumps.close()
         report.close()
-    return 0 if told_to_end.is_set() else max(exit_code(process) for process in nodes)
+        if page.port:
+            terminal.say(f'page: {page.address} (it has ended with the demo)')
+    return 0 if told_to_end.is_set() else max(
+        exit_code(terminal, *ended) for ended in zip(nodes, codes))
 
 
-def exit_code(process):
-    """Return a node's exit code, in the shell's form for a signal; 0 if it is running."""
-    code = process.poll() or 0
+def exit_code(terminal, process, code):
+    """Return a node's exit code in the shell's form for a signal, and tell of a signal."""
     if code >= 0:
         return code
-    print(f'error: {os.path.basename(process.args[0])} has died: '
-          f'{signal.strsignal(-code)} (signal {-code})', file=sys.stderr)
+    terminal.say(f'error: {os.path.basename(process.args[0])} has died: '
+                 f'{signal.strsignal(-code)} (signal {-code})')
     return 128 - code
-
-
-def remove_old_picture():
-    """Delete the picture of an earlier demo."""
-    if os.path.exists(PICTURE):
-        os.remove(PICTURE)
 
 
 def stop(nodes):

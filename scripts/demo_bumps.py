@@ -28,12 +28,13 @@ class Bumps:
 
     :param node: The demo's node.
     :param report: Its `errors` are the time and the error of each position, in mm.
+    :param terminal: Where it is printed.
     """
 
-    def __init__(self, node, report):
+    def __init__(self, node, report, terminal):
         from diagnostic_msgs.msg import DiagnosticArray
         from std_srvs.srv import Trigger
-        self._report, self._request = report, Trigger.Request
+        self._report, self._request, self._say = report, Trigger.Request, terminal.say
         self._client = node.create_client(Trigger, BUMP)
         self._state, self._state_at, self._answer = None, 0.0, None
         self._since = self._bumped_at = None
@@ -48,7 +49,8 @@ class Bumps:
 
     def close(self):
         """Print what has become of the positions since the last bump."""
-        self._tell_errors()
+        if self._answer is None:
+            self._tell_errors()
 
     def _on_diagnostics(self, message):
         for status in message.status:
@@ -58,7 +60,7 @@ class Bumps:
     def _on_timer(self):
         now, errors = time.monotonic(), self._report.errors
         if self._answer is not None and self._answer.done():
-            print(f'==> bump {self._count + 1}: {self._answer.result().message}', flush=True)
+            self._say(f'==> bump {self._count + 1}: {self._answer.result().message}')
             self._since, self._bumped_at, self._answer = now, now, None
             self._count += 1
         if self._since is None:
@@ -78,11 +80,11 @@ class Bumps:
         is_told = self._state_at > self._bumped_at + 0.5
         if not self._is_silent and is_told and now - last > SILENT_S:
             self._is_silent = True
-            print(f'==> no position for {now - last:.1f} s: {self._state}', flush=True)
+            self._say(f'==> no position for {now - last:.1f} s: {self._state}')
         elif self._is_silent and now - last < 0.5:
             self._is_silent = False
-            print(f'==> positions come again, {last - self._bumped_at:.1f} s after the bump: '
-                  f'{self._state}', flush=True)
+            self._say(f'==> positions come again, {last - self._bumped_at:.1f} s after the bump: '
+                      f'{self._state}')
 
     def _tell_errors(self):
         if self._since is None:
@@ -90,7 +92,9 @@ class Bumps:
         seen = [error for at, error in self._report.errors if at >= self._since]
         when = f'since bump {self._count}' if self._count else 'before the bumps'
         if seen:
-            print(f'==> {when}: error {sum(seen) / len(seen):.2f} mm on average, {max(seen):.2f} '
-                  f'mm at most, of {len(seen)} position(s); {self._state}', flush=True)
+            self._say(f'==> {when}: error {sum(seen) / len(seen):.2f} mm on average, '
+                      f'{max(seen):.2f} mm at most, of {len(seen)} position(s); {self._state}')
         else:
-            print(f'==> {when}: no position, and no wrong one; {self._state}', flush=True)
+            waited_s = time.monotonic() - self._since
+            self._say(f'==> {when}, {waited_s:.1f} s ago: no position, and no wrong one; '
+                      f'{self._state}')

@@ -15,26 +15,31 @@
 """What the demo prints of each position, and its picture."""
 
 import math
-import os
 import time
 
 import cv2
 import numpy as np
 
-PICTURE = 'demo.png'
 # Topics are not synchronised: what belongs to a base position arrives within this time.
 SETTLED_S = 0.1
+# Why the positions mean nothing on this table, by the reason that the diagnostics give.
+DOUBTS = {'not_calibrated': 'NOT CALIBRATED', 'random': 'RANDOM'}
 
 
 class Report:
     """
-    Prints a line for each position in the base frame, with the camera position it came from.
+    Prints each position in the base frame, with the camera position it came from, in one line.
+
+    :param node: The demo's node.
+    :param terminal: Where it is printed.
+    :param picture: Path of the annotated picture.
 
     `errors` has the time of each position and its error in mm, where the truth is known.
     """
 
-    def __init__(self, node):
+    def __init__(self, node, terminal, picture):
         from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
+        from diagnostic_msgs.msg import DiagnosticArray
         from geometry_msgs.msg import PointStamped, PoseArray
         from sensor_msgs.msg import Image
         # Of the simulated camera's true positions, whatever the calibration is.
@@ -43,22 +48,34 @@ class Report:
         # By the capture time of their frame, in cm.
         self._camera_positions, self._true_positions = {}, {}
         self._waiting = []
-        self._count = 0
-        self._node = node
+        self._count, self._doubt = 0, None
+        self._node, self._terminal, self._picture = node, terminal, picture
         self._picture_saved, self._newest_image = False, None
         for kind, topic, callback in (
                 (PointStamped, 'pos_in_cam_frame/point', self._on_camera_position),
                 (PoseArray, 'true_objects_in_cam_frame', self._on_true_positions),
-                (PointStamped, 'pos_in_robot_base_frame/point', self._on_base_position)):
+                (PointStamped, 'pos_in_robot_base_frame/point', self._on_base_position),
+                (DiagnosticArray, '/diagnostics', self._on_diagnostics)):
             node.create_subscription(kind, topic, callback, 100)
         self._for_picture = node.create_subscription(Image, 'debug_image', self._on_image, 1)
         node.create_timer(0.05, self._print_settled)
 
     def close(self):
-        """Print the number of positions, and the picture's path."""
-        print(f'{self._count} positions')
+        """Print the number of positions, the largest error, and the picture's path."""
+        summary = [f'{self._count} positions']
+        if self.errors:
+            summary.append(f'largest error {max(error for _, error in self.errors):.2f} mm')
+        if self._doubt:
+            summary.append(f'{self._doubt}: these are not the positions on your table')
+        self._terminal.say(', '.join(summary))
         if self._picture_saved:
-            print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
+            self._terminal.say(f'annotated picture: {self._picture}')
+
+    def _on_diagnostics(self, message):
+        for status in message.status:
+            if status.name.endswith('camera_publisher'):
+                reasons = (one.value for one in status.values if one.key == 'reason')
+                self._doubt = DOUBTS.get(next(reasons, None))
 
     def _on_camera_position(self, message):
         remember(self._camera_positions, message, in_cm(message.point))
@@ -79,16 +96,17 @@ class Report:
 
     def _print(self, received_at, camera, x, y, truths):
         self._count += 1
-        line = 'camera ({:6.2f}, {:6.2f}) cm'.format(*camera)
-        line += f'  ->  base ({x:6.2f}, {y:6.2f}) cm'
+        parts = ['camera ({:6.2f}, {:6.2f}) cm  ->'.format(*camera),
+                 f'base ({x:6.2f}, {y:6.2f}) cm']
         if truths:
             in_base = [self._true_conversion.convert_point(*truth)[:2] for truth in truths]
             true = min(in_base, key=lambda point: math.dist(point, (x, y)))
             error_mm = 10 * math.dist((x, y), true)
             self.errors.append((received_at, error_mm))
-            line += '   true ({:6.2f}, {:6.2f}) cm'.format(*true)
-            line += f'   error {error_mm:.2f} mm'
-        print(line, flush=True)
+            parts += ['true ({:6.2f}, {:6.2f}) cm'.format(*true), f'error {error_mm:.2f} mm']
+        if self._doubt:
+            parts.append(self._doubt)
+        self._terminal.update(parts)
 
     def _on_image(self, message):
         self._newest_image = message
@@ -101,11 +119,10 @@ class Report:
                 stamp_of(image) not in self._camera_positions):
             return
         picture = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
-        cv2.imwrite(PICTURE, picture)
+        cv2.imwrite(self._picture, picture)
         self._picture_saved = True
         # The node draws as long as there is a subscriber.
         self._node.destroy_subscription(self._for_picture)
-        print(f'annotated picture: {os.path.abspath(PICTURE)}', flush=True)
 
 
 def stamp_of(message):

@@ -46,7 +46,9 @@ use_wheels() {
         unset _ROS_WHEELS_BOOTSTRAP_COMPLETE LD_LIBRARY_PATH
     fi
     local stamp
-    stamp=$("$python" -c 'import sys; print(sys.base_prefix, sys.version)'; cat requirements*.txt)
+    # A .venv holds the path that it was made for: a copied or moved one does not work.
+    stamp=$(printf '%s\n' "$PWD"
+        "$python" -c 'import sys; print(sys.base_prefix, sys.version)'; cat requirements*.txt)
     if [ "$(cat "$venv/ready" 2> /dev/null)" != "$stamp" ]; then
         say "making $venv with $("$python" --version)"
         rm -rf "$venv" "$base"/{build,install,log}
@@ -58,7 +60,8 @@ use_wheels() {
             -r "$requirements" > "$venv/pip.log" 2>&1 ||
             fail "cannot install $requirements: is there a network connection? pip says:" \
                 "$(grep -i error "$venv/pip.log" | tail -n 1)"
-        touch "$venv/local_setup.sh"  # colcon would warn that there is none
+        # colcon finds no package in it, and does not warn that the second is missing.
+        touch "$venv/COLCON_IGNORE" "$venv/local_setup.sh"
         printf '%s' "$stamp" > "$venv/ready"
     fi
     python=$PWD/$venv/bin/python
@@ -66,8 +69,14 @@ use_wheels() {
 }
 
 build() {
+    # A copied or moved build would install into the folder that it was made in.
+    local made_in=$base/build/made_in
+    if [ -e "$made_in" ] && [ "$(cat "$made_in")" != "$PWD" ]; then
+        rm -rf "$base"/{build,install,log}
+    fi
     say "building the package"
-    mkdir -p "$base/log"
+    mkdir -p "$base/log" "$base/build"
+    printf '%s' "$PWD" > "$made_in"
     colcon --log-base "$base/log" build --build-base "$base/build" \
         --install-base "$base/install" > "$base/log/build.log" 2>&1 ||
         { tail -n 20 "$base/log/build.log" >&2; fail "colcon build failed, see above"; }

@@ -47,6 +47,8 @@ os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 DOMAIN, DOMAIN_LOCK = claim_domain()
 os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
 
+# How long the short set takes on one core, by the processor time of its tests.
+ONE_CORE_MIN = 6
 # What the tests measured and how many were left out, for the summary; a worker sends it.
 TOLD = pytest.StashKey[list]()
 LEFT_OUT = pytest.StashKey[int]()
@@ -86,6 +88,15 @@ def tell(pytestconfig):
 def pytest_addoption(parser):
     """Add --all."""
     parser.addoption('--all', action='store_true', help='run the tests marked slow, too')
+
+
+def pytest_report_header(config):
+    """Say first how long it will take."""
+    if config.getoption('all') or config.args != config.getini('testpaths'):
+        return None
+    workers = getattr(config.option, 'numprocesses', None) or 1
+    minutes = ONE_CORE_MIN / min(workers, 2)
+    return f'the short set takes about {minutes:.0f} minutes with {workers} worker(s)'
 
 
 def pytest_configure(config):

@@ -23,8 +23,11 @@ import time
 from urllib.error import URLError
 from urllib.request import urlopen
 
+from ament_index_python.packages import get_package_share_directory
 from ros_helpers import NotInTime, Process
 
+SIMULATED = os.path.join(get_package_share_directory('camera_to_base'), 'config',
+                         'simulated_camera.yaml')
 DRIVERS = ('/usr/bin/chromedriver', 'chromedriver')
 BROWSERS = ('/usr/bin/chromium', 'chromium', 'chromium-browser', 'google-chrome')
 # The machine may be busy with other tests.
@@ -74,7 +77,8 @@ class Cell:
     Both nodes and the dashboard as processes.
 
     :param camera: ROS arguments of the camera node; the simulated camera if there are none.
-    :param params_file: The file that all three are started with; '' for none.
+    :param params_file: The file that all three are started with, and that the page saves to; ''
+        for none.
     :param namespace: Of all three; tests whose cells run at the same time need different ones.
     """
 
@@ -82,7 +86,9 @@ class Cell:
         self.port = free_port()
         self._namespace = namespace
         self._camera = camera or ('-p', 'source:=simulated')
-        self._file = ('--params-file', params_file) if params_file else ()
+        # Without a file, the simulated camera has its own calibration.
+        file = params_file or ('' if camera else SIMULATED)
+        self._file = ('--params-file', file) if file else ()
         self._save = ('-p', f'params_file:={params_file}') if params_file else ()
         self.processes = {}
         for name in ('robot_base_publisher', 'camera_publisher', 'dashboard'):

@@ -17,6 +17,7 @@ from pathlib import Path
 from camera_to_base.parameters.transform import transform_settings, TRANSFORM_SPECS
 from camera_to_base.settings import camera_settings, CAMERA_SPECS
 from camera_to_base.simulation.board import SimulatedBoard
+import numpy as np
 import pytest
 import yaml
 
@@ -47,13 +48,27 @@ def defaults():
 
 
 def test_there_is_a_file_for_each_case():
-    assert set(TUTORIALS + ['simulated_tilted_camera.yaml']) <= set(FILES)
+    assert {*TUTORIALS, 'simulated_camera.yaml', 'simulated_tilted_camera.yaml'} == set(FILES)
 
 
 @all_files
 def test_file_speaks_to_both_nodes_and_says_nothing_else(name):
     content = yaml.safe_load((CONFIG / name).read_text())
     assert list(content) == ['/**'] and list(content['/**']) == ['ros__parameters']
+
+
+def test_simulated_cameras_calibration_is_that_of_the_board():
+    values = values_of('simulated_camera.yaml')
+    settings = camera_settings({**defaults(), **values})
+    board = SimulatedBoard(image_size=settings.image_size, noise=0.0)
+    board.read()
+    pixels = [(0.0, 0.0), (639.0, 0.0), (200.0, 400.0)]
+    true = [board.surface_from_pixel @ (*pixel, 1.0) for pixel in pixels]
+    assert settings.surface.locate(pixels) == pytest.approx(
+        np.array([(x / w, y / w) for x, y, w in true]), abs=1e-9)
+    uncertain = settings.uncertainty.of_pixel(pixels[0], settings.image_size)
+    assert settings.is_calibrated and max(uncertain.xx, uncertain.yy) < 0.1 ** 2
+    assert values['displacement_cm'] == defaults()['displacement_cm']
 
 
 def test_simulated_tilted_cameras_matrix_is_that_of_the_board():
@@ -76,7 +91,8 @@ def test_file_has_values_of_the_declared_types(name):
         default = defaults()[parameter]
         assert type(value) is type(default)
         if isinstance(value, list):
-            assert [type(item) for item in value] == [type(default[0])] * len(value)
+            of_one = type(default[0]) if default else float
+            assert [type(item) for item in value] == [of_one] * len(value)
 
 
 @all_files

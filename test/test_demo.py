@@ -12,16 +12,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The demo's options: a parameter file, and bumps of the simulated camera."""
+"""The demo: what it prints, its options, and what it has for itself."""
 
+from io import StringIO
 import os
 from pathlib import Path
 import re
 import signal
 import subprocess
 import sys
+import time
 
 from ament_index_python.packages import get_package_share_directory
+from demo_terminal import Terminal
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -46,11 +49,81 @@ def run_until(found, tmp_path, *options):
 
 @pytest.mark.slow
 def test_bumps_never_make_a_wrong_position(tmp_path):
-    output = run_until('==> since bump 1', tmp_path, '--bump')
+    output = run_until('==> bump 2', tmp_path, '--bump')
     assert re.search(r'==> before the bumps: error [\d.]+ mm on average', output)
     assert re.search(r'==> bump 1: the camera was bumped: .* px, [\d.]+ mm on the table', output)
     errors = [float(error) for error in re.findall(r'error ([\d.]+) mm\n', output)]
     assert max(errors) < 1.0, output
+    assert re.search(r'==> since bump 1: error [\d.]+ mm on average', output)
+    largest, = re.findall(r'\d+ positions, largest error ([\d.]+) mm', output)
+    assert max(errors) <= float(largest) < 1.0
+    # The corrected camera was not told to be calibrated anew.
+    assert '[ERROR]' not in output.partition('==> bump 2')[0], output
+
+
+@pytest.mark.slow
+def test_two_demos_share_nothing_and_tell_their_addresses(tmp_path):
+    alone = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
+    demos = [subprocess.Popen(
+        [sys.executable, str(ROOT / 'scripts' / 'demo.py')], cwd=tmp_path, text=True, env=alone,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for _ in range(2)]
+    until = time.monotonic() + 60.0
+    while len(list(tmp_path.glob('*.png'))) < 2 and time.monotonic() < until:
+        time.sleep(0.2)
+    time.sleep(3.0)
+    outputs = []
+    for demo in demos:
+        demo.send_signal(signal.SIGINT)
+        outputs.append(demo.communicate(timeout=20.0)[0])
+    for kind, pattern in (('domain', r'ROS domain (\d+)'), ('page', r'\| (http://\S+)'),
+                          ('picture', r'annotated picture: (.*)')):
+        found = [re.findall(pattern, output) for output in outputs]
+        assert all(len(one) == 1 for one in found), outputs
+        assert found[0] != found[1], (kind, outputs)
+    for output in outputs:
+        lines = output.splitlines()
+        assert lines[-1].startswith('page: http://127.0.0.1:')
+        assert re.fullmatch(r'\d+ positions, largest error 0.0\d mm', lines[-3]), lines
+        assert 'NOT CALIBRATED' not in output
+
+
+@pytest.mark.slow
+def test_random_positions_are_marked_in_each_line(tmp_path):
+    output = run_until('cm  RANDOM', tmp_path, 'random')
+    assert re.search('base .* cm  RANDOM', output), output
+    assert 'RANDOM: these are not the positions on your table' in output
+
+
+def test_terminal_updates_one_line_below_those_that_stay(monkeypatch):
+    screen = Screen()
+    monkeypatch.setenv('COLUMNS', '32')
+    terminal = Terminal(screen)
+    terminal.update(['camera (1.00, 2.00)', 'base (3.00, 4.00)'])
+    terminal.say('a message')
+    terminal.update(['camera (1.00, 2.00)', 'base (5.00, 6.00)', 'error 0.10 mm'])
+    assert screen.lines() == ['a message', 'base (5.00, 6.00)  error 0.10 mm'[:31]]
+    terminal.settle()
+    terminal.frame(['an address'])
+    assert screen.lines()[-4:-1] == ['+------------+', '| an address |', '+------------+']
+
+
+def test_without_a_terminal_one_line_a_second_is_printed():
+    file = StringIO()
+    terminal = Terminal(file)
+    for number in range(20):
+        terminal.update([f'position {number}'])
+    assert file.getvalue() == 'position 0\n'
+
+
+class Screen(StringIO):
+    """A terminal, as far as the demo uses it."""
+
+    def isatty(self):
+        return True
+
+    def lines(self):
+        """Give what can be seen."""
+        return [line.rpartition('\r\x1b[K')[2] for line in self.getvalue().split('\n')]
 
 
 @pytest.mark.slow

@@ -186,6 +186,7 @@ def walked(tmp_path, monkeypatch, capsys):
     return page, capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_readme_calibrates_the_simulated_camera_to_half_a_millimetre(practised):
     settings = read_node_settings('cell.yaml')
     view = SimulatedChessboard(9, 6, 2.5, image_size=(640, 480)).view

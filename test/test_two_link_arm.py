@@ -82,6 +82,7 @@ def test_point_that_the_arm_cannot_reach_has_no_angles(x, y):
     assert joint_angles(x, y, 0.16, 0.14) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('given, got', [
     ('upper_arm_m:=0', '0'), ('upper_arm_m:=-0.1', '-0.1'), ('forearm_m:=.nan', 'nan'),
     ('forearm_m:=.inf', 'inf'), ('forearm_m:=0,14', "'0,14'"), ('forearm_m:=true', 'True')])

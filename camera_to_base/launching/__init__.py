@@ -21,7 +21,8 @@ lines and environment of the processes to start, and warnings of arguments that 
 Caller: `launch/camera_to_base.launch.py`.
 """
 
-from camera_to_base.launching.arguments import argument_warnings, is_wanted, not_installed
+from camera_to_base.launching.arguments import (
+    argument_warnings, is_wanted, not_installed, unknown_arguments)
 from camera_to_base.launching.cameras import (
     choose_cameras, DRIVERS, LaunchedCamera, make_params_file)
 from camera_to_base.launching.coordinate_frames import (
@@ -33,4 +34,5 @@ __all__ = [
     'argument_warnings', 'check_frames', 'choose_cameras', 'driver_parameters', 'DRIVERS',
     'frames', 'image_input', 'is_wanted', 'kept_background', 'LaunchedCamera', 'make_params_file',
     'not_installed', 'plays_recording', 'recording_failure', 'transform_arguments',
+    'unknown_arguments',
 ]

@@ -23,20 +23,25 @@ from camera_to_base.parameters import misspelt_name, unknown_name_text
 _OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
 
 
-def argument_warnings(
+def unknown_arguments(
         given: Iterable[str], known: Collection[str], ours_alone: bool) -> List[str]:
     """
-    Warn of unknown arguments, which launch ignores: a default would be used instead.
+    List unknown arguments, which launch ignores: a default would be used instead.
 
     :param given: The names of all arguments of the launch.
     :param known: The names of ours.
     :param ours_alone: Whether all arguments are meant for this launch file; otherwise only names
-        that look misspelt are reported.
+        that look misspelt are listed.
     """
-    unknown = [name for name in given if name not in {*known, *_OF_LAUNCH}]
-    meant = {name: misspelt_name(name, known) for name in unknown}
-    return [unknown_name_text(name, meant[name], 'launch argument') for name in unknown
-            if meant[name] or ours_alone]
+    unknown = (name for name in given if name not in {*known, *_OF_LAUNCH})
+    return [name for name in unknown if ours_alone or misspelt_name(name, known)]
+
+
+def argument_warnings(
+        given: Iterable[str], known: Collection[str], ours_alone: bool) -> List[str]:
+    """Warn of unknown arguments, see `unknown_arguments`."""
+    return [unknown_name_text(name, misspelt_name(name, known), 'launch argument')
+            for name in unknown_arguments(given, known, ours_alone)]
 
 
 def is_wanted(name: str, value: str) -> bool:

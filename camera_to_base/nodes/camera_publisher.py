@@ -38,7 +38,7 @@ from camera_to_base.parameters import (
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
-from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
+from camera_to_base.sources import FirstCamera, is_reader_hanging, RANDOM
 from camera_to_base.trust import Sighting
 import numpy as np
 from rclpy.node import Node
@@ -62,6 +62,10 @@ class CameraPublisher(Node):
             settings = self._settings
             self._source = open_named_source(
                 settings, may_be_random=not self._is_configured(node_options.get('cli_args')))
+            if self._node_parameters.left_out and isinstance(self._source.frames, FirstCamera):
+                self.get_logger().warning(
+                    'a parameter was given in vain, see above: without a camera no random '
+                    'positions are published')
             self._pipeline = settings.pipeline(self._source.name, self._source.kind)
             self._positions = PublishedPositions(self, self._source)
             self._debug_images = DebugImages(self)
@@ -98,9 +102,8 @@ class CameraPublisher(Node):
                     [*sys.argv, *(cli_args or ())], transform, TRANSFORM_SETUP_SPECS))
 
     def _is_calibrated(self) -> bool:
-        # Random pixels have their own warning, and the simulated camera matches the defaults.
-        return (self._settings.is_calibrated
-                or self._source.kind.form in (RANDOM.form, SIMULATED.form))
+        # Random pixels have their own warning.
+        return self._settings.is_calibrated or self._source.kind == RANDOM
 
     def _start_feed(self) -> Feed:
         feed = start_feed(self, self._source, self._settings, self._positions.topic, FeedCallbacks(
@@ -171,8 +174,12 @@ class CameraPublisher(Node):
             self.get_logger().warning(warning)
 
     def _on_end(self) -> None:
+        count = self._pipeline.counts['frames']
+        hint = '' if count != 1 else (
+            ', which has become the background: with the parameter repeat:=true a picture is '
+            'shown again and again')
         self.get_logger().info(
-            f"'{self._source.name}' has ended after {self._pipeline.counts['frames']} frames")
+            f"'{self._source.name}' has ended after {count} frame{'s' * (count != 1)}{hint}")
         self._positions.wait_until_received()
         self.context.try_shutdown()
 

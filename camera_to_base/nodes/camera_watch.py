@@ -67,7 +67,7 @@ class CameraWatch:
 
     def _watch(self) -> None:
         before, self._reason = self._reason, self._feed.reason or self._pipeline.reason
-        if _kind(self._reason) != _kind(before):
+        if _kind(self._reason) != _kind(before) or _level(self._reason) != _level(before):
             self._tell(self._reason)
             self._diagnostics.publish()
         self._tell_doubt(self._pipeline.doubt)
@@ -91,6 +91,8 @@ class CameraWatch:
             self._logger.info('ready: objects on the surface are published')
         elif reason.level is Level.ERROR:
             self._logger.error(reason.sentence)
+        elif reason.kind == 'view_moved':
+            self._logger.warning(reason.sentence)
         else:
             self._logger.info(reason.sentence)
 
@@ -104,3 +106,7 @@ class CameraWatch:
 
 def _kind(reason: Optional[Reason]) -> Optional[str]:
     return None if reason is None else reason.kind
+
+
+def _level(reason: Optional[Reason]) -> Level:
+    return Level.OK if reason is None else reason.level

@@ -76,7 +76,8 @@ class CameraSettings:
 
     :param is_configured: Whether a parameter of the set-up differs from its default, so that an
         arm may follow the positions.
-    :param is_calibrated: Whether the surface differs from its default, the tutorial's.
+    :param is_calibrated: Whether a calibration of the surface is on record, or the surface differs
+        from its default, the tutorial's.
     """
 
     source: str
@@ -162,8 +163,9 @@ def camera_settings(values: Values) -> CameraSettings:
         markers=None if marked is None else MarkerSettings(
             marked, values['background_retake'] == 'auto', values['background_frames']),
         is_configured=any(name not in _NOT_OF_A_SETUP for name in _other_than_default(values)),
-        is_calibrated=any(name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
-                          for name in _other_than_default(values)))
+        is_calibrated=bool(values['calibration.surface']) or any(
+            name.startswith('surface.') and name not in _NOT_OF_A_CALIBRATION
+            for name in _other_than_default(values)))
 
 
 def _simulation(values: Values) -> SimulationSettings:

@@ -17,9 +17,10 @@
 import os
 from typing import NamedTuple, Optional
 
+from camera_to_base.errors import FrameSourceError
 from camera_to_base.settings.camera import CameraSettings
 from camera_to_base.sources import (
-    AUTO, Camera, COMPRESSED_TOPIC, DEVICE, first_camera, FirstCamera, FrameSource, kind_of,
+    AUTO, BAG, Camera, COMPRESSED_TOPIC, DEVICE, first_camera, FirstCamera, FrameSource, kind_of,
     open_frame_source, open_repeated, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC)
 
 
@@ -44,7 +45,7 @@ def open_named_source(settings: CameraSettings, may_be_random: bool) -> NamedSou
 
     :param may_be_random: Whether auto means random pixels if no camera is attached; otherwise the
         source waits for a camera.
-    :raises FrameSourceError: If it names a file that holds no video.
+    :raises FrameSourceError: If it names a file that holds no video, or a bag.
     """
     name, kind = settings.source, kind_of(settings.source)
     if kind == AUTO:
@@ -55,6 +56,10 @@ def open_named_source(settings: CameraSettings, may_be_random: bool) -> NamedSou
         return NamedSource(frames.name, frames.kind, frames)
     if kind in (RANDOM, TOPIC, COMPRESSED_TOPIC):
         return NamedSource(name, kind)
+    if kind == BAG and os.path.exists(os.path.expanduser(name)):
+        raise FrameSourceError(
+            f"source '{name}' is no video; if it is a bag, `ros2 run camera_to_base locate {name}`"
+            ' reads it, or play it (`ros2 bag play`) and name its image topic')
     if kind == SIMULATED:
         frames = settings.simulated.board(settings.image_size)
     elif kind in (DEVICE, STREAM):

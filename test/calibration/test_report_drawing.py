@@ -33,6 +33,7 @@ def fitted(corner=0):
     return image, matched, fit_homography(matched, IMAGE_SIZE).surface
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('corner', [0, 1, 2, 3])
 def test_squares_are_square_and_not_mirrored_from_above(corner):
     image, matched, surface = fitted(corner)

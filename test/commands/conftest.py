@@ -14,7 +14,25 @@
 
 """What the tests of the commands share: a folder of their own, and a way to run a command."""
 
+from camera_to_base.commands.calibrate.command import main as calibrate
 import pytest
+
+
+@pytest.fixture(scope='session')
+def simulated_surface(tmp_path_factory):
+    """Give the content of a file with the simulated camera's surface, which is fitted once."""
+    path = tmp_path_factory.mktemp('surface') / 'cell.yaml'
+    assert calibrate(['board', '--camera', 'simulated', '-o', str(path)]) == 0
+    return path.read_text()
+
+
+@pytest.fixture(scope='session')
+def simulated_markers(simulated_surface, tmp_path_factory):
+    """Give the same with the simulated markers."""
+    path = tmp_path_factory.mktemp('markers') / 'cell.yaml'
+    path.write_text(simulated_surface)
+    assert calibrate(['markers', '--camera', 'simulated', '-o', str(path)]) == 0
+    return path.read_text()
 
 
 @pytest.fixture(autouse=True)

@@ -55,6 +55,7 @@ def test_a_taken_port_is_one_clear_sentence_and_exit_code_1(start):
     assert f'cannot listen on 127.0.0.1, port {port}' in process.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('arguments, sentence', [
     (('-p', 'host:=no.such.host.invalid'), 'host must be 127.0.0.1 for this machine alone'),
     (('-p', 'port:=70000'), 'port must be 0 to 65535'),

@@ -49,6 +49,7 @@ def test_a_node_that_was_never_started_is_named_with_its_command(ros, dashboard)
     assert status == 409 and 'does not run' in answer['error']
 
 
+@pytest.mark.slow
 @pytest.mark.flaky(reruns=2, only_rerun=['NotInTime'])
 def test_a_node_that_dies_is_told_and_one_that_comes_back_is_found(ros, start, dashboard):
     ros.add(RobotBasePublisher)

@@ -104,6 +104,7 @@ def test_background_of_a_camera_that_warms_up_finds_the_coin_at_full_light(frame
     assert found.centre == pytest.approx((400, 300), abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('count', [1, 5, pytest.param(30, marks=pytest.mark.slow)])
 def test_hands_that_pass_do_not_keep_a_background_from_being_taken_within_10_s(count):
     board = SimulatedBoard(hands=6, noise=2.0)

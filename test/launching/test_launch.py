@@ -383,6 +383,13 @@ def test_misspelt_argument_is_told_with_what_was_meant(prefix, log):
         "there is no launch argument 'sorce', it is left out: did you mean 'source'?"]
 
 
+def test_misspelt_argument_reaches_the_camera_node_which_then_draws_no_random_positions(prefix):
+    command = command_of('camera_publisher', started(2, sorce='simulated', device='0'))
+    written = ''.join(Path(path).read_text()
+                      for path in re.findall(r'--params-file (\S*launch_params\S*)', command))
+    assert 'sorce: simulated' in written and 'device' not in written
+
+
 def test_unknown_argument_is_told_where_nobody_includes_the_launch_file(
         prefix, log, monkeypatch):
     monkeypatch.setattr(

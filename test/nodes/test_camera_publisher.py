@@ -488,6 +488,18 @@ def test_node_that_was_set_up_waits_for_a_camera_instead_of_random_pixels(
     ros.spin_for(0.5)
     assert received == []
     assert sum('no camera is attached' in line.text for line in lines) == 1
+    in_vain = text == '' or 'sourc:' in text or 'publsher' in text
+    assert sum('no random positions' in line.text for line in lines) == in_vain
+
+
+def test_misspelt_parameter_on_the_command_line_means_no_random_pixels(ros, monkeypatch):
+    monkeypatch.setattr('glob.glob', lambda pattern: [])
+    received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
+    ros.add(CameraPublisher, '-p', 'sorce:=simulated', '-p', 'period:=0.05')
+    assert ros.spin_until(lambda: any('no random positions' in line.text for line in lines))
+    assert any("no parameter 'sorce'" in line.text and "'source'" in line.text for line in lines)
+    ros.spin_for(0.5)
+    assert received == []
 
 
 @pytest.mark.parametrize('arguments', [
@@ -514,7 +526,11 @@ def test_surface_that_is_the_tutorials_is_told_once_and_a_warning_until_it_is_ca
     assert sum('is not calibrated' in line.text for line in lines) == 1
 
 
-def test_simulated_surface_needs_no_calibration(ros):
+@pytest.mark.parametrize('arguments, reason', [
+    ([], 'not_calibrated'), (['--params-file', OVERHEAD], 'not_calibrated'),
+    (['--params-file', OVERHEAD.replace('overhead', 'simulated')], 'ok')])
+def test_simulated_camera_is_calibrated_with_its_own_file_only(ros, arguments, reason):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
-    ros.add(CameraPublisher, '-p', 'source:=simulated')
-    assert ros.spin_until(lambda: statuses and statuses[-1].level == 0)
+    ros.add(CameraPublisher, '-p', 'source:=simulated', *arguments)
+    assert ros.spin_until(
+        lambda: statuses and statuses[-1].values.get('reason') == reason)

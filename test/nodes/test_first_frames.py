@@ -96,6 +96,7 @@ def check_coin_is_found_and_nothing_else(positions, send, make_message):
     assert max(math.dist(position, TRUE) for position in positions) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('count', [1, 3])
 @pytest.mark.parametrize('spoil', [
     green_lower_half, white_lower_half, black, flat, brightening, half_a_jpeg])
@@ -108,6 +109,7 @@ def test_bad_first_pictures_of_a_topic_do_not_become_the_background(ros, spoil, 
     check_coin_is_found_and_nothing_else(positions, send, image_message)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', damaged_frames.DAMAGES)
 def test_damaged_first_jpegs_of_a_topic_do_not_become_the_background(ros, name):
     positions = ros.listen(CAMERA_TOPIC)

@@ -61,6 +61,7 @@ def test_defect_keeps_its_traceback_and_ends_with_70(when, error):
     assert 'Traceback' in child.stderr and 'cannot start' not in child.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize('executable', ['camera_publisher', 'robot_base_publisher'])
 def test_signal_in_the_first_third_of_a_second_ends_with_0(start, executable, number):

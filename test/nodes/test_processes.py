@@ -138,6 +138,7 @@ def test_random_pixels_reach_the_base_frame_by_the_tutorials_formula(ros, start)
         assert v == pytest.approx(round(v)) and 250 <= round(v) <= 450
 
 
+@pytest.mark.slow
 def test_video_is_published_frame_for_frame_as_by_the_tutorial_and_ends_with_0(
         ros, start, tmp_path):
     video = tmp_path / 'moving disc.avi'
@@ -173,6 +174,7 @@ def test_bad_messages_do_not_stop_the_transform_node(ros, start):
     assert 'Traceback' not in node.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize('executable, arguments', [
     ('robot_base_publisher', []),
@@ -226,6 +228,16 @@ def test_two_interrupts_in_a_row_leave_no_traceback(ros, start):
     assert 'Traceback' not in node.output
 
 
+@pytest.mark.slow
+def test_picture_ends_with_the_parameter_that_shows_it_again(start, tmp_path):
+    picture = tmp_path / 'table.png'
+    cv2.imwrite(str(picture), np.full((480, 640, 3), 200, np.uint8))
+    node = start('camera_publisher', '-p', f'source:={picture}', '-p', 'wait_for_subscribers:=0')
+    assert node.wait() == 0
+    assert 'has ended after 1 frame, which' in node.output and 'repeat:=true' in node.output
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize('arguments, said', [
     (['-p', 'source:=/does/not/exist.avi'], "cannot open video '/does/not/exist.avi'"),
     (['-p', 'source:=99', '-p', 'wait_for_camera:=false'], "cannot open camera '99'"),

@@ -69,6 +69,7 @@ def test_bad_message_is_dropped_and_counted_and_the_node_lives(ros, data):
     assert node.dropped_count == 1
 
 
+@pytest.mark.slow
 def test_bad_messages_are_said_every_5_s_at_most_with_how_many_there_were(ros, start):
     node, publisher = start('robot_base_publisher'), ros.talk(CAMERA_TOPIC)
     received, statuses = ros.listen(BASE_TOPIC), ros.listen_to_diagnostics('/robot_base_publisher')

@@ -254,6 +254,7 @@ def test_topic_of_the_pictures_can_be_remapped(ros):
     assert points
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('is_simulation', [True, False])
 def test_pictures_without_any_noise_are_taken_for_repeated_but_in_a_simulation(
         ros, is_simulation):

@@ -49,6 +49,11 @@ def test_file_is_opened_at_once(tmp_path):
     assert source.kind.frame_rate == pytest.approx(12.5)
 
 
+def test_folder_is_refused_with_what_reads_a_bag(tmp_path):
+    with pytest.raises(FrameSourceError, match=f'camera_to_base locate {tmp_path}` reads it'):
+        open_source(str(tmp_path))
+
+
 def test_repeated_file_starts_again_when_it_has_ended(tmp_path):
     path = write_levels(str(tmp_path / 'levels.avi'))
     once, repeated = open_source(path).frames, open_source(path, repeat=True).frames

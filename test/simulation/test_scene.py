@@ -151,6 +151,7 @@ def test_still_objects_lie_still_and_apart_and_differ_in_size():
     assert min(math.dist(a, b) for a in points for b in points if a != b) > 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tilt_deg', [0, 30])
 @pytest.mark.parametrize('number', range(1, PLACEMENT_COUNT + 1))
 def test_whole_board_is_seen_at_each_placement(number, tilt_deg):

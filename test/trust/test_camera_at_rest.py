@@ -21,6 +21,7 @@ from camera_to_base.surface.models import ParallelSurface
 from camera_to_base.trust import CameraPipeline, Limits
 from nudged_table import nudge, NudgedTable, WIDTH
 import numpy as np
+import pytest
 
 FRAMES_PER_S = 15
 
@@ -72,6 +73,7 @@ def test_median_of_frames_of_a_camera_that_moves_is_taken_again():
     assert taking.see(*[9] * 2 * FRAMES_PER_S) is None
 
 
+@pytest.mark.slow
 def test_surface_that_does_not_come_to_rest_gives_a_background_after_three_seconds():
     taking = Taking()
     assert taking.see(*[0, 5] * FRAMES_PER_S) == 'background_unsettled'

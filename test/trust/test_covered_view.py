@@ -77,6 +77,7 @@ def compared(monkeypatch):
     return frames
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('cover', COVERS)
 def test_covered_view_is_held_back_with_its_reason_and_rarely_compared(watched, compared, cover):
     seen = watched.play(4.0, cover)
@@ -120,6 +121,7 @@ def test_small_nudge_below_a_cover_is_corrected_within_a_second(watched):
         assert max(point_errors_mm(one, COIN)) < 0.3
 
 
+@pytest.mark.slow
 def test_nudged_camera_is_corrected_again_after_a_cover(watched, compared):
     matrix = nudge(7, -5, 3)
     watched.play(0.3, matrix=matrix)

@@ -26,6 +26,7 @@ DAYS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed, kinds', DAYS.values(), ids=DAYS)
 def test_day_with_markers_goes_well(seed, kinds, tell):
     course = play(seed, kinds)

@@ -16,7 +16,6 @@ import os
 import time
 
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.reason import Level
 from camera_to_base.sources.source_kind import DEVICE, SIMULATED, VIDEO_FILE
 from camera_to_base.surface.models import ParallelSurface
 from camera_to_base.trust.damage_check import DamageCheck
@@ -75,7 +74,7 @@ def test_no_object_is_believed_while_the_view_has_moved_and_it_is_again_when_it_
     camera.process(table())
     assert published(camera, table(disc=(320, 240)))
     assert not published(camera, table(move=(6, 0), disc=(320, 240)))
-    assert camera.reason.kind == 'view_moved' and camera.reason.level is Level.ERROR
+    assert camera.reason.kind == 'view_moved'
     assert '6.' in camera.reason.sentence or '5.9' in camera.reason.sentence
     assert published(camera, table(disc=(320, 240)))
     assert camera.reason is None
@@ -211,6 +210,7 @@ def test_object_that_jumps_in_beside_a_steady_one_is_left_out_until_a_second_fra
     assert len(camera.process(both, time.monotonic()).objects) == 2
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_frames(tell):
     camera = pipeline(Limits(), kind=DEVICE)
     frames = [table(size=(64, 48)), table(disc=(30, 20), size=(64, 48))]

@@ -59,6 +59,7 @@ def check(day):
     return count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('day', SMALL_DAYS.values(), ids=SMALL_DAYS)
 def test_day_that_went_wrong_once_goes_well(day):
     check(day)
@@ -77,6 +78,7 @@ def test_many_random_days_have_no_wrong_point_and_no_lasting_silence(part, tell)
     tell(f'random days {seeds[0]}, {seeds[0] + 4}, ... {seeds[-1]}: {count} points')
 
 
+@pytest.mark.slow
 def test_day_fails_where_a_hand_is_published(monkeypatch):
     monkeypatch.setattr(
         'camera_to_base.trust.arms.arm_check._leaves_out_cut_off', lambda settings: False)

@@ -32,6 +32,7 @@ def rows():
     return {row['what']: row['contained'] for row in uncertainty.simulated(CELLS, seed=11)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('term', uncertainty_cells.TERMS)
 def test_ellipses_of_a_term_contain_the_share_that_they_name(rows, term):
     for share, found in zip(uncertainty.SHARES, rows[term]):
@@ -39,6 +40,7 @@ def test_ellipses_of_a_term_contain_the_share_that_they_name(rows, term):
         assert abs(found - share) < 4.5 * np.sqrt(share * (1 - share) / CELLS) + 0.5 / CELLS
 
 
+@pytest.mark.slow
 def test_a_covariance_of_half_the_size_is_noticed():
     outcomes = [uncertainty_cells.Cell(np.random.default_rng([11, number])).outcomes()
                 for number in range(60)]

@@ -39,6 +39,13 @@ SMALL_STEP = 1e-10
 # A direction that changes the picture by less than this share of the strongest is undetermined.
 OPEN_DIRECTION = 1e-6
 
+# Without a few of its points a fit moves little, and Gauss-Newton steps find it: each is a small
+# part of the one before, so the rest after a step of this size is negligible. Where so many steps
+# do not suffice, the search does.
+SMALL_STEP_NEAR, MOST_STEPS = 1e-7, 8
+# Complex steps have no rounding error.
+COMPLEX_STEP = 1e-30
+
 
 class HomographyProblem:
     """
@@ -107,7 +114,7 @@ class HomographyProblem:
         :raises CalibrationError: If they do not determine it.
         """
         check_spread(MatchedPoints(self._placed(parameters, kept), self.pixels[kept]))
-        return self.surface(self._refine(parameters, kept, noise), kept)
+        return self.surface(self._refine_near(parameters, kept, noise), kept)
 
     def surface(self, parameters: np.ndarray, kept: np.ndarray) -> HomographySurface:
         """Return the surface in the units of the points and pixels."""
@@ -165,17 +172,40 @@ class HomographyProblem:
         # Imported here, so that other users of this module do not load scipy.
         from scipy.optimize import least_squares
 
-        def residuals(trial: np.ndarray) -> np.ndarray:
-            expected = trial[8:self._lens_end] * (noise / self._expected)
-            return np.concatenate([self._misfit(trial, kept), expected])
+        found = least_squares(lambda trial: self._residuals(trial, kept, noise), parameters,
+                              jac='cs', xtol=SMALL_STEP, ftol=None, gtol=None)
+        self._check_strength(found.jac, kept)
+        return found.x
 
-        found = least_squares(residuals, parameters, jac='cs', xtol=SMALL_STEP, ftol=None,
-                              gtol=None)
-        geometry = np.delete(found.jac[:2 * len(kept)], np.s_[8:self._lens_end], axis=1)
+    def _refine_near(self, parameters: np.ndarray, kept: np.ndarray, noise: float) -> np.ndarray:
+        trial, residuals = parameters, self._residuals(parameters, kept, noise)
+        least = np.linalg.norm(residuals)
+        for _ in range(MOST_STEPS):
+            jacobian = self._jacobian(trial, kept, noise)
+            step = np.linalg.lstsq(jacobian, residuals, rcond=None)[0]
+            trial = trial - step
+            residuals = self._residuals(trial, kept, noise)
+            if np.linalg.norm(step) <= SMALL_STEP_NEAR * np.linalg.norm(trial):
+                if np.linalg.norm(residuals) > least:
+                    break
+                self._check_strength(jacobian, kept)
+                return trial
+        return self._refine(parameters, kept, noise)
+
+    def _check_strength(self, jacobian: np.ndarray, kept: np.ndarray) -> None:
+        geometry = np.delete(jacobian[:2 * len(kept)], np.s_[8:self._lens_end], axis=1)
         strength = np.linalg.svd(geometry, compute_uv=False)
         if strength[-1] < OPEN_DIRECTION * strength[0]:
             raise CalibrationError(OPEN)
-        return found.x
+
+    def _jacobian(self, trial: np.ndarray, kept: np.ndarray, noise: float) -> np.ndarray:
+        steps = trial + COMPLEX_STEP * 1j * np.eye(len(trial))
+        return np.stack([self._residuals(one, kept, noise).imag for one in steps],
+                        axis=1) / COMPLEX_STEP
+
+    def _residuals(self, trial: np.ndarray, kept: np.ndarray, noise: float) -> np.ndarray:
+        expected = trial[8:self._lens_end] * (noise / self._expected)
+        return np.concatenate([self._misfit(trial, kept), expected])
 
     def _misfit(self, trial: np.ndarray, kept: np.ndarray) -> np.ndarray:
         """Return the projected points of a trial minus their pixels, shape (2 n,)."""

@@ -40,7 +40,7 @@ class Corrector:
     Measures nudges of the camera since the background was taken.
 
     `correction` is the one that is believed; None for none. `doubt` is why there was none in the
-    last frame that was measured.
+    last frame that was measured. `is_refused` is whether a limit forbade to correct what it gave.
 
     :param background: Shape (h, w, 3), uint8, BGR.
     :param surface: Maps the background's pixels to the work surface.
@@ -49,6 +49,7 @@ class Corrector:
     def __init__(self, background: np.ndarray, surface: Surface) -> None:
         self.correction: Optional[Correction] = None
         self.doubt: Optional[str] = None
+        self.is_refused = False
         self._background, self._surface = background, surface
         self._size: ImageSize = (background.shape[1], background.shape[0])
         self._meter: Optional[NudgeMeter] = None
@@ -88,6 +89,7 @@ class Corrector:
     def forget(self) -> None:
         """Take the camera to stand where it stood for the background."""
         self.correction = self._last = self.doubt = None
+        self.is_refused = False
         self._failures = self._drift_count = 0
 
     def explained(self, reason: Optional[Reason]) -> Optional[Reason]:
@@ -116,11 +118,13 @@ class Corrector:
         if self._meter is None:
             self._meter = NudgeMeter(self._background, self._surface.distortion)
         nudge = self._meter.measure(frame)
+        self.is_refused = False
         if isinstance(nudge, str):
             self.doubt = nudge
             return None
         correction = correction_of(nudge, self._surface, self._size)
         self.doubt = _doubt(correction, limits)
+        self.is_refused = self.doubt is not None
         return correction if self.doubt is None else None
 
     def _is_same(self, one: Correction, other: Correction) -> bool:

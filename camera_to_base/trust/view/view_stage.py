@@ -16,7 +16,7 @@
 
 from typing import Optional, Tuple
 
-from camera_to_base.reason import Reason
+from camera_to_base.reason import Level, Reason
 from camera_to_base.trust.correction.corrector import Corrector
 from camera_to_base.trust.correction.seen_background import SeenBackground
 from camera_to_base.trust.limits import Limits
@@ -25,6 +25,9 @@ from camera_to_base.trust.standpoint import PerBackground, Standpoint
 from camera_to_base.trust.view.pace import Pace
 from camera_to_base.trust.view.view_check import View
 from camera_to_base.trust.view.view_watch import ViewWatch
+
+# A movement that can be corrected is measured within this time after the camera has come to rest.
+_MEASURED_WITHIN_S = 2.0
 
 
 class ViewStage(Stage):
@@ -39,6 +42,7 @@ class ViewStage(Stage):
 
     def __init__(self, limits: Limits) -> None:
         self.reason: Optional[Reason] = None
+        self._moved_since: Optional[float] = None
         self._limits, self._pace = limits, Pace()
         self._watches: PerBackground[ViewWatch] = PerBackground(self._new_watch)
         self._corrector: Optional[Corrector] = None
@@ -65,8 +69,27 @@ class ViewStage(Stage):
             may_be_corrected=self._may_correct and self._corrector.may_correct(
                 watch.view.shift_px, self._limits))
         record = record._replace(standpoint=standpoint, motion=watch.motion)
-        reason = self._corrector.explained(self.reason) if self._may_correct else self.reason
+        reason = self._explained(record.now, watch.view.shift_px)
         return record if reason is None else record.held(reason)
+
+    def _explained(self, now: Optional[float], shift_px: float) -> Optional[Reason]:
+        """Say of a moved view whether it is being measured, or why it is not corrected."""
+        if not self._may_correct or self.reason is None or self.reason.kind != 'view_moved':
+            self._moved_since = None
+            return self.reason
+        return self._while_measured(now, shift_px) or self._corrector.explained(self.reason)
+
+    def _while_measured(self, now: Optional[float], shift_px: float) -> Optional[Reason]:
+        # Until a movement could have been corrected, nobody has to do anything.
+        if now is None or self._corrector.is_refused or not self._corrector.may_correct(
+                shift_px, self._limits):
+            return None
+        self._moved_since = now if self._moved_since is None else self._moved_since
+        if now - self._moved_since > _MEASURED_WITHIN_S:
+            return None
+        return self.reason._replace(level=Level.WARN, sentence=(
+            f'the view has moved by {shift_px:.1f} px: no position is published until the '
+            'movement is measured, to correct it'))
 
     def _follow(self, standpoint: Standpoint) -> None:
         if standpoint is self._standpoint:

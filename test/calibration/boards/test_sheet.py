@@ -27,7 +27,10 @@ DOTS_PER_MM = 300 / 25.4
 
 
 @pytest.mark.parametrize('paper, columns, rows, square_mm', [
-    ('A4', 9, 6, 25), ('Letter', 9, 6, 25), ('A4', 6, 9, 20), ('A3', 8, 5, 40)])
+    ('A4', 9, 6, 25),
+    pytest.param('Letter', 9, 6, 25, marks=pytest.mark.slow),
+    pytest.param('A4', 6, 9, 20, marks=pytest.mark.slow),
+    pytest.param('A3', 8, 5, 40, marks=pytest.mark.slow)])
 def test_printed_board_is_found_with_its_size_and_its_origin(paper, columns, rows, square_mm):
     content = sheet_content(paper, columns, rows, square_mm, 'png')
     picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)

@@ -176,6 +176,7 @@ def test_duplicate_points_are_refused_by_their_rows():
         MatchedPoints([[0, 0], [1, 0]], [[5, 5], [5, 5]], (7, 8))
 
 
+@pytest.mark.slow
 def test_four_placements_are_as_good_all_over_the_picture_as_at_the_board():
     # A third of the picture's width each, 0.2 px noise; the goal is a ratio of 2.
     camera, ratios = pixel_from_surface(25, 0, away_cm=75.0), []

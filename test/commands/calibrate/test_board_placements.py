@@ -72,6 +72,7 @@ def test_four_places_calibrate_the_whole_picture(run):
     assert errors.max() < worse.max() / 3
 
 
+@pytest.mark.slow
 def test_origin_options_move_the_frame_of_the_first_place_alone(run):
     names = pictures()
     for corner in range(4):
@@ -87,6 +88,7 @@ def seen_from(**camera):
     return render(pixel_from_surface(29, 10, **camera) @ placed(*PLACES[2]), coefficient=-0.15)
 
 
+@pytest.mark.slow
 def test_a_camera_that_was_moved_a_little_is_doubted(run):
     names = pictures(PLACES[:2])
     cv2.imwrite('c.png', seen_from(away_cm=85.0))
@@ -95,6 +97,7 @@ def test_a_camera_that_was_moved_a_little_is_doubted(run):
     assert 'warning: the placements of the board do not fit each other' in output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('spoil, said', [
     (lambda: cv2.imread('1.png'), 'the board lies in the same place twice, in 1.png and in c.png'),
     (lambda: cv2.imread('1.png')[:, :600],

@@ -617,6 +617,7 @@ def test_help_explains_itself_with_an_example(run, command):
     assert f'\n  calibrate {"".join(command) or "board"} ' in output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tilt', [0, 15, 45])
 def test_board_with_intrinsics_tells_where_the_camera_is(report, run, tilt):
     picture = board_picture(homography=pixel_from_surface(tilt), noise=2)

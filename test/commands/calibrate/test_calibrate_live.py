@@ -85,6 +85,7 @@ def tip_errors_mm(tilt=0):
     return 10 * np.linalg.norm(base - true_points, axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tilt', [0, 30])
 def test_three_commands_make_a_cell_whose_tip_is_right(run, tilt):
     assert run('sheet', '-o', 'board.pdf')[0] == 0
@@ -98,8 +99,9 @@ def test_three_commands_make_a_cell_whose_tip_is_right(run, tilt):
     assert {'surface.model', 'rotation_deg', 'displacement_cm'} <= set(held)
 
 
-def test_a_wrong_number_is_asked_for_again_and_a_wrong_pair_measured_again(run):
-    surface(run)
+@pytest.mark.slow
+def test_a_wrong_number_is_asked_for_again_and_a_wrong_pair_measured_again(run, simulated_surface):
+    Path('cell.yaml').write_text(simulated_surface)
     code, output, asked = live(run, answers={1: 'ten\n', 3: '55 66\n', 6: '3\n'})
     assert code == 0, asked
     assert "as in 12.5 -3.4, got 'ten'" in asked
@@ -108,8 +110,9 @@ def test_a_wrong_number_is_asked_for_again_and_a_wrong_pair_measured_again(run):
     assert tip_errors_mm().max() < 0.8
 
 
-def test_giving_up_writes_nothing(run):
-    surface(run)
+@pytest.mark.slow
+def test_giving_up_writes_nothing(run, simulated_surface):
+    Path('cell.yaml').write_text(simulated_surface)
     before = Path('cell.yaml').read_bytes()
     for answers, said in (({2: '55 66\n', 5: 'q\n'}, 'row 3 does not belong'),
                           ({2: ''}, 'the input has ended before all questions were answered')):
@@ -131,8 +134,9 @@ def test_another_camera_is_told_and_strict_writes_nothing(run):
     assert code == 0 and "was made with '/dev/video7'" in asked
 
 
-def test_base_frame_is_replaced_when_told_to_only(run):
-    surface(run)
+@pytest.mark.slow
+def test_base_frame_is_replaced_when_told_to_only(run, simulated_surface):
+    Path('cell.yaml').write_text(simulated_surface)
     assert live(run)[0] == 0
     code, _, error = live(run)
     assert code == 1 and "'cell.yaml' exists already with the base frame" in error
@@ -140,8 +144,10 @@ def test_base_frame_is_replaced_when_told_to_only(run):
     assert sum('rigid from' in line for line in read_parameter_file('cell.yaml').comments) == 1
 
 
-def test_new_surface_drops_the_base_frame_with_a_word_and_keeps_other_parameters(run):
-    surface(run)
+@pytest.mark.slow
+def test_new_surface_drops_the_base_frame_with_a_word_and_keeps_other_parameters(
+        run, simulated_surface):
+    Path('cell.yaml').write_text(simulated_surface)
     live(run)
     text = Path('cell.yaml').read_text()
     Path('cell.yaml').write_text(text + '    detector: {faintest: 9.0}\n')
@@ -155,14 +161,14 @@ def test_new_surface_drops_the_base_frame_with_a_word_and_keeps_other_parameters
     assert 'rotation_deg' in read_parameter_file('cell.yaml.bak').values
 
 
-def test_parameters_of_ones_own_are_kept_without_force(run):
+def test_parameters_of_ones_own_are_kept_without_force(run, simulated_surface):
     Path('cell.yaml').write_text('/**:\n  ros__parameters: {reach_cm: 80.0}\n')
-    surface(run)
+    Path('cell.yaml').write_text(simulated_surface)
     assert read_parameter_file('cell.yaml').values['reach_cm'] == 80.0
 
 
-def test_table_of_pairs_uses_the_surface_that_the_file_holds(run):
-    surface(run)
+def test_table_of_pairs_uses_the_surface_that_the_file_holds(run, simulated_surface):
+    Path('cell.yaml').write_text(simulated_surface)
     Path('pairs.csv').write_text(
         'x_cam_cm,y_cam_cm,x_base_cm,y_base_cm\n1,1,1,-1\n9,1,9,-1\n9,6,9,-6\n1,6,1,6\n')
     code, output, error = run('base', 'pairs.csv', '-o', 'cell.yaml')
@@ -185,8 +191,8 @@ def test_table_of_pairs_uses_the_surface_that_the_file_holds(run):
     (('board', 'a.png', '--placements', '2', '-o', 'a.yaml'), '--placements needs --camera'),
     (('board', '--camera', 'simulated', '--placements', '0', '-o', 'a.yaml'), 'must be 1..20'),
 ])
-def test_what_cannot_be_done_is_one_sentence(run, arguments, said):
-    surface(run)
+def test_what_cannot_be_done_is_one_sentence(run, arguments, said, simulated_surface):
+    Path('cell.yaml').write_text(simulated_surface)
     Path('empty.yaml').write_text('/**:\n  ros__parameters: {reach_cm: 80.0}\n')
     before = {path: path.read_bytes() for path in Path().iterdir()}
     code, output, error = run(*arguments)
@@ -202,8 +208,9 @@ def test_report_names_what_the_board_did_not_cover(run):
     assert 'top left' in report['not_covered'] and 'middle' not in report['not_covered']
 
 
-def test_status_says_what_the_nodes_log(run):
-    surface(run)
+@pytest.mark.slow
+def test_status_says_what_the_nodes_log(run, simulated_surface):
+    Path('cell.yaml').write_text(simulated_surface)
     live(run)
     _, output, _ = run('status', 'cell.yaml')
     said = read_node_settings('cell.yaml')

@@ -14,6 +14,7 @@
 """Markers from the first sheet to the base frame, by the commands that a user types."""
 
 import io
+from pathlib import Path
 
 from camera_to_base.calibration import MARKERS, parts_of
 from camera_to_base.commands.calibrate.command import main
@@ -40,11 +41,9 @@ def answers(*changes):
 
 
 @pytest.fixture
-def cell(run_main):
+def cell(simulated_markers):
     """Return a file with the simulated surface and its markers."""
-    for command in (('board', '--camera', 'simulated'), ('markers', '--camera', 'simulated')):
-        code, _, error = run_main(main, *command, '-o', 'cell.yaml')
-        assert code == 0, error
+    Path('cell.yaml').write_text(simulated_markers)
     return 'cell.yaml'
 
 
@@ -159,6 +158,7 @@ def test_printed_markers_are_found_on_the_sheet(run_main, paper):
         assert np.abs(sides_mm - 40).max() < 0.5
 
 
+@pytest.mark.slow
 def test_without_aruco_one_sentence_says_what_to_install(cell, run_main, monkeypatch):
     monkeypatch.delattr(cv2, 'aruco')
     for command in (('markers', '--camera', 'simulated', '-o', cell, '--force'),

@@ -106,6 +106,7 @@ def test_every_object_is_in_the_table_and_in_the_csv_with_time_pixel_and_both_fr
                 row[name], abs=0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('method', ['tutorial', 'precise'])
 def test_positions_are_those_that_the_nodes_publish(run, ros, start, method):
     from ros_helpers import BASE_TOPIC, CAMERA_TOPIC

@@ -52,6 +52,38 @@ def test_dead_dashboard_is_told_and_its_return(page, cell):
     page.wait_for('published', '#banner')
 
 
+# Keeps the page's sockets, and each text that its banner shows.
+WATCH_SOCKETS = """
+window.sockets = [];
+window.WebSocket = class extends WebSocket {
+  constructor(...parts) { super(...parts); window.sockets.push(this); }
+};
+window.addEventListener('load', () => {
+  const text = document.getElementById('banner-text');
+  window.shown = [];
+  new MutationObserver(() => window.shown.push(text.textContent)).observe(
+    text, {childList: true, characterData: true, subtree: true});
+});
+"""
+
+
+def test_connection_that_is_closed_and_opens_again_at_once_is_not_told(cell, browser, open_page):
+    script = browser.execute_cdp_cmd(
+        'Page.addScriptToEvaluateOnNewDocument', {'source': WATCH_SOCKETS})
+    try:
+        page = open_page(cell)
+        page.wait_for('published', '#banner')
+        count = page.run('sockets.forEach((one) => one.close()); return sockets.length')
+        wait_until(lambda: page.run(
+            'return sockets.slice(arguments[0]).some((one) => one.readyState === 1)', count),
+            lambda: page.read('header'))
+        page.wait_for('published', '#banner')
+        assert not [text for text in page.run('return shown') if 'does not answer' in text]
+        assert page.read('#connection') == 'Connected'
+    finally:
+        browser.execute_cdp_cmd('Page.removeScriptToEvaluateOnNewDocument', script)
+
+
 def test_camera_that_is_unplugged_is_told_and_its_return(cell, start_cell, open_page):
     def take_frame():
         frame = np.full((480, 640, 3), 190, np.uint8)

@@ -134,6 +134,8 @@ def largest_error_mm(page, ros):
 
 def test_whole_way_from_a_new_camera_to_a_saved_cell(way, start_cell, open_page, ros, tell):
     page, cell, file = way
+    page.wait_for('Save', '.setup .steps')
+    assert 'done' not in page.element('.setup a[href="#save"] + .state').text
     began = time.monotonic()
     calibrate_board(page)
     take_background(page)

@@ -76,6 +76,7 @@ def test_placements_cover_the_picture_and_the_next_one_is_suggested(cell):
     assert len(cell.do('board', 'remove', number=1)['placements']) == 1
 
 
+@pytest.mark.slow
 def test_the_fit_is_that_of_the_command(cell):
     state = cell.calibrate_board(4)
     report = state['report']

@@ -66,6 +66,7 @@ def test_after_a_start_from_the_file_everything_is_as_it_was(calibrated, tmp_pat
     assert read_node_settings(str(path)).warnings == []
 
 
+@pytest.mark.slow
 def test_the_file_is_that_of_the_command(tmp_path):
     path = tmp_path / 'cell.yaml'
     cell = Cell(path)

@@ -283,6 +283,7 @@ def states_at_a_rate(ros, received, publisher, period_s, seconds):
     return states
 
 
+@pytest.mark.slow
 def test_slow_but_regular_topic_is_not_lost_between_its_pictures(ros):
     received, publisher = Received(ros), driver(ros)
     assert send_until(ros, publisher, image(random_picture()), lambda: received.frames)

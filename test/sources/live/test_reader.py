@@ -218,6 +218,7 @@ def test_reader_drains_a_stream_and_its_frames_are_new(server_class):
             assert reader.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('protocol', ['mjpeg', 'rtsp'])
 @pytest.mark.parametrize('wait', ['0.1', '1.5'])
 def test_process_ends_cleanly_while_the_camera_hangs(protocol, wait):

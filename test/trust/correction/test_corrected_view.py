@@ -21,7 +21,7 @@ from camera_to_base.settings import CAMERA_SPECS
 from camera_to_base.sources import VIDEO_FILE
 from camera_to_base.trust import SurfaceInForce
 from camera_to_base.uncertainty import position_uncertainty, triangle_of
-from nudged_table import CM_PER_PX, nudge, NudgedTable, plain
+from nudged_table import CM_PER_PX, grid, nudge, NudgedTable, plain
 import numpy as np
 import pytest
 from watched_table import calibrated, COIN, LIMITS, MATRIX, point_errors_mm, Watched
@@ -39,6 +39,22 @@ def test_coin_is_published_where_it_is_after_a_nudge(watched, scene):
     sighting = watched.see(MATRIX, [coin], 3, **scene)
     assert max(point_errors_mm(sighting, coin)) < 0.3
     assert watched.pipeline.view.shift_px < 0.5
+
+
+def test_movement_that_may_be_corrected_is_a_warning_for_two_seconds_and_then_an_error(watched):
+    reason = watched.see(nudge(6, 2), [COIN]).reason
+    assert reason.kind == 'view_moved' and reason.level is Level.WARN
+    assert 'calibrate anew' not in reason.sentence and '6.3 px' in reason.sentence
+    covered = Watched(NudgedTable(grid))
+    reasons = [covered.see(nudge(6, 2), [COIN]).reason for _ in range(25)]
+    levels = [reason.level for reason in reasons if reason.kind == 'view_moved']
+    assert levels[0] is Level.WARN and levels[-1] is Level.ERROR
+    assert 'calibrate anew' in reasons[-1].sentence
+
+
+def test_movement_that_is_too_large_to_be_corrected_is_an_error_at_once(watched):
+    reason = watched.see(nudge(20, 20), [COIN]).reason
+    assert reason.kind == 'view_moved' and reason.level is Level.ERROR
 
 
 def test_correction_is_a_warning_with_its_size(watched):

@@ -21,6 +21,7 @@ from camera_to_base.sources import DEVICE
 from camera_to_base.trust import CameraPipeline
 import cv2
 import numpy as np
+import pytest
 from rendered_markers import Camera, marker_corners, PLACES, Table
 
 SIZE = (640, 360)
@@ -128,6 +129,7 @@ def test_moved_camera_takes_its_background_where_that_is_allowed():
     assert_at_the_coin(published(cell.look(THERE, WITH_COIN, 4)))
 
 
+@pytest.mark.slow
 def test_background_is_not_taken_while_something_moves():
     cell = Cell(background_retake='auto')
     cell.start()
@@ -181,6 +183,7 @@ def test_marker_that_was_moved_is_named_and_never_an_object():
     assert 'marker 2 was moved' in cell.pipeline.doubt.sentence
 
 
+@pytest.mark.slow
 def test_markers_that_move_without_the_rest_of_the_view_stop_the_cell():
     cell = Cell()
     cell.start()

@@ -47,6 +47,7 @@ def test_camera_that_stands_still_needs_no_more(name):
     assert sum(one is not None and one.share > 0.7 and one.shift_px < 0.5 for one in seen) >= 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['wood', 'faint grain', 'speckle', 'tiles', 'print'])
 @pytest.mark.parametrize('move', MOVES)
 def test_smallest_motion_that_is_moved_back_is_left_to_the_whole_look(name, move):

@@ -82,6 +82,7 @@ def seen(picture, random):
     return np.clip(picture + random.normal(0, 2, picture.shape), 0, 255).astype(np.uint8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('width', [140, 160, 180, 200])
 def test_camera_that_was_not_touched_does_not_count_as_moved_where_all_structure_is_in_one_place(
         width):

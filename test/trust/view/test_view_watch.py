@@ -71,6 +71,7 @@ def test_frames_of_an_untouched_camera_are_cleared_by_the_quick_look(name, monke
         view.reason(surface.shoot(draw=[scenes.coin((60 + 25 * number, 200))]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['wood', 'faint grain', 'print'])
 def test_noise_that_the_background_has_not_is_soon_taken_for_usual(name, monkeypatch):
     surface = table(name)
@@ -107,6 +108,7 @@ def test_how_far_the_camera_was_bumped_is_said():
     assert reason.kind == 'view_moved' and 'moved by 10.' in reason.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(6))
 def test_far_tilt_of_a_faint_surface_is_not_taken_for_a_small_shift(seed):
     random = np.random.default_rng(seed)
@@ -117,6 +119,7 @@ def test_far_tilt_of_a_faint_surface_is_not_taken_for_a_small_shift(seed):
     assert all(view.reason(camera.shoot(nudge(1.0))) is not None for _ in range(10))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name,seed', [
     ('tiles', 0), ('tiles', 1), ('tiles', 2), ('table edge', 0), ('table edge', 1),
     ('table edge', 16)])

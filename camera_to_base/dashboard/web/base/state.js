@@ -16,6 +16,8 @@
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 4000;
+// A socket that is closed and opened again within this time is not worth a word.
+const PATIENCE_MS = 2000;
 
 /** The newest data of each part; who listens to a part is called with what came, and at once. */
 export class Store {
@@ -59,16 +61,22 @@ export function socket(path, query) {
 /** Keep the store filled; `connection` is 'open', 'lost' or a sentence of refusal. */
 export function connect(store) {
   let wait = FIRST_WAIT_MS;
+  let lost = null;
   const open = () => {
     const line = socket('/ws/state');
     line.onmessage = (message) => {
       wait = FIRST_WAIT_MS;
+      clearTimeout(lost);
+      lost = null;
       store.set('connection', 'open');
       const {part, data} = JSON.parse(message.data);
       store.set(part, data);
     };
     line.onclose = (event) => {
-      store.set('connection', event.code === 1008 && event.reason ? event.reason : 'lost');
+      if (event.code === 1008 && event.reason) {
+        clearTimeout(lost);
+        store.set('connection', event.reason);
+      } else lost ??= setTimeout(() => store.set('connection', 'lost'), PATIENCE_MS);
       setTimeout(open, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT_MS);
     };

@@ -51,17 +51,20 @@ function fillStep(item, step, isNext) {
 function stepsOf(store) {
   const watch = store.get('watch');
   const save = store.get('save');
+  const surface = value(store, 'camera', 'calibration.surface');
+  const base = value(store, 'transform', 'calibration.base');
   return [
     {part: 'health', name: 'Camera', isDone: Boolean(watch?.image?.width),
       todo: 'no picture yet: look at Health'},
-    {part: 'calibrate', name: 'Surface', isDone: Boolean(value(store, 'camera', 'calibration.surface')),
+    {part: 'calibrate', name: 'Surface', isDone: Boolean(surface),
       todo: 'lay a printed board on the table'},
     {part: 'detect', name: 'Background',
       isDone: Boolean(watch) && !lacksBackground(watch.silence?.reason),
       todo: 'clear the table, and take the background'},
-    {part: 'robot', name: 'Robot', isDone: Boolean(value(store, 'transform', 'calibration.base')),
+    {part: 'robot', name: 'Robot', isDone: Boolean(base),
       todo: 'touch five objects with the robot'},
-    {part: 'save', name: 'Save', isDone: Boolean(save?.path) && !save.changes?.length,
+    {part: 'save', name: 'Save',
+      isDone: Boolean(surface && base && save?.path) && !save.changes?.length,
       todo: 'keep everything for the next start'},
   ];
 }
