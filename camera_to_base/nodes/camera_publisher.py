@@ -39,6 +39,7 @@ from camera_to_base.reason import Reason
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     CalibratedFor, camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
+from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.sources import is_reader_hanging, RANDOM, SIMULATED
 from camera_to_base.trust import CameraPipeline, OwnCamera, read_thumbnail, Sighting
 import numpy as np
@@ -128,7 +129,7 @@ class CameraPublisher(Node):
         header, settings = self._header(stamp), self._settings
         sighting = self._own_camera.judge(
             self._pipeline.process(frame, taken_at), self._pipeline.background,
-            settings.calibrated_for.is_strict)
+            settings.calibrated_for.is_strict).told(self._with_commands)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
         in_force = self._pipeline.standpoint.surface
         self._positions.publish_sighting(
@@ -161,9 +162,13 @@ class CameraPublisher(Node):
         return f'background taken {self._pipeline.backgrounds.current.age_s:.0f} s ago'
 
     def _doubt(self) -> Optional[Reason]:
-        return self._own_camera.reason(
+        doubt = self._own_camera.reason(
             self._pipeline.background,
             self._settings.calibrated_for.is_strict) or self._pipeline.doubt
+        return doubt and doubt.told(self._with_commands)
+
+    def _with_commands(self, sentence: str) -> str:
+        return with_full_commands(sentence, self.get_fully_qualified_name())
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)

@@ -20,6 +20,7 @@ from camera_to_base.nodes.camera_health import blind_spot, camera_values, Detect
 from camera_to_base.nodes.feeds import Feed
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
+from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
@@ -46,6 +47,7 @@ class CameraWatch:
         doubt: Callable[[], Optional[Reason]],
     ) -> None:
         self._logger = node.get_logger()
+        self._camera_node = node.get_fully_qualified_name()
         self._pipeline = pipeline
         self._is_calibrated, self._doubt = is_calibrated, doubt
         self._told_doubt: Optional[str] = None
@@ -68,7 +70,8 @@ class CameraWatch:
             self._logger.warning(_NOT_CALIBRATED.sentence)
 
     def _watch(self) -> None:
-        before, self._reason = self._reason, self._feed.reason or self._pipeline.reason
+        reason = self._feed.reason or self._pipeline.reason
+        before, self._reason = self._reason, reason and reason.told(self._with_commands)
         if _kind(self._reason) != _kind(before):
             self._tell(self._reason)
             self._diagnostics.publish()
@@ -86,6 +89,9 @@ class CameraWatch:
             self._logger.warning(doubt.sentence)
             self._diagnostics.publish()
         self._told_doubt = _kind(doubt)
+
+    def _with_commands(self, sentence: str) -> str:
+        return with_full_commands(sentence, self._camera_node)
 
     def _tell(self, reason: Optional[Reason]) -> None:
         # Separate lines: rclpy refuses to log with another severity from the same line.
