@@ -15,11 +15,12 @@
 """Objects on the surface, seen by a camera that this process opens itself."""
 
 import time
-from typing import Iterator, List, Tuple
+from typing import Callable, Iterator, List, Optional, Tuple
 
 from camera_to_base.calibration import FRAMES, suggested_places, Suggestion
 from camera_to_base.commands.calibrate.prompts import ask, ask_for_object, tell
 from camera_to_base.errors import CalibrationError, FrameSourceError
+from camera_to_base.reason import Reason
 from camera_to_base.settings import CameraSettings, NamedSource
 from camera_to_base.sources import (
     FrameReader, FrameSource, SIMULATED, SourceKind, TakenFrame)
@@ -88,14 +89,17 @@ class FreshFrames:
 
     :param frames: The opened camera.
     :param name: What an error calls it.
+    :param damage: Returns why a frame is damaged and left out, see `FrameReader`.
     :raises FrameSourceError: If it gives no frame.
     """
 
-    def __init__(self, frames: FrameSource, name: str) -> None:
+    def __init__(
+        self, frames: FrameSource, name: str,
+        damage: Callable[[np.ndarray], Optional[Reason]] = lambda frame: None,
+    ) -> None:
         self.kind = frames.kind
         self._name = name
-        self._reader = FrameReader(
-            frames, damage=DamageCheck().reason, may_lag=frames.kind.may_lag)
+        self._reader = FrameReader(frames, damage=damage, may_lag=frames.kind.may_lag)
         try:
             self._reader.wait_for_first_attempt()
         except FrameSourceError:
@@ -142,7 +146,7 @@ class CameraPositions(_SeenObjects):
 
     def __init__(self, settings: CameraSettings, source: NamedSource) -> None:
         super().__init__(settings, source.name, source.kind)
-        self._frames = FreshFrames(source.frames, self.name)
+        self._frames = FreshFrames(source.frames, self.name, DamageCheck().reason)
 
     def prepare(self) -> None:
         """Take the background of the empty surface."""
