@@ -15,7 +15,7 @@
 """Why positions are not published: one type for log, diagnostics, pictures and commands."""
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 
 class Level(IntEnum):
@@ -42,6 +42,10 @@ class Reason(NamedTuple):
     level: Level
     sentence: str
     is_passing: bool = False
+
+    def told(self, write: Callable[[str], str]) -> 'Reason':
+        """Return it with its sentence rewritten for those who read it."""
+        return self._replace(sentence=write(self.sentence))
 
 
 def all_well(sentence: str) -> Reason:

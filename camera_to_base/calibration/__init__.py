@@ -40,14 +40,14 @@ from camera_to_base.calibration.kept_correction import corrected_file_text, Offe
 from camera_to_base.calibration.markers.learning import learned_markers
 from camera_to_base.calibration.report_text import Report, report_lines
 from camera_to_base.calibration.result import Calibration
-from camera_to_base.calibration.status import file_status, report_of, without_report
+from camera_to_base.calibration.status import file_status, next_step, report_of, without_report
 from camera_to_base.calibration.surface_calibration import (
     add_camera_pose, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import read_pairs, read_points, refuse_other_size
 from camera_to_base.calibration.touches.touch_plan import (
     read_typed_position, suggested_places, Suggestion)
 from camera_to_base.calibration.touches.touched_pairs import (
-    calibrate_touches, point_pairs, TouchedPair)
+    calibrate_touches, pairs_text, point_pairs, read_kept_pairs, same_touch, TouchedPair)
 from camera_to_base.calibration.touches.touched_place import FRAMES, measured_place, Place
 
 __all__ = [
@@ -55,11 +55,11 @@ __all__ = [
     'calibrate_surface', 'calibrate_touches', 'Calibration',
     'cell_text', 'check_surface', 'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES',
     'grown', 'has_one_origin', 'learned_markers', 'look_for', 'make_placement', 'map_lines',
-    'marker_sheet_content', 'MARKERS', 'measured_place', 'NINTHS',
-    'OfferedCorrection', 'pair_figures', 'PairFigures', 'PAPERS', 'part_values', 'parts_of',
-    'parts_to_lose', 'Place', 'Placement', 'point_pairs', 'PrintedBoard', 'read_camera_info',
-    'read_pairs', 'read_points', 'read_typed_position', 'refuse_other_size', 'refuse_unlike',
-    'renumbered', 'Report', 'report_lines', 'report_of', 'shares_of', 'sheet_content',
-    'suggested_places', 'Suggestion', 'SURFACE', 'TITLE', 'TouchedPair',
-    'uncovered', 'without_report',
+    'marker_sheet_content', 'MARKERS', 'measured_place', 'next_step', 'NINTHS',
+    'OfferedCorrection', 'pair_figures', 'PairFigures', 'pairs_text', 'PAPERS', 'part_values',
+    'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs', 'PrintedBoard',
+    'read_camera_info', 'read_kept_pairs', 'read_pairs', 'read_points', 'read_typed_position',
+    'refuse_other_size', 'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of',
+    'same_touch', 'shares_of', 'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE',
+    'TITLE', 'TouchedPair', 'uncovered', 'without_report',
 ]

@@ -14,10 +14,14 @@
 
 """The parts of a parameter file that grows with each step of a calibration."""
 
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
+import re
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence
 
+from camera_to_base.calibration.error_map import ErrorMap
 from camera_to_base.calibration.result import Calibration
+from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import calibration_record, parameter_text
+from camera_to_base.uncertainty import SURFACE_COVARIANCE
 
 TITLE = 'Written by `calibrate` of camera_to_base.'
 SURFACE, BASE, MARKERS = 'the surface', 'the base frame', 'the markers'
@@ -28,6 +32,10 @@ _OPTIONS = ('surface.reject_outside_hull',)
 # In cm of the camera frame, which another surface puts elsewhere.
 _AREAS = ('work_area', 'ignored_areas')
 _HEIGHT = 'object_height_cm'
+# What a person looks for stands first, what only a node reads last.
+_FIRST = ('source', 'surface', 'rotation_deg', 'displacement_cm')
+_LAST = ('calibration.thumbnail', SURFACE_COVARIANCE, 'base_covariance')
+_SUMMARY = re.compile('(camera|pictures|surface|accuracy|base frame)  ')
 
 
 class GrownFile(NamedTuple):
@@ -99,8 +107,35 @@ def cell_text(values: Mapping[str, Any], *reports: Sequence[str]) -> str:
     :param values: By full name.
     :param reports: The lines of each report, the newest report first.
     """
-    comments = [line for report in reports if report for line in ('', *report)][1:]
-    return parameter_text(values, [TITLE, *comments])
+    kept = [[line for line in report if not _SUMMARY.match(line)] for report in reports]
+    comments = [line for report in kept if any(report) for line in ('', *report)]
+    ordered = sorted(values.items(), key=lambda item: _place(item[0]))
+    return parameter_text(dict(ordered), [TITLE, *_summary(values), *comments], _LAST)
+
+
+def _place(name: str) -> int:
+    group = name.partition('.')[0]
+    return _FIRST.index(group) if group in _FIRST else len(_FIRST)
+
+
+def _summary(values: Mapping[str, Any]) -> Iterator[str]:
+    """Write what a person looks for, a line each."""
+    lines = {'camera': values.get('calibration.device') or values.get('source')}
+    if 'surface.image_size' in values:
+        lines['pictures'] = '{} x {} px'.format(*values['surface.image_size'])
+    lines['surface'] = values.get('calibration.surface')
+    lines['accuracy'] = _accuracy(values)
+    lines['base frame'] = values.get('calibration.base')
+    return (f'{name:<12}{text}' for name, text in lines.items() if text)
+
+
+def _accuracy(values: Mapping[str, Any]) -> Optional[str]:
+    if SURFACE_COVARIANCE not in values:
+        return None
+    try:
+        return ErrorMap(values).fields.get('verdict_sentence')
+    except CameraToBaseError:
+        return None
 
 
 def _part(name: str) -> Optional[str]:

@@ -23,6 +23,9 @@ import numpy as np
 
 MM_PER_CM = 10
 
+# Errors of points below this need no doubt: a ruler and a click are off by more.
+_LEAST_DOUBT_MM = 0.2
+
 # The tilt is reported if its standard error is less than this, in degrees.
 TILT_TOLERANCE_DEG = 3.0
 
@@ -196,7 +199,7 @@ def warnings(figures: ErrorFigures, covered: Optional[float] = None) -> List[str
     if left_out is None:
         found.append('there are too few points to tell how well points are located that the fit '
                      'has not seen: add some')
-    elif left_out > 2 * figures.rms_mm and left_out > 0.01:
+    elif left_out > 2 * figures.rms_mm and left_out > _LEAST_DOUBT_MM:
         found.append(f'points that the fit has not seen are off by {left_out:.2f} mm, much more '
                      f'than the {figures.rms_mm:.2f} mm of those that it has: add points')
     if covered is not None and covered < 0.1:

@@ -20,13 +20,15 @@ from typing import Any, Dict, Iterator, List, Mapping
 Report = Dict[str, Any]
 
 
-def report_lines(report: Mapping[str, Any]) -> List[str]:
+def report_lines(report: Mapping[str, Any], with_map: bool = False) -> List[str]:
     """
     Write a report as lines.
 
     :param report: What `calibrate --json` prints.
+    :param with_map: Whether to write the expected errors all over the picture, too.
     """
-    return [*_model_lines(report), *figure_lines(report), *_map_lines(report),
+    return [*_model_lines(report), *figure_lines(report),
+            *(_map_lines(report) if with_map else ()), *_verdict_lines(report),
             *(f'warning: {text}' for text in report['warnings'])]
 
 
@@ -62,6 +64,13 @@ def _map_lines(report: Mapping[str, Any]) -> Iterator[str]:
     for row in report['error_map_mm']:
         yield '  ' + ' '.join(
             '-'.rjust(6) if error is None else f'{error:6.1f}' for error in row)
+
+
+def _verdict_lines(report: Mapping[str, Any]) -> Iterator[str]:
+    if 'verdict_sentence' in report:
+        yield (f'{report["verdict_sentence"]} '
+               f'({"" if report["error_map_has_base"] else "without "}the base transform'
+               f'{" included" if report["error_map_has_base"] else ""})')
 
 
 def _model_lines(report: Mapping[str, Any]) -> List[str]:
@@ -127,7 +136,6 @@ def _status(report: Mapping[str, Any]) -> Iterator[str]:
     yield from (f'not in the file: {part}' for part in report['lacks'])
     if 'offer' in report:
         yield f'running node: {report["offer"]}'
-    yield f'next: {report["next"]}'
 
 
 def _kept_correction(report: Mapping[str, Any]) -> Iterator[str]:

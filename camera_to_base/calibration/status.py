@@ -16,9 +16,10 @@
 
 from datetime import datetime
 import re
-from typing import Any, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 from camera_to_base.calibration.cell_file import BASE
+from camera_to_base.calibration.error_map import VERDICTS
 from camera_to_base.calibration.figures import coverage
 from camera_to_base.calibration.report_text import Report
 from camera_to_base.parameters import age_text, calibration_summary
@@ -26,8 +27,31 @@ from camera_to_base.surface import make_hull, make_surface, SURFACE_DEFAULTS
 
 # The first line of a report, see `report_lines`.
 _TITLE = re.compile(r'(homography|polynomial|rigid|markers) from (.+), (\d{4}-\d\d-\d\dT\S+)')
-_FIGURES = 'error at '
+_FIGURES = ('error at ', *(f'{word}: 95 %' for word, *_ in VERDICTS))
 _WARNING = 'warning: '
+
+
+class NextStep(NamedTuple):
+    """
+    What to do next with a parameter file.
+
+    :param arguments: Those of `calibrate`; empty if the file is whole, and the cell can run.
+    :param source: The camera, as far as the file names it.
+    """
+
+    arguments: Tuple[str, ...]
+    source: str
+
+
+def next_step(path: str, values: Mapping[str, Any]) -> NextStep:
+    """Tell what a file lacks first; `values` are its parameters, by full name."""
+    source = str(values.get('source', '0'))
+    if 'surface.model' not in values:
+        return NextStep(('board', '--camera', source, '--placements', '4', '-o', path), source)
+    if 'displacement_cm' not in values and 'rotation_deg' not in values:
+        way = '--markers' if values.get('markers.numbers') else '--live'
+        return NextStep(('base', way, path), source)
+    return NextStep((), source)
 
 
 def file_status(
@@ -40,17 +64,16 @@ def file_status(
     :param values: Its parameters, by full name.
     :param comments: The lines at its top.
     :param now: With its time zone.
-    :returns: `holds`, lines for each part; `lacks`; `next`, what to do; and `warnings`, those of
+    :returns: `holds`, lines for each part; `lacks`; and `warnings`, those of
         the reports that are in the comments.
     :raises CameraToBaseError: If the parameters make no surface.
     """
     sections = _sections(comments)
-    holds, lacks, steps = [], [], []
+    holds, lacks = [], []
     if 'surface.model' in values:
         holds += _surface_lines(values, _newest(sections, 'homography', 'polynomial'), now)
     else:
         lacks.append('the surface')
-        steps.append(f'calibrate board --camera 0 --corners 9x6 --square-mm 25 -o {path}')
     if values.get('surface.camera_height_cm'):
         holds.append(f'camera: {values["surface.camera_height_cm"]:g} cm above the surface')
     else:
@@ -61,15 +84,12 @@ def file_status(
         holds.append(f'markers: {names}')
     if 'displacement_cm' in values or 'rotation_deg' in values:
         holds += _base_lines(values, _newest(sections, 'rigid'), now)
-        steps = steps or [f'calibrate check {path} TABLE.csv']
     else:
         lacks.append('the base frame')
-        way = '--markers' if values.get('markers.numbers') else '--live'
-        steps.append(f'calibrate base {way} {path}')
     warnings = [line.removeprefix(_WARNING) for _, lines in sections for line in lines
                 if line.startswith(_WARNING)]
     return {'status_of': path, 'summary': calibration_summary(values, now), 'holds': holds,
-            'lacks': lacks, 'next': steps[0], 'warnings': warnings}
+            'lacks': lacks, 'warnings': warnings}
 
 
 def without_report(comments: List[str], model: str) -> List[str]:

@@ -16,6 +16,16 @@
 
 import os
 import sys
+from typing import TextIO
+
+BOLD, RED, GREEN, YELLOW = '1', '31', '32', '33'
+
+
+def styled(text: str, style: str, stream: TextIO) -> str:
+    """Return a text in a style for a terminal; as it is for a pipe, or if NO_COLOR is set."""
+    if os.environ.get('NO_COLOR') or os.environ.get('TERM') == 'dumb' or not stream.isatty():
+        return text
+    return f'\x1b[{style}m{text}\x1b[0m'
 
 
 def drop_output() -> None:

@@ -15,6 +15,10 @@
 """The parser of the commands' options, and the numbers in them."""
 
 import argparse
+from typing import Any
+
+from camera_to_base.parameters import misspelt_name
+from camera_to_base.shell_commands import full_command
 
 
 def decimal(text: str) -> float:
@@ -35,5 +39,13 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> None:
         """Exit with the sentence."""
-        command = self.prog.split()[0]  # after the first word follows the subcommand
-        self.exit(1, f'{command}: {message}: see {self.prog} --help\n')
+        command, *subcommand = self.prog.split()
+        self.exit(1, f'{command}: {message}: see {full_command(command, *subcommand, "--help")}\n')
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        # argparse's own sentence has no suggestion.
+        if action.choices is not None and value not in action.choices:
+            near = misspelt_name(str(value), list(map(str, action.choices)))
+            cure = f'did you mean {near}?' if near else f'choose {" or ".join(action.choices)}'
+            name = None if action.dest == 'command' else action
+            raise argparse.ArgumentError(name, f"there is no '{value}', {cure}")

@@ -19,6 +19,7 @@ from datetime import datetime, timedelta
 from camera_to_base.drawing import BackgroundFile
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import CameraSettings
+from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.sources import RANDOM, SourceKind
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
@@ -40,6 +41,7 @@ class BackgroundFileKeeper:
         self, node: Node, pipeline: CameraPipeline, settings: CameraSettings, kind: SourceKind
     ) -> None:
         self._logger = node.get_logger()
+        self._camera_node = node.get_fully_qualified_name()
         self._pipeline = pipeline
         self._is_live = kind.is_live
         self._path = settings.background_file if kind.is_live else ''
@@ -59,8 +61,9 @@ class BackgroundFileKeeper:
             good = 'good ' if self._is_live else ''
             return f'the first {good}one is the background'
         age_s = self._pipeline.backgrounds.current.age_s
-        return (f"the background is that of '{self._path}', taken {age_s:.0f} s ago: "
-                '~/capture_background takes it anew')
+        return with_full_commands(
+            f"the background is that of '{self._path}', taken {age_s:.0f} s ago; to take it anew, "
+            'call ~/capture_background', self._camera_node)
 
     def keep(self) -> None:
         """Write the background to the file if it is new."""

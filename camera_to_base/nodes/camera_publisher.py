@@ -38,6 +38,7 @@ from camera_to_base.parameters import (
 from camera_to_base.ros import NodeParameters
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
+from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.sources import FirstCamera, is_reader_hanging, RANDOM
 from camera_to_base.trust import Sighting
 import numpy as np
@@ -118,7 +119,7 @@ class CameraPublisher(Node):
 
     def _on_frame(self, frame: np.ndarray, taken_at: Optional[float], stamp: Time) -> None:
         header, settings = self._header(stamp), self._settings
-        sighting = self._pipeline.process(frame, taken_at)
+        sighting = self._pipeline.process(frame, taken_at).told(self._with_commands)
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
         in_force = self._pipeline.standpoint.surface
         self._positions.publish_sighting(
@@ -145,9 +146,13 @@ class CameraPublisher(Node):
     def _note(self, sighting: Sighting) -> str:
         if sighting.reason is not None:
             return sighting.reason.sentence
-        if self._pipeline.doubt is not None:
-            return self._pipeline.doubt.sentence
+        doubt = self._pipeline.doubt
+        if doubt is not None:
+            return self._with_commands(doubt.sentence)
         return f'background taken {self._pipeline.backgrounds.current.age_s:.0f} s ago'
+
+    def _with_commands(self, sentence: str) -> str:
+        return with_full_commands(sentence, self.get_fully_qualified_name())
 
     def _header(self, stamp: Time) -> Header:
         return Header(stamp=stamp, frame_id=self._settings.camera_frame_id)

@@ -20,6 +20,7 @@ from camera_to_base.nodes.camera_health import blind_spot, camera_values, Detect
 from camera_to_base.nodes.feeds import Feed
 from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
+from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.trust import CameraPipeline
 from rclpy.node import Node
 
@@ -44,6 +45,7 @@ class CameraWatch:
         self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool]
     ) -> None:
         self._logger = node.get_logger()
+        self._camera_node = node.get_fully_qualified_name()
         self._pipeline = pipeline
         self._is_calibrated = is_calibrated
         self._told_doubt: Optional[str] = None
@@ -66,11 +68,13 @@ class CameraWatch:
             self._logger.warning(_NOT_CALIBRATED.sentence)
 
     def _watch(self) -> None:
-        before, self._reason = self._reason, self._feed.reason or self._pipeline.reason
+        reason = self._feed.reason or self._pipeline.reason
+        before, self._reason = self._reason, reason and reason.told(self._with_commands)
         if _kind(self._reason) != _kind(before) or _level(self._reason) != _level(before):
             self._tell(self._reason)
             self._diagnostics.publish()
-        self._tell_doubt(self._pipeline.doubt)
+        doubt = self._pipeline.doubt
+        self._tell_doubt(doubt and doubt.told(self._with_commands))
         faintness = self._pipeline.faintness
         if faintness is not None and not self._told_faintness:
             self._told_faintness = True
@@ -84,6 +88,9 @@ class CameraWatch:
             self._logger.warning(doubt.sentence)
             self._diagnostics.publish()
         self._told_doubt = _kind(doubt)
+
+    def _with_commands(self, sentence: str) -> str:
+        return with_full_commands(sentence, self._camera_node)
 
     def _tell(self, reason: Optional[Reason]) -> None:
         # Separate lines: rclpy refuses to log with another severity from the same line.

@@ -17,7 +17,8 @@
 
 from itertools import accumulate
 import re
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import (
+    Any, Collection, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple)
 
 from camera_to_base.errors import InvalidValueError
 import yaml
@@ -74,18 +75,21 @@ class Section(NamedTuple):
         return re.fullmatch(pattern, node) is not None
 
 
-def parameter_text(values: Mapping[str, Any], comments: Iterable[str]) -> str:
+def parameter_text(
+    values: Mapping[str, Any], comments: Iterable[str], last: Collection[str] = ()
+) -> str:
     """
     Return the text of a file for all nodes.
 
     :param values: By full name, 'surface.model' and so on.
     :param comments: Lines for its top.
+    :param last: Names that stand at the file's end, outside of their groups, as ROS allows.
     :raises InvalidValueError: If a name is both a parameter and a group.
     """
     _refuse_values_that_are_groups(values)
     tree: Dict[str, Any] = {}
-    for name, value in values.items():
-        *groups, leaf = name.split('.')
+    for name, value in sorted(values.items(), key=lambda item: item[0] in last):
+        *groups, leaf = [name] if name in last else name.split('.')
         branch = tree
         for group in groups:
             branch = branch.setdefault(group, {})

@@ -48,7 +48,15 @@ class SimulatedTouchTable(SimulatedBoard):
 
         :returns: x and y, in cm, in the base frame, with an error of a few tenths of a mm.
         """
-        x, y = self._robot.touch(self._point)
+        return self._shown(self._point)
+
+    def robot_position_at(self, marker: int) -> Optional[Tuple[float, float]]:
+        """Return what the display shows when it touches a marker's middle; None without it."""
+        corners = self.true_markers.get(marker)
+        return None if corners is None else self._shown(tuple(corners.mean(axis=0)))
+
+    def _shown(self, point: Tuple[float, float]) -> Tuple[float, float]:
+        x, y = self._robot.touch(point)
         self._robot.renew_error()
         return round(x, 2), round(y, 2)
 

@@ -29,7 +29,7 @@ from camera_to_base.sources.files import BagFile, open_repeated, VideoFile
 from camera_to_base.sources.frame_source import FrameSource
 from camera_to_base.sources.live import (
     FrameReader, is_reader_hanging, LOST_AFTER_S, ReaderFacts, ReaderSnapshot, ReaderState,
-    ReaderStatus, SilenceLimit, source_reason, stamp_reason)
+    ReaderStatus, SilenceLimit, source_reason, stamp_reason, TakenFrame)
 from camera_to_base.sources.opening import open_frame_source
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
 from camera_to_base.sources.source_kind import (
@@ -44,6 +44,6 @@ __all__ = [
     'lasting_name', 'LiveRecording', 'LOST_AFTER_S', 'median_frame', 'open_frame_source',
     'open_repeated', 'PlayedRecording', 'RANDOM', 'read_picture', 'ReaderFacts', 'ReaderSnapshot',
     'ReaderState', 'ReaderStatus', 'Recording', 'SilenceLimit', 'SIMULATED', 'source_reason',
-    'SourceKind', 'stamp_reason', 'still_frames', 'STREAM', 'TimedFrame', 'TOPIC', 'VIDEO_FILE',
-    'VideoFile',
+    'SourceKind', 'stamp_reason', 'still_frames', 'STREAM', 'TakenFrame', 'TimedFrame', 'TOPIC',
+    'VIDEO_FILE', 'VideoFile',
 ]

@@ -88,12 +88,30 @@ class Camera:
         else:
             capture = open_device(_device_index(self.name))
         if capture is None:
+            hint = '' if self.kind == STREAM else f' {device_hint(self.name)}'
             raise FrameSourceError(
-                f"cannot open camera '{self.name}': is it plugged in, reachable, and free?")
+                f"cannot open camera '{self.name}': is it plugged in, reachable, and free?{hint}")
         if self.kind != STREAM:
             capture.set(cv2.CAP_PROP_FRAME_WIDTH, self.image_size[0])
             capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self.image_size[1])
         return capture
+
+
+def device_hint(name: str, pattern: str = '/dev/video*') -> str:
+    """
+    Tell which devices there are, and whether this user may read the one that is meant.
+
+    :param name: A device's index or path.
+    :param pattern: Of the devices' paths.
+    """
+    devices = sorted(glob.glob(pattern), key=_device_number)
+    if not devices:
+        return f'There is no {pattern}: this computer sees no camera.'
+    path = f'{pattern.rstrip("*")}{name}' if name.isdecimal() else name
+    if os.path.exists(path) and not os.access(path, os.R_OK | os.W_OK):
+        return (f'{path} is there, but this user may not read it: add the user to the group '
+                'video, with sudo usermod -aG video $USER, and log in again.')
+    return f'There are {", ".join(devices)}.'
 
 
 def first_camera(image_size: ImageSize = DEFAULT_IMAGE_SIZE) -> Optional[Camera]:

@@ -15,7 +15,7 @@
 """What a frame shows, and why it may not be published where it may not."""
 
 from collections import Counter
-from typing import NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import LeftOut, LocatedObject
 from camera_to_base.errors import CameraToBaseError, FrameSizeError
@@ -47,6 +47,12 @@ class Sighting(NamedTuple):
             return self.reason
         reasons = (left_out.reason for left_out in self.left_out)
         return next((reason for reason in reasons if reason.level > Level.OK), None)
+
+    def told(self, write: Callable[[str], str]) -> 'Sighting':
+        """Return it with the sentences of its reasons rewritten for those who read them."""
+        return self._replace(
+            reason=self.reason and self.reason.told(write),
+            left_out=tuple(one._replace(reason=one.reason.told(write)) for one in self.left_out))
 
 
 def unusable_reason(error: CameraToBaseError, may_retake: bool) -> Reason:

@@ -14,7 +14,9 @@
 
 """A parameter file that grows: what each step adds, keeps and drops."""
 
-from camera_to_base.calibration.cell_file import BASE, grown, parts_of, parts_to_lose, SURFACE
+from camera_to_base.calibration.cell_file import (
+    BASE, cell_text, grown, parts_of, parts_to_lose, SURFACE)
+from camera_to_base.parameters import read_parameter_file
 
 OLD = {'source': '0', 'detector.threshold': 50, 'surface.model': 'homography',
        'surface.hull': [1.0, 2.0], 'surface.reject_outside_hull': True,
@@ -50,3 +52,21 @@ def test_a_new_surface_drops_what_was_measured_on_the_old_one():
 def test_nothing_is_lost_where_there_was_nothing():
     assert parts_to_lose({'source': '0'}, SURFACE) == []
     assert grown({'source': '0'}, NEW, SURFACE) == ({'source': '0', **NEW}, [])
+
+
+def test_file_begins_with_what_a_person_looks_for_and_ends_with_the_covariances(tmp_path):
+    values = {'base_covariance': [0.1] * 21, 'surface.covariance': [0.2] * 3, **OLD, **NEW,
+              'calibration.device': '/dev/video0', 'calibration.surface': '2026-01-31, new'}
+    lines = cell_text(values, ['homography from a board, 2026-01-31']).splitlines()
+    assert lines[1:6] == [
+        '# camera      /dev/video0', '# pictures    640 x 480 px',
+        '# surface     2026-01-31, new', '# base frame  old', '#']
+    assert [line.split(':')[0].strip() for line in lines[9:]][:2] == ['source', 'surface']
+    assert lines[-2].startswith('    base_covariance: [0.1')
+    file = tmp_path / 'cell.yaml'
+    file.write_text('\n'.join(lines) + '\n')
+    read = read_parameter_file(file)
+    assert read.values == values
+    # Written again, it has one summary.
+    again = cell_text(values, read.comments[1:]).splitlines()
+    assert sum(line.startswith('# camera ') for line in again) == 1

@@ -16,7 +16,7 @@
 
 from datetime import datetime, timezone
 
-from camera_to_base.calibration.status import file_status, without_report
+from camera_to_base.calibration.status import file_status, next_step, without_report
 
 NOW = datetime(2026, 5, 17, 12, tzinfo=timezone.utc)
 SURFACE = ['Written by `calibrate` of camera_to_base.',
@@ -38,14 +38,15 @@ def test_surface_alone_lacks_the_base_frame():
         '  measured in 50 % of the picture; outside of it the figures do not hold']
     assert status['lacks'][0].startswith("the camera's height")
     assert status['lacks'][1:] == ['the base frame']
-    assert status['next'] == 'calibrate base --live cell.yaml'
+    assert next_step('cell.yaml', VALUES) == (('base', '--live', 'cell.yaml'), '0')
     assert status['warnings'] == ['the points cover only 5 % of the picture']
 
 
 def test_whole_file_is_to_be_checked():
     values = {**VALUES, **TRANSFORM, 'surface.camera_height_cm': 45.5}
     status = file_status('cell.yaml', values, [*BASE, *SURFACE], NOW)
-    assert status['lacks'] == [] and status['next'] == 'calibrate check cell.yaml TABLE.csv'
+    assert status['lacks'] == []
+    assert next_step('cell.yaml', {**values, 'source': 'simulated'}) == ((), 'simulated')
     assert status['holds'][3:] == [
         'camera: 45.5 cm above the surface',
         'base frame, from pairs.csv, 2026-05-17T11:00:00+02:00 (less than a day ago)',
@@ -57,7 +58,9 @@ def test_file_that_was_written_by_hand_tells_no_figures():
     status = file_status('cell.yaml', TRANSFORM, [], NOW)
     assert status['holds'][0] == ('base frame: the comments do not tell from what, when, or how '
                                   'good')
-    assert status['lacks'][0] == 'the surface' and status['next'].startswith('calibrate board')
+    assert status['lacks'][0] == 'the surface'
+    assert next_step('my cell.yaml', TRANSFORM).arguments == (
+        'board', '--camera', '0', '--placements', '4', '-o', 'my cell.yaml')
 
 
 def test_older_report_of_a_base_frame_is_left_out():

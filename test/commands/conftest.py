@@ -14,6 +14,8 @@
 
 """What the tests of the commands share: a folder of their own, and a way to run a command."""
 
+import re
+
 from camera_to_base.commands.calibrate.command import main as calibrate
 import pytest
 
@@ -55,6 +57,8 @@ def run_main(capsys):
         except SystemExit as end:
             code = end.code
         output, error = capsys.readouterr()
+        # It is said of every picture, and is no error.
+        error = re.sub(r'(?m)^looking for the board .*\n', '', error)
         told.append(f'{arguments} ended with {code}:\n{output}{error}')
         return code, output, error
     yield run_it

@@ -16,7 +16,7 @@ import glob
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources import cameras
-from camera_to_base.sources.cameras import Camera, first_camera
+from camera_to_base.sources.cameras import Camera, device_hint, first_camera
 from camera_to_base.sources.opening import open_frame_source
 from camera_to_base.sources.source_kind import STREAM
 from captures import Device, LEVELS, read_levels, write_levels
@@ -113,6 +113,16 @@ def test_picture_that_opencv_fails_on_is_an_error_and_the_device_is_opened_anew(
             camera.read()
     camera.read()
     assert len(devices) == 2
+
+
+def test_camera_that_cannot_be_opened_is_told_with_those_that_exist(tmp_path, monkeypatch):
+    pattern = f'{tmp_path}/video*'
+    assert device_hint('0', pattern).endswith('this computer sees no camera.')
+    for number in (10, 2):
+        (tmp_path / f'video{number}').touch()
+    assert device_hint('0', pattern) == f'There are {tmp_path}/video2, {tmp_path}/video10.'
+    monkeypatch.setattr(cameras.os, 'access', lambda path, mode: False)
+    assert 'sudo usermod -aG video $USER' in device_hint('2', pattern)
 
 
 @pytest.mark.skipif(bool(glob.glob('/dev/video*')), reason='a camera is attached')

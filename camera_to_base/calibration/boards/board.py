@@ -15,9 +15,10 @@
 """Find a chessboard's inner corners, in a reproducible order."""
 
 from dataclasses import dataclass
+import time
 
 from camera_to_base.calibration.boards.board_search import (
-    other_counts, search, SMALLEST_SQUARE_PX, why_not_found)
+    other_counts, REASON_S, search, SEARCH_S, SMALLEST_SQUARE_PX, why_not_found)
 from camera_to_base.calibration.boards.squares import count_beyond, square_contrast
 from camera_to_base.checks import whole_number
 from camera_to_base.detection import check_frame
@@ -52,7 +53,7 @@ class Board:
 
 def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
     """
-    Find a chessboard's inner corners to a fraction of a pixel.
+    Find a chessboard's inner corners to a fraction of a pixel; give up after about 10 s.
 
     :param image: Shape (h, w, 3), uint8, BGR.
     :param columns: Inner corners along a row.
@@ -67,9 +68,10 @@ def find_board(image: np.ndarray, columns: int, rows: int) -> Board:
     rows = whole_number('the count of inner corners along a column', rows, 3, 1000)
     _check_size(image, columns, rows)
     grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    corners = search(grey, columns, rows)
+    begun = time.monotonic()
+    corners = search(grey, columns, rows, until=begun + SEARCH_S)
     if corners is None:
-        raise CalibrationError(why_not_found(grey, columns, rows))
+        raise CalibrationError(why_not_found(grey, columns, rows, begun + REASON_S))
     more_columns, more_rows = count_beyond(grey, corners)
     if more_columns or more_rows:
         raise CalibrationError(

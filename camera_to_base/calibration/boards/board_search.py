@@ -14,7 +14,9 @@
 
 """Searches a picture for a chessboard, and describes what is there instead."""
 
-from typing import Optional, Sequence
+import math
+import time
+from typing import Callable, Dict, Optional, Sequence, Tuple
 
 from camera_to_base.calibration.boards.squares import (
     count_beyond, edges_reached, is_board, is_pattern)
@@ -30,42 +32,94 @@ MOST_PARTS = 12
 # Pictures are searched at this width first: fast, and the finder copes better with few pixels.
 SEARCH_WIDTH = 1000
 
+# A picture without a board is given up after 10 s: so long it is searched, and so long with the
+# search for the reason. A try that has begun cannot be ended, and takes 1 s or 2 s.
+SEARCH_S, REASON_S = 6.0, 8.0
+# Pictures up to this width are searched whole in any case: it takes 2 s.
+_ALWAYS_PX = 2000
+# A finder's time grows by this power of a picture's width.
+_GROWTH = 2.5
+# From so many outlines on the classical finder, which compares them in pairs, takes seconds: it
+# gets the picture without its noise, or not at all. The noise of a plain table has 5000 in
+# 640 x 480 px, pictures of boards and of things have 60 to 1600, with a noise of 30 grey values.
+_MOST_OUTLINES = 2500
+_LEAST_OUTLINE_PX = 25
 
-def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True
-           ) -> Optional[np.ndarray]:
+_Finder = Callable[[np.ndarray, int, int], Optional[np.ndarray]]
+
+
+def search(grey: np.ndarray, columns: int, rows: int, *, thorough: bool = True,
+           until: float = math.inf) -> Optional[np.ndarray]:
     """
     Find corners to a pixel: first in a reduced picture if it is large, then in the full one.
 
     :param grey: Shape (h, w), uint8.
     :param thorough: False looks at the reduced picture only, which takes a tenth of the time.
+    :param until: A time of time.monotonic(): no try begins that would end later.
     :returns: Shape (rows, columns, 2), in px, or None.
     """
     scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
-    for factor in ([scale, 1.0] if thorough and scale < 1 else [scale]):
+    took: Dict[_Finder, float] = {}
+    before = scale
+    for factor in sorted({scale, min(1.0, 2 * scale), 1.0}) if thorough else [scale]:
         reduced = cv2.resize(grey, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
-        corners = _search_once(reduced, columns, rows)
-        if corners is not None:
-            return (corners + 0.5) / factor - 0.5
+        # The one that measured better, then the one for blurred pictures.
+        for finder in (_classical, _by_sectors):
+            begun = time.monotonic()
+            if factor * max(grey.shape) > _ALWAYS_PX and begun + took.get(finder, 0.0) * (
+                    factor / before) ** _GROWTH > until:
+                continue
+            corners = finder(reduced, columns, rows)
+            took[finder] = time.monotonic() - begun
+            if corners is not None and is_board(reduced, corners):
+                return (corners + 0.5) / factor - 0.5
+        before = factor
     return None
 
 
-def _search_once(grey, columns, rows):
-    """Search with the finder that measured better, then with the one for blurred pictures."""
+def _classical(grey: np.ndarray, columns: int, rows: int) -> Optional[np.ndarray]:
+    quiet = _quiet(grey)
+    return None if quiet is None else _classical_once(quiet, columns, rows)
+
+
+def _classical_once(quiet: np.ndarray, columns: int, rows: int) -> Optional[np.ndarray]:
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
-    found, corners = cv2.findChessboardCorners(grey, (columns, rows), flags=flags)
-    if not found or not is_board(grey, corners.reshape(rows, columns, 2)):
-        flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
-        found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
-    if not found or not is_board(grey, corners.reshape(rows, columns, 2)):
-        return None
-    return corners.reshape(rows, columns, 2).astype(float)
+    found, corners = cv2.findChessboardCorners(quiet, (columns, rows), flags=flags)
+    return corners.reshape(rows, columns, 2).astype(float) if found else None
 
 
-def why_not_found(grey: np.ndarray, columns: int, rows: int) -> str:
+def _by_sectors(grey: np.ndarray, columns: int, rows: int) -> Optional[np.ndarray]:
+    flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
+    found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
+    return corners.reshape(rows, columns, 2).astype(float) if found else None
+
+
+def _quiet(grey: np.ndarray) -> Optional[np.ndarray]:
+    """Return a picture for the classical finder, without noise where needed; None for none."""
+    if _outlines(grey) <= _MOST_OUTLINES:
+        return grey
+    quiet = cv2.medianBlur(grey, 5)
+    return quiet if _outlines(quiet) <= _MOST_OUTLINES else None
+
+
+def _outlines(grey: np.ndarray) -> int:
+    """Count the outlines that the classical finder has to compare."""
+    block = max(3, min(grey.shape) // 12 | 1)
+    black_white = cv2.adaptiveThreshold(
+        cv2.equalizeHist(grey), 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY, block, 5)
+    outlines = cv2.findContours(black_white, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)[0]
+    sizes = (cv2.boundingRect(outline)[2:] for outline in outlines)
+    return sum(width * height >= _LEAST_OUTLINE_PX for width, height in sizes)
+
+
+def why_not_found(
+    grey: np.ndarray, columns: int, rows: int, until: float = math.inf
+) -> str:
     """
     Look for a board of nearly these counts, or a part of one, and describe it.
 
     :param grey: Shape (h, w), uint8: a picture in which no board of these counts was found.
+    :param until: A time of time.monotonic() after which no try begins.
     """
     scale = min(1.0, SEARCH_WIDTH / max(grey.shape))
     grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
@@ -73,16 +127,16 @@ def why_not_found(grey: np.ndarray, columns: int, rows: int) -> str:
     part = any_board(grey)
     if part is not None and sorted(part.shape[:2]) != sorted((columns, rows)):
         return part_text(grey, part, columns, rows)
-    flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
-    for other in _nearby_counts(columns, rows):
-        found, corners = cv2.findChessboardCorners(grey, other, flags=flags)
-        if found:
-            corners = corners.reshape(other[1], other[0], 2).astype(float)
-            if is_board(grey, corners):
-                more_columns, more_rows = count_beyond(grey, corners)
-                return other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows,
-                                    edges_reached(grey, corners))
-    edges = _cut_off_at(grey, columns, rows)
+    quiet = _quiet(grey)
+    for other in _nearby_counts(columns, rows) if quiet is not None else ():
+        if time.monotonic() > until:
+            break
+        corners = _classical_once(quiet, *other)
+        if corners is not None and is_board(grey, corners):
+            more_columns, more_rows = count_beyond(grey, corners)
+            return other_counts(columns, rows, other[0] + more_columns, other[1] + more_rows,
+                                edges_reached(grey, corners))
+    edges = _cut_off_at(grey, columns, rows, until)
     return _whole_board_text(edges) if edges else not_found_text(columns, rows)
 
 
@@ -128,11 +182,15 @@ def part_text(
     return other_counts(columns, rows, *found, edges)
 
 
-def _cut_off_at(grey, columns, rows):
+def _cut_off_at(
+    grey: np.ndarray, columns: int, rows: int, until: float
+) -> Sequence[str]:
     """Name the picture's edges that cut a board off, as far as a part of it can be found."""
     parts = [*((fewer, rows) for fewer in range(columns - 1, 2, -1)),
              *((columns, fewer) for fewer in range(rows - 1, 2, -1))]
     for counts in parts[:MOST_PARTS]:
+        if time.monotonic() > until:
+            break
         found, corners = cv2.findChessboardCornersSB(
             grey, counts, flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
         if found:
@@ -143,7 +201,7 @@ def _cut_off_at(grey, columns, rows):
     return []
 
 
-def _nearby_counts(columns, rows):
+def _nearby_counts(columns: int, rows: int) -> Sequence[Tuple[int, int]]:
     near = [(columns + x, rows + y) for x in range(-2, 3) for y in range(-2, 3) if x or y]
     near = [counts for counts in near if min(counts) >= 3]
     return sorted(near, key=lambda counts: abs(counts[0] - columns) + abs(counts[1] - rows))

@@ -28,6 +28,11 @@ from camera_to_base.surface import Hull, Surface
 _PLACES = (('top left', 0.15, 0.15), ('top right', 0.85, 0.15), ('bottom right', 0.85, 0.85),
            ('bottom left', 0.15, 0.85), ('middle', 0.5, 0.5), ('top', 0.5, 0.15),
            ('right', 0.85, 0.5), ('bottom', 0.5, 0.85), ('left', 0.15, 0.5))
+# Displays and pages set minus signs and spaces of typography.
+_PLAIN = str.maketrans('\u2212\u2013\u2012\u00a0\u2009\u202f', '---   ')
+# x -8.68, y 16.69 cm
+_LABELLED = re.compile(r'x\s*[:=]?\s*(.+?)\s*[,;]?\s*\by\s*[:=]?\s*(.+)')
+_WITH_UNIT = re.compile(r'(.*?\d[.,]?)\s*(mm|cm|m|)')
 _CM_PER_UNIT = {'': 1.0, 'cm': 1.0, 'mm': 0.1, 'm': 100.0}
 
 
@@ -68,22 +73,34 @@ def suggested_places(
 
 def read_typed_position(text: str) -> Tuple[float, float]:
     """
-    Read x and y as a person types them: '12.5 -3', '12,5; -3', '125 -30 mm'.
+    Read x and y as a person types them, or pastes them from a display.
+
+    As in '12.5 -3', '12,5; -3', '125 -30 mm', 'x -8.68, y 16.69 cm', '(−7.37, 15.46)'.
 
     :returns: In cm; cm is also the unit where none is given.
     :raises InvalidValueError: If these are not two numbers.
     """
-    match = re.fullmatch(r'(.*?\d[.,]?)\s*(mm|cm|m|)', text.strip().lower())
-    numbers = _two_numbers(match[1]) if match else None
+    cells, unit = _without_units(re.sub('[()]', '', text.translate(_PLAIN)).strip().lower())
+    numbers = _two_numbers(cells)
     if numbers is None:
         raise InvalidValueError(
             f"expected x and y with a space between, as in 12.5 -3.4, got '{text.strip()}'")
-    found = tuple(number * _CM_PER_UNIT[match[2]] for number in numbers)
+    found = tuple(number * _CM_PER_UNIT[unit] for number in numbers)
     if max(map(abs, found)) > LARGEST:
         raise InvalidValueError(
             f"'{text.strip()}' is farther away than {LARGEST:g} cm: is the unit right? Write it "
             'behind the numbers: mm, cm or m')
     return found
+
+
+def _without_units(text: str) -> Tuple[str, str]:
+    """Return the text of the numbers without labels and units, and the unit; '' for none."""
+    labelled = _LABELLED.fullmatch(text)
+    parts = [_WITH_UNIT.fullmatch(part) for part in (labelled.groups() if labelled else [text])]
+    units = {part[2] for part in parts if part} - {''}
+    if None in parts or len(units) > 1:
+        return '', ''
+    return ';'.join(part[1] for part in parts), ''.join(units)
 
 
 def _two_numbers(text: str) -> Optional[Tuple[float, float]]:

@@ -15,17 +15,17 @@
 """`calibrate base`: the transform into the base frame, from a table or from objects one by one."""
 
 import argparse
-from typing import List, Optional
+from typing import Optional
 
 from camera_to_base.calibration import (
     BASE, calibrate_base, calibrate_touches, Calibration, parts_of, point_pairs, read_pairs,
-    Report, SURFACE, TouchedPair)
+    Report, SURFACE)
 from camera_to_base.commands.calibrate.files import (
     base_outputs, check_outputs, Outputs, read_cell_file, write_part)
 from camera_to_base.commands.calibrate.live import (
-    collect, measure_again, open_positions, open_robot, Positions, Robot)
+    collect, KeptPairs, measure_again, open_positions, open_robot, Positions, Robot)
 from camera_to_base.commands.calibrate.marker_base import run_marker_base
-from camera_to_base.commands.calibrate.prompts import until_it_fits
+from camera_to_base.commands.calibrate.prompts import tell, until_it_fits
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface import PointPairs
 
@@ -69,25 +69,33 @@ def _run_live(options: argparse.Namespace) -> Report:
         options, '--live', SURFACE, {'a table': options.table, '--surface': options.surface})
     if options.places < 3:
         raise InvalidValueError(f'--places must be 3 or more, got {options.places}')
+    kept = KeptPairs(outputs.file, str(outputs.old.values.get('calibration.surface', '')))
     robot = open_robot(options.robot_topic)
     try:
         positions = open_positions(options.live, options.namespace, options.camera)
         try:
-            pairs = collect(positions, robot, options.places)
-            calibration = _agreed(pairs, positions, robot, outputs, options)
-            return _write(calibration, outputs, positions.thumbnail)
+            collect(positions, robot, options.places, kept)
+            calibration = _agreed(kept, positions, robot, outputs, options)
+            report = _write(calibration, outputs, positions.thumbnail)
+            kept.remove()
+            return report
         finally:
             positions.close()
+    except BaseException:
+        if kept.pairs:
+            tell(f'\nThe pairs so far are kept in {kept.path}: the same command goes on with '
+                 'them.')
+        raise
     finally:
         robot.close()
 
 
 def _agreed(
-    pairs: List[TouchedPair], positions: Positions, robot: Robot, outputs: Outputs,
+    kept: KeptPairs, positions: Positions, robot: Robot, outputs: Outputs,
     options: argparse.Namespace,
 ) -> Calibration:
     """Fit the pairs; where they do not fit, let single ones be measured again."""
     return until_it_fits(
-        lambda: calibrate_touches(point_pairs(pairs), outputs.old.values, options.base_z),
-        'pairs', 'a pair to measure it again', range(1, len(pairs) + 1),
-        lambda number: measure_again(pairs, number - 1, positions, robot))
+        lambda: calibrate_touches(point_pairs(kept.pairs), outputs.old.values, options.base_z),
+        'pairs', 'a pair to measure it again', range(1, len(kept.pairs) + 1),
+        lambda number: measure_again(kept, number - 1, positions, robot))

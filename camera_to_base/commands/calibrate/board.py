@@ -21,8 +21,9 @@ from camera_to_base.calibration import (
     calibrate_placements, make_placement, map_lines, Placement, PrintedBoard, read_camera_info,
     refuse_unlike, Report, shares_of, SURFACE, uncovered)
 from camera_to_base.commands.calibrate.files import camera_values, check_outputs, write_part
+from camera_to_base.commands.calibrate.live import FreshFrames
 from camera_to_base.commands.calibrate.prompts import ask, tell, until_right
-from camera_to_base.errors import InvalidValueError
+from camera_to_base.errors import CameraToBaseError, InputEndedError, InvalidValueError
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.parameters import ParameterFile, Values
 from camera_to_base.simulation import CameraMove, move_parameters, SimulatedChessboard
@@ -55,6 +56,7 @@ def _from_file(
     board: PrintedBoard, path: str, number: int, says_name: bool
 ) -> Placement:
     picture = read_picture(path)
+    tell(f'looking for the board in {path} ...')
     placement = make_placement(board, picture.frame, path, number, says_name)
     if picture.is_shown_turned:
         placement.doubts.append(
@@ -72,25 +74,49 @@ def _from_camera(
     placements: List[Placement] = []
     try:
         while len(placements) < options.placements:
-            number = len(placements)
-            if number:
-                _guide(placements, options.placements, source)
-
-            def take() -> Placement:
-                found = make_placement(
-                    board, median_frame(source), f'camera {options.camera}', number,
-                    says_name=number > 0)
-                refuse_unlike([*placements, found])
-                return found
-
-            placements.append(take() if options.placements == 1 else until_right(
-                take, 'Press Enter to take the picture again, q to stop:'))
+            if placements and not _guide(placements, options.placements, source):
+                break
+            placement = _taken(board, source, options, placements)
+            if placement is None:
+                break
+            placements.append(placement)
     finally:
         source.release()
     return placements, values
 
 
-def _guide(placements: List[Placement], wanted: int, source: FrameSource) -> None:
+def _taken(
+    board: PrintedBoard, source: FrameSource, options: argparse.Namespace,
+    placements: List[Placement],
+) -> Optional[Placement]:
+    """Take a picture until it shows the board; None to end with the placements so far."""
+    number = len(placements)
+
+    def take() -> Placement:
+        if isinstance(source, FreshFrames):
+            source.drop()
+        picture = median_frame(source)
+        tell('looking for the board ...')
+        found = make_placement(
+            board, picture, f'camera {options.camera}', number, says_name=number > 0)
+        refuse_unlike([*placements, found])
+        return found
+
+    if options.placements == 1:
+        return take()
+    end = 'to end with those so far' if placements else 'to stop'
+    try:
+        return until_right(take, f'Press Enter to take the picture again, q {end}:')
+    except InputEndedError:
+        raise
+    except CameraToBaseError:
+        if not placements:
+            raise
+        return None
+
+
+def _guide(placements: List[Placement], wanted: int, source: FrameSource) -> bool:
+    """Say where to lay the board next; return whether the person goes on."""
     shares = shares_of(placements)
     tell(f'{len(placements)} of {wanted} taken. The picture so far, # is covered, + in part:')
     for line in map_lines(shares):
@@ -100,9 +126,9 @@ def _guide(placements: List[Placement], wanted: int, source: FrameSource) -> Non
         pixel, yaw_deg = source.free_place(len(placements))
         source.lay(pixel, yaw_deg)
         tell('The simulated board was laid elsewhere.')
-    else:
-        ask(f'Lay the board elsewhere, best {missing}, without moving the camera; turn it a '
-            'little. Then press Enter:')
+        return True
+    return ask(f'Lay the board elsewhere, best {missing}, without moving the camera; turn it a '
+               'little. Then press Enter, or q to end with those so far:').lower() != 'q'
 
 
 def _open_camera(
@@ -110,7 +136,10 @@ def _open_camera(
 ) -> Tuple[FrameSource, Dict[str, Any]]:
     size = options.image_size or DEFAULT_IMAGE_SIZE
     if options.camera != 'simulated':
-        return open_frame_source(options.camera, size), camera_values(options.camera)
+        source = open_frame_source(options.camera, size)
+        if source.kind.is_live:
+            source = FreshFrames(source, f"the camera '{options.camera}'")
+        return source, camera_values(options.camera)
     _refuse_moved_camera(options.output, {} if old is None else old.values)
     chessboard = SimulatedChessboard(
         *options.corners, options.square_mm / 10, image_size=size,

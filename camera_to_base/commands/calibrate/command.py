@@ -27,15 +27,17 @@ from camera_to_base.calibration import (
 from camera_to_base.commands.calibrate.base import run_base
 from camera_to_base.commands.calibrate.board import run_board
 from camera_to_base.commands.calibrate.files import (
-    check_outputs, read_cell_file, sheet_output, write_part)
+    check_outputs, next_command, read_cell_file, sheet_output, write_part)
 from camera_to_base.commands.calibrate.keep import run_keep, run_status
 from camera_to_base.commands.calibrate.markers import run_markers
 from camera_to_base.commands.calibrate.options import parse
-from camera_to_base.commands.output import drop_output
+from camera_to_base.commands.calibrate.prompts import tell
+from camera_to_base.commands.output import BOLD, drop_output, GREEN, RED, styled, YELLOW
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import write_files
 from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 from camera_to_base.interrupt import serve_signals
+from camera_to_base.shell_commands import full_command, with_full_commands
 
 
 def main(args: Optional[List[str]] = None) -> int:
@@ -43,14 +45,17 @@ def main(args: Optional[List[str]] = None) -> int:
     try:
         serve_signals()
         options = parse(args)
+        _tell_step(options.command)
         report = _COMMANDS[options.command](options)
     except CameraToBaseError as error:
-        print(f'calibrate: {error}', file=sys.stderr)
+        text = styled(f'calibrate: {with_full_commands(str(error))}', RED, sys.stderr)
+        print(text, file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
     try:
-        print(json.dumps(report) if options.json else '\n'.join(_lines(report)), flush=True)
+        print(json.dumps(report) if options.json else
+              '\n'.join(_lines(report, options.verbose)), flush=True)
     except BrokenPipeError:
         drop_output()  # the reader has closed the pipe
     except OSError as error:
@@ -58,6 +63,13 @@ def main(args: Optional[List[str]] = None) -> int:
         drop_output()
         return 1
     return 0
+
+
+def _tell_step(command: str) -> None:
+    """Say on a terminal which of the steps to a running cell this is."""
+    if command in _STEPS and sys.stderr.isatty():
+        number, purpose = _STEPS[command]
+        tell(styled(f'step {number} of 4: {purpose}', BOLD, sys.stderr))
 
 
 def _run_sheet(options: argparse.Namespace) -> Report:
@@ -71,7 +83,8 @@ def _run_sheet(options: argparse.Namespace) -> Report:
         content = marker_sheet_content(options.paper, options.marker_mm, ending[1:])
         kept = write_files({output: content}, keep_old=True)
         return {'file': output, 'paper': options.paper, 'marker_mm': options.marker_mm,
-                'warnings': [], 'kept': kept}
+                'warnings': [], 'kept': kept, 'next': full_command(
+                    'calibrate', 'markers', '--camera', '0', '-o', 'cell.yaml')}
     content = sheet_content(options.paper, columns, rows, options.square_mm, ending[1:],
                             with_markers=options.charuco)
     doubts = [] if options.charuco or has_one_origin(columns, rows) else [
@@ -79,7 +92,11 @@ def _run_sheet(options: argparse.Namespace) -> Report:
         'camera frame starts depends on how it lies; with one even and one odd count it does not']
     kept = write_files({output: content}, keep_old=True)
     return {'file': output, 'paper': options.paper, 'corners': [columns, rows],
-            'square_mm': options.square_mm, 'warnings': doubts, 'kept': kept}
+            'square_mm': options.square_mm, 'warnings': doubts, 'kept': kept,
+            'next': full_command(
+                'calibrate', 'board', '--camera', '0', '--placements', '4',
+                '--corners', f'{columns}x{rows}', '--square-mm', f'{options.square_mm:g}',
+                *(['--charuco'] if options.charuco else []), '-o', 'cell.yaml')}
 
 
 def _run_points(options: argparse.Namespace) -> Report:
@@ -99,7 +116,8 @@ def _run_points(options: argparse.Namespace) -> Report:
 
 def _run_check(options: argparse.Namespace) -> Report:
     values = read_cell_file(options.file).values
-    return {'checked': options.file, **check_surface(values, *read_points(options.table))}
+    return {'checked': options.file, **check_surface(values, *read_points(options.table)),
+            'next': next_command(options.file, values)}
 
 
 _COMMANDS = {'sheet': _run_sheet, 'board': run_board, 'markers': run_markers,
@@ -107,13 +125,31 @@ _COMMANDS = {'sheet': _run_sheet, 'board': run_board, 'markers': run_markers,
              'keep': run_keep}
 
 
-def _lines(report: Report) -> List[str]:
+# The last one is the launch.
+_STEPS = {'sheet': (1, 'print a board'), 'board': (2, 'measure the surface'),
+          'points': (2, 'measure the surface'), 'base': (3, 'measure where the robot is')}
+_STYLES = {'good: ': GREEN, 'fair: ': YELLOW, 'poor: ': RED, 'warning: ': YELLOW, 'next: ': BOLD}
+_VERDICTS = ('good: ', 'fair: ', 'poor: ')
+_WITH_COMMANDS = ('warning: ', 'running node: ')
+
+
+def _lines(report: Report, with_map: bool) -> List[str]:
     written = [f'{name}: {report[name]}' for name in ('file', 'picture') if name in report]
     written += [f'the old one is kept: {path}' for path in report.get('kept', ())]
     advice = ['look at the picture before you trust the figures'] if 'picture' in report else []
     if 'paper' in report:
         advice = ['print it at 100 %, and measure the ruler: it must be 100 mm long']
-    return [*report_lines(report), *written, *advice]
+    lines = report_lines(report, with_map)
+    verdict = [line for line in lines if line.startswith(_VERDICTS)]
+    lines = [*(line for line in lines if line not in verdict), *written, *advice, *verdict]
+    return [_styled(line) for line in [*lines, f'next: {report["next"]}']]
+
+
+def _styled(line: str) -> str:
+    if line.startswith(_WITH_COMMANDS):
+        line = with_full_commands(line)
+    style = next((style for start, style in _STYLES.items() if line.startswith(start)), None)
+    return line if style is None else styled(line, style, sys.stdout)
 
 
 if __name__ == '__main__':

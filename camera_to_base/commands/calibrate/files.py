@@ -16,21 +16,24 @@
 
 import argparse
 import os
-from typing import Any, Dict, Mapping, NamedTuple, Optional
+import shlex
+from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
-    BASE, Calibration, cell_text, grown, MARKERS, part_values, parts_of, parts_to_lose, Report,
-    report_lines, SURFACE, TITLE, without_report)
+    BASE, Calibration, cell_text, grown, MARKERS, next_step, part_values, parts_of, parts_to_lose,
+    Report, report_lines, SURFACE, TITLE, without_report)
 from camera_to_base.drawing import check_picture_path, encoded_picture
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections
+from camera_to_base.shell_commands import full_command, run_command
 from camera_to_base.sources import DEVICE, kind_of, lasting_name
 
 
 # Name of a part, and the step that gives it.
-_EARLIER = {SURFACE: ('surface', 'calibrate board'), MARKERS: ('markers', 'calibrate markers')}
+_EARLIER = {SURFACE: ('surface', 'calibrate board --camera {} --placements 4 -o {}'),
+            MARKERS: ('markers', 'calibrate markers --camera {} -o {}')}
 
 
 class Outputs(NamedTuple):
@@ -55,7 +58,7 @@ def read_cell_file(path: str) -> ParameterFile:
     """
     if not os.path.lexists(path):
         raise InvalidValueError(
-            f"there is no file '{path}': calibrate board comes first, with -o {path}")
+            f"there is no file '{path}': first make it with " + _made_by(SURFACE, path, {}))
     return read_parameter_file(path)
 
 
@@ -67,8 +70,14 @@ def refuse_without(part: str, path: str, values: Mapping[str, Any]) -> None:
     :raises InvalidValueError: If it is not there.
     """
     if part not in parts_of(values):
-        name, command = _EARLIER[part]
-        raise InvalidValueError(f"'{path}' holds no {name}: {command} comes first")
+        raise InvalidValueError(
+            f"'{path}' holds no {_EARLIER[part][0]}: first add it with "
+            + _made_by(part, path, values))
+
+
+def _made_by(part: str, path: str, values: Mapping[str, Any]) -> str:
+    return _EARLIER[part][1].format(
+        *map(shlex.quote, (str(values.get('source', '0')), path)))
 
 
 def base_outputs(
@@ -155,7 +164,16 @@ def write_part(
         contents[outputs.picture] = encoded_picture(outputs.picture, calibration.picture)
     backups = write_files(contents, keep_old=True)
     names = {'file': outputs.file, 'picture': outputs.picture}
-    return {**report, **{name: path for name, path in names.items() if path}, 'kept': backups}
+    return {**report, **{name: path for name, path in names.items() if path}, 'kept': backups,
+            'next': next_command(outputs.file, growth.values)}
+
+
+def next_command(path: str, values: Mapping[str, Any]) -> str:
+    """Return the command that comes next for a parameter file, as it can be pasted."""
+    step = next_step(path, values)
+    if step.arguments:
+        return full_command('calibrate', *step.arguments)
+    return run_command(path, step.source)
 
 
 def camera_values(camera: str) -> Dict[str, Any]:

@@ -20,10 +20,11 @@ from typing import Any
 
 from camera_to_base.calibration import (
     corrected_file_text, file_status, OfferedCorrection, Report)
-from camera_to_base.commands.calibrate.files import read_cell_file
+from camera_to_base.commands.calibrate.files import next_command, read_cell_file
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import regular_target, write_files
 from camera_to_base.parameters import read_parameter_file, read_sections
+from camera_to_base.shell_commands import full_command
 
 # A hand that crosses the view, or a picture that comes late, does not end the command.
 _PATIENCE_S = 2.0
@@ -48,13 +49,15 @@ def run_keep(options: argparse.Namespace) -> Report:
     finally:
         listener.close()
     return {'kept_correction': offer.values['calibration.surface'], 'file': options.file,
-            'kept': kept, 'warnings': warnings}
+            'kept': kept, 'warnings': warnings,
+            'next': full_command('calibrate', 'status', '--live', options.file)}
 
 
 def run_status(options: argparse.Namespace) -> Report:
     """Tell what a file holds, and what the running node offers to keep."""
     file = read_cell_file(options.file)
     report = file_status(options.file, file.values, file.comments, datetime.now().astimezone())
+    report['next'] = next_command(options.file, file.values)
     if not options.live:
         return report
     listener = _listener(options.namespace)
@@ -64,7 +67,8 @@ def run_status(options: argparse.Namespace) -> Report:
         return {**report, 'offer': str(error)}
     finally:
         listener.close()
-    return {**report, 'offer': offer['sentence'], 'next': f'calibrate keep {options.file}'}
+    return {**report, 'offer': offer['sentence'],
+            'next': full_command('calibrate', 'keep', options.file)}
 
 
 def _used(listener: Any, offer: OfferedCorrection) -> list:

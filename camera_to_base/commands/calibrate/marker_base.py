@@ -14,15 +14,19 @@
 """`calibrate base --markers`: the robot touches the markers that a file knows."""
 
 import argparse
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 from camera_to_base.calibration import (
-    BASE, calibrate_base, Calibration, MARKERS, Report)
+    BASE, calibrate_base, Calibration, MARKERS, Report, TouchedPair)
 from camera_to_base.commands.calibrate.files import base_outputs, write_part
-from camera_to_base.commands.calibrate.live import open_robot, Robot
-from camera_to_base.commands.calibrate.prompts import tell, until_it_fits, until_right
+from camera_to_base.commands.calibrate.live import (
+    display_text, open_robot, Robot, touch_elsewhere)
+from camera_to_base.commands.calibrate.prompts import tell, until_it_fits
 from camera_to_base.markers import known_markers, MARKER_SPECS
 from camera_to_base.parameters import checked_values
+from camera_to_base.settings import read_node_settings
+from camera_to_base.simulation import SimulatedTouchTable
+from camera_to_base.sources import kind_of, SIMULATED
 from camera_to_base.surface import PointPairs, SURFACE_SPECS
 import numpy as np
 
@@ -37,9 +41,13 @@ def run_marker_base(options: argparse.Namespace) -> Report:
     middles = {number: tuple(corners.mean(axis=0).tolist()) for number, corners in known_markers(
         checked_values([*MARKER_SPECS, *SURFACE_SPECS], values)).items()}
     robot = open_robot(options.robot_topic)
+    table = _simulated_table(options.markers)
     try:
-        touched = touch_markers(sorted(middles), robot)
-        return write_part(_agreed(middles, touched, robot, values, options), outputs, BASE)
+        touched = {}
+        for number in sorted(middles):
+            touched[number] = _touch(number, middles, touched, robot, table)
+        return write_part(
+            _agreed(middles, touched, robot, table, values, options), outputs, BASE)
     finally:
         robot.close()
 
@@ -51,19 +59,38 @@ def touch_markers(numbers: List[int], robot: Robot) -> Dict[int, _Point]:
 
 def touch_marker(number: int, robot: Robot) -> _Point:
     """Ask for the touch of a marker; return x and y, in cm, in the base frame."""
+    return _touch(number, {number: (0.0, 0.0)}, {}, robot, None)
+
+
+def _touch(
+    number: int, middles: Dict[int, _Point], touched: Dict[int, _Point], robot: Robot,
+    table: Optional[SimulatedTouchTable],
+) -> _Point:
+    """Ask for the touch of a marker; return x and y, in cm, in the base frame."""
     tell(f'Marker {number}: the small cross in its middle')
-    point = until_right(robot.touch, 'Press Enter to try again, q to stop:')
-    tell(f'  touched at ({point[0]:.2f}, {point[1]:.2f}) cm in the base frame')
-    return point
+    shown = table and table.robot_position_at(number)
+    if shown:
+        tell(f'  {display_text(shown)}')
+    return touch_elsewhere(robot, middles[number], [
+        TouchedPair(None, middles[other], touched[other])
+        for other in sorted(touched) if other != number])
+
+
+def _simulated_table(path: str) -> Optional[SimulatedTouchTable]:
+    """Return the simulated table with its robot, if the file names the simulated camera."""
+    camera = read_node_settings(path).camera
+    if kind_of(camera.source) != SIMULATED:
+        return None
+    return camera.simulated.touch_table(camera.image_size)
 
 
 def _agreed(
     middles: Dict[int, _Point], touched: Dict[int, _Point], robot: Robot,
-    values: Dict[str, Any], options: argparse.Namespace,
+    table: Optional[SimulatedTouchTable], values: Dict[str, Any], options: argparse.Namespace,
 ) -> Calibration:
     """Fit the pairs; where they do not fit, let single markers be touched again."""
     def touch_again(number: int) -> None:
-        touched[number] = touch_marker(number, robot)
+        touched[number] = _touch(number, middles, touched, robot, table)
 
     return until_it_fits(
         lambda: marker_base(middles, touched, values, options.base_z),

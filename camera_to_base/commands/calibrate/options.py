@@ -107,6 +107,8 @@ def _command(commands: Any, name: str, purpose: str) -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter)
     command.add_argument('--json', action='store_true',
                          help='print the report as one JSON object')
+    command.add_argument('--verbose', action='store_true',
+                         help='print the expected errors all over the picture, too')
     return command
 
 
@@ -116,7 +118,7 @@ def _add_namespace(command: argparse.ArgumentParser) -> None:
 
 
 def _add_sheet(sheet: argparse.ArgumentParser) -> None:
-    sheet.add_argument('--paper', choices=tuple(PAPERS), default='A4',
+    sheet.add_argument('--paper', type=_paper, choices=tuple(PAPERS), default='A4',
                        help='(default: %(default)s)')
     sheet.add_argument('--corners', default='9x6', metavar='9x6',
                        help='inner corners along a row and along a column; one even and one odd '
@@ -198,6 +200,10 @@ def _add_output(command: argparse.ArgumentParser) -> None:
     command.add_argument('--force', action='store_true', help='overwrite files')
     command.add_argument('--picture', metavar='REPORT.png',
                          help='the report picture to write (default: FILE_report.png)')
+
+
+def _paper(text: str) -> str:
+    return {name.lower(): name for name in PAPERS}.get(text.lower(), text)
 
 
 def _two_counts(name: str, text: str) -> Tuple[int, int]:

@@ -14,7 +14,9 @@
 
 """Questions to the person at the terminal."""
 
+import os
 import sys
+import termios
 from typing import Callable, Collection, TypeVar
 
 from camera_to_base.calibration import Suggestion
@@ -27,10 +29,12 @@ def ask(question: str) -> str:
     """
     Print a question, and return the line that is typed.
 
-    Questions go to standard error: standard output carries the report alone.
+    Questions go to standard error: standard output carries the report alone. What was typed into
+    a terminal before the question is dropped: it answers another one.
 
     :raises InputEndedError: If the input has ended.
     """
+    _drop_typed_ahead()
     print(question, end=' ', file=sys.stderr, flush=True)
     line = sys.stdin.readline()
     if not line:
@@ -38,6 +42,15 @@ def ask(question: str) -> str:
         raise InputEndedError(
             'the input has ended before all questions were answered: run it in a terminal')
     return line.strip()
+
+
+def _drop_typed_ahead() -> None:
+    try:
+        number = sys.stdin.fileno()
+        if os.isatty(number):
+            termios.tcflush(number, termios.TCIFLUSH)
+    except (OSError, ValueError, termios.error):
+        pass  # no file, or a terminal that is gone: reading it tells
 
 
 def tell(text: str) -> None:

@@ -21,6 +21,7 @@ import itertools
 import sys
 from typing import Any, Iterator, List, Optional
 
+from camera_to_base.calibration import next_step
 from camera_to_base.commands.locate.options import parse
 from camera_to_base.commands.locate.position_table import (
     COLUMNS, csv_cells, positions, table_header, table_line)
@@ -29,7 +30,9 @@ from camera_to_base.commands.output import drop_output
 from camera_to_base.drawing import AnnotatedVideo, draw_ellipses, draw_note, draw_objects
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.interrupt import Interrupt, serve_signals
+from camera_to_base.parameters import read_parameter_file
 from camera_to_base.settings import CameraSettings, NodeSettings, read_node_settings
+from camera_to_base.shell_commands import full_command, with_full_commands
 from camera_to_base.sources import (
     BAG, BagFile, kind_of, LiveRecording, open_frame_source, PlayedRecording, Recording,
     SIMULATED, TimedFrame)
@@ -48,7 +51,7 @@ def main(args: Optional[List[str]] = None) -> int:
         with Interrupt() as interrupt:
             return _run(options, interrupt)
     except CameraToBaseError as error:
-        print(f'locate: {error}', file=sys.stderr)
+        print(f'locate: {with_full_commands(str(error))}', file=sys.stderr)
         return 1
     except BrokenPipeError:
         drop_output()  # the reader has closed the pipe
@@ -121,10 +124,25 @@ def _locate(
             if video is not None:
                 _annotate(video, timed, sighting, settings.camera, counter)
     counter.check_any_used()
-    print('\n'.join(counter.summary()), file=sys.stderr)
+    print(with_full_commands('\n'.join(counter.summary())), file=sys.stderr)
     if beyond_reach:
         print(f'objects beyond reach_cm, without a place in the base frame: {beyond_reach}',
               file=sys.stderr)
+    for name in filter(None, (options.csv, options.annotated)):
+        print(f'file: {name}', file=sys.stderr)
+    step = _next_command(options.params_file)
+    if step:
+        print(f'next: {step}', file=sys.stderr)
+
+
+def _next_command(path: Optional[str]) -> Optional[str]:
+    """Return the command that gives a cell what it lacks; None if it lacks nothing."""
+    try:
+        values = {} if path is None else read_parameter_file(path).values
+    except InvalidValueError:
+        return None  # parameters for single nodes: a cell that was made by hand
+    step = next_step(path or 'cell.yaml', values)
+    return full_command('calibrate', *step.arguments) if step.arguments else None
 
 
 def _csv_writer(files: ExitStack, path: str) -> Any:

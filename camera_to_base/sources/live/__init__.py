@@ -21,7 +21,7 @@ of the source, and the reason why no good frame arrives.
 Callers: the modules of `sources`.
 """
 
-from camera_to_base.sources.live.reader import FrameReader, is_reader_hanging
+from camera_to_base.sources.live.reader import FrameReader, is_reader_hanging, TakenFrame
 from camera_to_base.sources.live.reader_status import (
     LOST_AFTER_S, ReaderFacts, ReaderSnapshot, ReaderState, ReaderStatus)
 from camera_to_base.sources.live.silence_limit import SilenceLimit
@@ -30,5 +30,5 @@ from camera_to_base.sources.live.stamp_check import stamp_reason
 
 __all__ = [
     'FrameReader', 'is_reader_hanging', 'LOST_AFTER_S', 'ReaderFacts', 'ReaderSnapshot',
-    'ReaderState', 'ReaderStatus', 'SilenceLimit', 'source_reason', 'stamp_reason',
+    'ReaderState', 'ReaderStatus', 'SilenceLimit', 'source_reason', 'stamp_reason', 'TakenFrame',
 ]

@@ -14,8 +14,11 @@
 
 """Chessboards that the tests render themselves."""
 
+import time
+
 from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.calibration.boards.board_frame import board_points
+from camera_to_base.calibration.boards.board_search import search, why_not_found
 from camera_to_base.errors import CalibrationError, InvalidValueError
 import cv2
 import numpy as np
@@ -132,3 +135,20 @@ def test_the_frame_can_lie_elsewhere():
 def test_a_frame_that_makes_no_sense_is_refused(options):
     with pytest.raises(InvalidValueError, match='must be'):
         board_points(9, 6, **options)
+
+
+def test_noise_of_an_empty_table_is_given_up_soon():
+    noise = np.random.default_rng(0).normal(128, 4, (480, 640, 3)).clip(0, 255).astype(np.uint8)
+    begun = time.process_time()
+    with pytest.raises(CalibrationError, match='no chessboard with 9 x 6'):
+        find_board(noise, 9, 6)
+    # It was 15 s with OpenCV 5, and 94 s with OpenCV 4.6.
+    assert time.process_time() - begun < 8
+
+
+def test_search_begins_nothing_after_its_time():
+    begun, large = time.monotonic(), np.full((3000, 4000), 128, np.uint8)
+    assert search(large, 9, 6, until=begun) is None
+    full = time.monotonic() - begun
+    assert why_not_found(large[:480, :640], 9, 6, until=begun).startswith('no chessboard')
+    assert full < 10

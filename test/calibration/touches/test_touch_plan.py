@@ -42,12 +42,16 @@ def test_without_an_area_the_whole_picture_is_used():
 @pytest.mark.parametrize('text, found', [
     ('12.5 -3', (12.5, -3)), ('12,5 -3,4', (12.5, -3.4)), ('12,5; -3', (12.5, -3)),
     ('12.5, -3.4', (12.5, -3.4)), ('12.5,-3.4', (12.5, -3.4)), (' 125  -30 mm', (12.5, -3)),
-    ('0.125 -0.03 m', (12.5, -3)), ('1 2cm', (1, 2)), ('1e1 2', (10, 2))])
+    ('0.125 -0.03 m', (12.5, -3)), ('1 2cm', (1, 2)), ('1e1 2', (10, 2)),
+    ('\u22127.37 15.46', (-7.37, 15.46)), ('x -8.68, y 16.69 cm', (-8.68, 16.69)),
+    ('x \u22128,68, y 16,69 cm', (-8.68, 16.69)), ('X=-86.8 mm Y=166.9 mm', (-8.68, 16.69)),
+    ('(\u20128.68, 16.69) cm', (-8.68, 16.69))])
 def test_positions_are_read_as_people_type_them(text, found):
     assert read_typed_position(text) == pytest.approx(found)
 
 
-@pytest.mark.parametrize('text', ['', '12', 'a b', '1 2 3', '12,5', '1 2 inch', 'nan 2', '1;2;3'])
+@pytest.mark.parametrize('text', ['', '12', 'a b', '1 2 3', '12,5', '1 2 inch', 'nan 2', '1;2;3',
+                                  'y 1 x 2', 'x 1', 'x 1 mm, y 2 cm'])
 def test_what_is_no_position_is_refused_with_an_example(text):
     with pytest.raises(InvalidValueError, match='as in 12.5 -3.4, got'):
         read_typed_position(text)

@@ -15,11 +15,15 @@
 """`calibrate board` with a board that lies in several places, one picture each."""
 
 from functools import partial
+import io
 import json
 from pathlib import Path
+import time
 
 from camera_to_base.commands.calibrate.command import main
+from camera_to_base.commands.calibrate.live import FreshFrames
 from camera_to_base.settings.node_settings import read_node_settings
+from camera_to_base.sources import DEVICE
 import cv2
 import numpy as np
 import pytest
@@ -112,3 +116,51 @@ def test_pictures_that_do_not_belong_together_are_refused(run, spoil, said):
     code, output, error = run('board', *names, 'c.png', '-o', 'cell.yaml')
     assert (code, output) == (1, '') and said in error and error.count('\n') == 1
     assert not Path('cell.yaml').exists()
+
+
+def test_q_ends_with_the_placements_so_far(run, monkeypatch):
+    video = cv2.VideoWriter('a.avi', cv2.VideoWriter_fourcc(*'MJPG'), 10.0, IMAGE_SIZE)
+    for number in range(40):
+        place = PLACES[0] if number < 9 else PLACES[1]
+        video.write(render(CAMERA @ placed(*place), noise=1, seed=number))
+    video.release()
+    monkeypatch.setattr('sys.stdin', io.StringIO('\nq\n'))
+    code, output, error = run(
+        'board', '--camera', 'a.avi', '--placements', '4', '--json', '-o', 'cell.yaml')
+    assert code == 0, error
+    assert '2 of 4 taken' in error and 'q to end with those so far' in error
+    assert json.loads(output)['points'] == 108
+
+
+class WaitingFrames:
+    """A camera whose frames wait in a buffer until they are read; the first pixel counts them."""
+
+    kind = DEVICE
+
+    def __init__(self):
+        self._begun, self._number = time.monotonic(), 0
+        self._picture = np.random.default_rng(0).integers(0, 255, (48, 64, 3), np.uint8)
+
+    def read(self):
+        self._number += 1
+        time.sleep(max(0.0, self._begun + 0.01 * self._number - time.monotonic()))
+        frame = self._picture.copy()
+        frame[0, 0, :2] = divmod(self._number, 256)
+        return frame
+
+    def release(self):
+        pass
+
+
+def test_frames_that_came_before_the_key_are_not_used():
+    camera = WaitingFrames()
+    begun, frames = time.monotonic(), FreshFrames(camera, 'the camera')
+    try:
+        time.sleep(0.3)
+        frames.drop()
+        pressed = (time.monotonic() - begun) / 0.01
+        high, low = map(int, frames.read()[0, 0, :2])
+        # One that is not read all the time gives the frame after the first few.
+        assert 256 * high + low >= pressed - 10
+    finally:
+        frames.release()

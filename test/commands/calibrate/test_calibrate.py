@@ -23,10 +23,12 @@ import subprocess
 import sys
 import zlib
 
+from camera_to_base.calibration.figures import ErrorFigures, warnings
 from camera_to_base.commands.calibrate.command import main
 from camera_to_base.parameters.file import parameter_text, read_parameter_file
 from camera_to_base.parameters.transform import transform_settings, TRANSFORM_SPECS
 from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
+from camera_to_base.shell_commands import full_command, run_command
 from camera_to_base.surface.models import PolynomialSurface
 import cv2
 import numpy as np
@@ -39,6 +41,7 @@ DEFAULTS = {spec.name: spec.default for spec in CAMERA_SPECS + TRANSFORM_SPECS}
 BOARD = ('--corners', '9x6', '--square-mm', '25')
 # On the board and beside it, in cm.
 POINTS = np.array([[2.0, 1.0], [18.5, 11.0], [-2.0, 6.0], [10.0, 14.0]])
+NO_FILE = "there is no file 'none.yaml': first make it with .*calibrate.* board --camera 0 "
 PAIRS = ('x_cam_cm,y_cam_cm,x_base_cm,y_base_cm\n'
          '0,0,-17.8,24.4\n36,0,18.2,24.4\n36,27,18.2,-2.6\n0,27,-17.8,-2.6\n')
 
@@ -348,9 +351,9 @@ BAD_INPUTS = {
         lambda: ('board', board_picture(), '--corners', '9x6', '--square-mm', '0,0'),
         'square_mm must be'),
     'base before the board': (lambda: ('base', '--live', 'none.yaml'),
-                              "there is no file 'none.yaml': calibrate board comes first"),
+                              NO_FILE),
     'markers before the board': (lambda: ('base', '--markers', 'none.yaml'),
-                                 "there is no file 'none.yaml': calibrate board comes first"),
+                                 NO_FILE),
     'no such corner': (lambda: ('board', board_picture(), *BOARD, '--origin-corner', 4),
                        'origin_corner must be 0..3, got 4'),
     'missing picture': (lambda: ('board', 'none.png', *BOARD), "picture 'none.png': No such file"),
@@ -414,7 +417,7 @@ BAD_INPUTS = {
     'sheet of no format': (lambda: ('sheet', '-o', 'a.doc'), 'must end in .pdf, .svg or .png'),
     'sheet that is too small': (lambda: ('sheet', '--square-mm', 40, '-o', 'a.pdf'),
                                 'does not fit on A4: squares of 25 mm do'),
-    'no such subcommand': (lambda: ('bored',), "invalid choice: 'bored'"),
+    'no such subcommand': (lambda: ('bored',), "there is no 'bored', did you mean board"),
 }
 
 
@@ -598,12 +601,13 @@ def test_status_tells_the_way_from_a_surface_to_a_cell(run):
     code, output, error = run('status', 'cell.yaml')
     assert (code, error) == (0, '')
     assert 'surface: homography for pictures of 640 x 480 px, from points.csv, 20' in output
-    assert 'next: calibrate base --live cell.yaml\n' in output
+    assert output.endswith(f'next: {full_command("calibrate", "base", "--live", "cell.yaml")}\n')
     for _ in range(2):
         code, *_ = run('base', touched(), '--surface', 'cell.yaml', '-o', 'cell.yaml', '--force')
         assert code == 0
     code, output, _ = run('status', 'cell.yaml')
-    assert 'base frame, from pairs.csv, 20' in output and 'next: calibrate check' in output
+    assert 'base frame, from pairs.csv, 20' in output
+    assert output.endswith(f'next: {run_command("cell.yaml", "0")}\n')
     comments = read_parameter_file('cell.yaml').comments
     assert sum(line.startswith('rigid from') for line in comments) == 1
     assert sum(line.startswith('homography from') for line in comments) == 1
@@ -689,3 +693,33 @@ def test_full_disk_for_the_report_is_one_sentence():
             stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
     assert child.returncode == 1
     assert child.stderr == 'calibrate: cannot print the report: No space left on device\n'
+
+
+def test_word_that_is_nearly_a_command_gets_a_suggestion_and_paper_any_case(run):
+    code, _, error = run('bord')
+    assert code == 1 and "there is no 'bord', did you mean board?" in error
+    code, output, _ = run('sheet', '--paper', 'a4', '-o', 'board.pdf')
+    assert code == 0 and 'on A4' in output
+
+
+def test_board_ends_with_a_verdict_and_the_next_command_and_the_map_is_for_the_verbose(run):
+    picture = board_picture()
+    code, output, _ = run('board', picture, *BOARD, '-o', 'cell.yaml')
+    verdict, step = output.splitlines()[-2:]
+    assert re.match(r'(good|fair|poor): 95 % of positions within \d+\.\d mm in the mid', verdict)
+    assert step == f'next: {full_command("calibrate", "base", "--live", "cell.yaml")}'
+    assert 'over the picture' not in output and '\x1b' not in output
+    code, output, _ = run('board', picture, *BOARD, '-o', 'cell.yaml', '--force', '--verbose')
+    assert 'expected within so many mm, over the picture' in output
+
+
+def test_picture_that_is_searched_is_named(run, capfd):
+    main(['board', board_picture(), '-o', 'cell.yaml'])
+    assert 'looking for the board in board.png ...' in capfd.readouterr().err
+
+
+def test_errors_below_those_of_clicks_need_no_doubt():
+    small = ErrorFigures(12, 0.01, 0.01, 0.02, 3, leave_one_out_rms_mm=0.02)
+    assert warnings(small) == []
+    large = ErrorFigures(12, 0.4, 0.4, 0.6, 3, leave_one_out_rms_mm=1.2)
+    assert 'much more than the 0.40 mm' in warnings(large)[0]

@@ -120,6 +120,46 @@ def test_giving_up_writes_nothing(run, simulated_surface):
         assert (code, output) == (1, '') and said in asked
         assert Path('cell.yaml').read_bytes() == before
         assert not Path('cell.yaml.bak').exists()
+        assert 'The pairs so far are kept in cell_touched_pairs.csv' in asked
+        Path('cell_touched_pairs.csv').unlink()
+
+
+def test_position_of_another_place_is_refused_at_once(run):
+    surface(run)
+    code, output, asked = live(run, answers={0: '-6.70 15.20\n', 1: '-6.70, 15.20\n'})
+    assert code == 0, asked
+    assert 'another place has this position, (-6.70, 15.20) cm, but the camera sees' in asked
+    assert asked.count('Place ') == 5 and asked.count('Touch its middle') == 6
+    assert tip_errors_mm().max() < 2.0
+
+
+def test_interrupted_calibration_goes_on_with_its_pairs(run):
+    surface(run)
+    code, _, asked = live(run, answers={2: ''})
+    assert code == 1 and len(Path('cell_touched_pairs.csv').read_text().splitlines()) == 3
+    code, _, asked = live(run)
+    assert code == 0, asked
+    assert '2 of 5 pairs are kept in cell_touched_pairs.csv' in asked
+    assert [f'Place {number} of 5' in asked for number in (1, 2, 3, 4, 5)] == [
+        False, False, True, True, True]
+    assert tip_errors_mm().max() < 0.8 and not Path('cell_touched_pairs.csv').exists()
+
+
+def test_pairs_of_another_surface_are_not_used(run):
+    surface(run)
+    live(run, answers={2: ''})
+    kept = Path('cell_touched_pairs.csv')
+    kept.write_text(kept.read_text().replace(' rms ', ' RMS '))
+    code, _, asked = live(run, answers={1: ''})
+    assert 'were measured with another surface: they are not used' in asked
+
+
+def test_file_that_holds_no_kept_pairs_is_not_overwritten(run):
+    surface(run)
+    Path('cell_touched_pairs.csv').write_text('mine\n')
+    code, output, error = live(run)
+    assert (code, output) == (1, '') and "'cell_touched_pairs.csv' is there, which is no" in error
+    assert Path('cell_touched_pairs.csv').read_text() == 'mine\n'
 
 
 def test_another_camera_is_told_and_strict_writes_nothing(run):
@@ -141,7 +181,7 @@ def test_base_frame_is_replaced_when_told_to_only(run, simulated_surface):
     code, _, error = live(run)
     assert code == 1 and "'cell.yaml' exists already with the base frame" in error
     assert live(run, '--force')[0] == 0
-    assert sum('rigid from' in line for line in read_parameter_file('cell.yaml').comments) == 1
+    assert sum(line.startswith('rigid from') for line in read_parameter_file('cell.yaml').comments) == 1
 
 
 @pytest.mark.slow
@@ -183,8 +223,8 @@ def test_table_of_pairs_uses_the_surface_that_the_file_holds(run, simulated_surf
 @pytest.mark.parametrize('arguments, said', [
     (('base', '-o', 'a.yaml'), 'expected a table and a file to write'),
     (('base', 'a.csv', '--live', 'cell.yaml'), 'alone, not a table'),
-    (('base', '--live', 'none.yaml'), "there is no file 'none.yaml': calibrate board comes first"),
-    (('base', '--live', 'empty.yaml'), "'empty.yaml' holds no surface: calibrate board comes"),
+    (('base', '--live', 'none.yaml'), "there is no file 'none.yaml': first make it with"),
+    (('base', '--live', 'empty.yaml'), "'empty.yaml' holds no surface: first add it"),
     (('base', '--live', 'cell.yaml', '--places', '2'), '--places must be 3 or more, got 2'),
     (('base', '--live', 'cell.yaml', '--camera', 'random'), 'is no camera that can be opened'),
     (('base', '--live', 'cell.yaml', '--camera', '/dev/video99'), 'cannot open camera'),

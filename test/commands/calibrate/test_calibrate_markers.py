@@ -22,6 +22,7 @@ from camera_to_base.coordinate_transform import (
     CameraToRobotBaseConversion, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
 from camera_to_base.parameters import read_parameter_file
 from camera_to_base.settings import read_node_settings
+from camera_to_base.shell_commands import full_command
 from camera_to_base.simulation import SimulatedBoard
 import cv2
 import numpy as np
@@ -84,10 +85,20 @@ def test_wrong_touch_can_be_repeated(cell, run_main, monkeypatch):
     assert 'The touches do not fit' in error
 
 
+def test_robot_that_touches_markers_is_practised_with_its_display(cell, run_main, monkeypatch):
+    monkeypatch.setattr('sys.stdin', answers())
+    code, _, error = run_main(main, 'base', '--markers', cell)
+    assert code == 0 and error.count('Its display shows: x ') == 4
+    shown = error.partition('Its display shows: x ')[2].splitlines()[0]
+    x, y = map(float, shown.removesuffix(' cm').split(', y '))
+    corners = SimulatedBoard(image_size=(640, 480)).true_markers
+    assert (x, y) == pytest.approx(TRUE.convert_point(*corners[0].mean(axis=0))[:2], abs=0.15)
+
+
 def test_status_names_the_markers(cell, run_main):
     _, output, _ = run_main(main, 'status', cell)
     assert 'markers: 0, 1, 2, 3' in output
-    assert f'next: calibrate base --markers {cell}' in output
+    assert f'next: {full_command("calibrate", "base", "--markers", cell)}' in output
 
 
 def test_new_surface_drops_the_markers(cell, run_main):
@@ -141,7 +152,7 @@ def test_wrong_input_is_one_sentence(cell, run_main, arguments, told):
 def test_base_needs_markers(run_main):
     run_main(main, 'board', '--camera', 'simulated', '-o', 'plain.yaml')
     code, _, error = run_main(main, 'base', '--markers', 'plain.yaml')
-    assert code == 1 and 'calibrate markers comes first' in error
+    assert code == 1 and 'holds no markers: first add it with ' in error
 
 
 @pytest.mark.parametrize('paper', ['A4', 'Letter'])

@@ -20,8 +20,13 @@ In: a parameter file, and a running node or a camera. Out: pairs of places, one 
 Callers: `commands.calibrate.base` and `commands.calibrate.marker_base`.
 """
 
-from camera_to_base.commands.calibrate.live.pairs import collect, measure_again
+from camera_to_base.commands.calibrate.live.camera import display_text, FreshFrames
+from camera_to_base.commands.calibrate.live.pairs import (
+    collect, KeptPairs, measure_again, touch_elsewhere)
 from camera_to_base.commands.calibrate.live.sources import (
     open_positions, open_robot, Positions, Robot)
 
-__all__ = ['collect', 'measure_again', 'open_positions', 'open_robot', 'Positions', 'Robot']
+__all__ = [
+    'collect', 'display_text', 'FreshFrames', 'KeptPairs', 'measure_again', 'open_positions',
+    'open_robot', 'Positions', 'Robot', 'touch_elsewhere',
+]

@@ -15,14 +15,15 @@
 """Objects on the surface, seen by a camera that this process opens itself."""
 
 import time
-from typing import Iterator, List, Tuple
+from typing import Callable, Iterator, List, Optional, Tuple
 
 from camera_to_base.calibration import FRAMES, suggested_places, Suggestion
 from camera_to_base.commands.calibrate.prompts import ask, ask_for_object, tell
 from camera_to_base.errors import CalibrationError, FrameSourceError
-from camera_to_base.reason import Level
+from camera_to_base.reason import Level, Reason
 from camera_to_base.settings import CameraSettings, NamedSource
-from camera_to_base.sources import FrameReader, SIMULATED, SourceKind
+from camera_to_base.sources import (
+    FrameReader, FrameSource, SIMULATED, SourceKind, TakenFrame)
 from camera_to_base.trust import DamageCheck, view_thumbnail
 import numpy as np
 
@@ -34,6 +35,12 @@ _MOST_FRAMES = 150
 # Frames without a position from which on their reason is told.
 _MANY = 5
 _LONGEST_WAIT_S = 8.0
+
+
+def display_text(point: Tuple[float, float]) -> str:
+    """Tell what the simulated robot's display shows."""
+    return 'The simulated robot touches it. Its display shows: x {:.2f}, y {:.2f} cm'.format(
+        *point)
 
 
 class _SeenObjects:
@@ -80,6 +87,60 @@ class _SeenObjects:
         raise NotImplementedError
 
 
+class FreshFrames:
+    """
+    A camera's frames of now: it is read all the time.
+
+    Otherwise frames that are minutes old wait in a stream's buffer while a person is asked.
+
+    :param frames: The opened camera.
+    :param name: What an error calls it.
+    :param damage: Returns why a frame is damaged and left out, see `FrameReader`.
+    :raises FrameSourceError: If it gives no frame.
+    """
+
+    def __init__(
+        self, frames: FrameSource, name: str,
+        damage: Callable[[np.ndarray], Optional[Reason]] = lambda frame: None,
+    ) -> None:
+        self.kind = frames.kind
+        self._name = name
+        self._reader = FrameReader(frames, damage=damage, may_lag=frames.kind.may_lag)
+        try:
+            self._reader.wait_for_first_attempt()
+        except FrameSourceError:
+            self._reader.close()
+            raise
+
+    def drop(self) -> None:
+        """Drop what has come so far: the next frame is a later one."""
+        self._reader.take()
+
+    def read(self) -> np.ndarray:
+        """Wait for the next frame, see `FrameSource.read`."""
+        return self.take().image
+
+    def take(self) -> TakenFrame:
+        """
+        Wait for the next frame.
+
+        :raises FrameSourceError: If none comes for some seconds.
+        """
+        until = time.monotonic() + _LONGEST_WAIT_S
+        while time.monotonic() < until:
+            taken = self._reader.take()
+            if taken is not None:
+                return taken
+            time.sleep(0.005)
+        raise FrameSourceError(
+            f'{self._name} gives no frame for {_LONGEST_WAIT_S:g} s: '
+            f'{self._reader.error or "is it plugged in, and free?"}')
+
+    def release(self) -> None:
+        """Release the camera."""
+        self._reader.close()
+
+
 class CameraPositions(_SeenObjects):
     """
     Positions from a camera.
@@ -91,26 +152,19 @@ class CameraPositions(_SeenObjects):
 
     def __init__(self, settings: CameraSettings, source: NamedSource) -> None:
         super().__init__(settings, source.name, source.kind)
-        # It reads all the time: otherwise frames that are minutes old wait in a stream's buffer.
-        self._reader = FrameReader(
-            source.frames, damage=DamageCheck().reason, may_lag=source.kind.may_lag)
-        try:
-            self._reader.wait_for_first_attempt()
-        except FrameSourceError:
-            self._reader.close()
-            raise
+        self._frames = FreshFrames(source.frames, self.name, DamageCheck().reason)
 
     def prepare(self) -> None:
         """Take the background of the empty surface."""
         ask('Clear the surface, and take your hand and the robot out of the picture. Then press '
             'Enter:')
-        self._reader.take()
+        self._frames.drop()
         self._take_background()
 
     def see(self, suggestion: Suggestion) -> List[List[Tuple[float, float]]]:
         """Ask for an object, see `Positions`."""
         ask_for_object(suggestion)
-        self._reader.take()
+        self._frames.drop()
         return self._positions()
 
     def robot_hint(self) -> str:
@@ -119,18 +173,10 @@ class CameraPositions(_SeenObjects):
 
     def close(self) -> None:
         """Release the camera."""
-        self._reader.close()
+        self._frames.release()
 
     def _frame(self) -> Tuple[np.ndarray, float]:
-        until = time.monotonic() + _LONGEST_WAIT_S
-        while time.monotonic() < until:
-            taken = self._reader.take()
-            if taken is not None:
-                return taken.image, taken.taken_at
-            time.sleep(0.005)
-        raise FrameSourceError(
-            f'{self.name} gives no frame for {_LONGEST_WAIT_S:g} s: '
-            f'{self._reader.error or "is it plugged in, and free?"}')
+        return self._frames.take()
 
 
 class SimulatedPositions(_SeenObjects):
@@ -157,8 +203,7 @@ class SimulatedPositions(_SeenObjects):
 
     def robot_hint(self) -> str:
         """Return what the simulated robot's display shows."""
-        return 'The simulated robot touches it. Its display shows: x {:.2f}, y {:.2f} cm'.format(
-            *self._table.robot_position())
+        return display_text(self._table.robot_position())
 
     def close(self) -> None:
         """Do nothing: there is no device to give back."""
