@@ -29,11 +29,13 @@ from camera_to_base.simulation import SimulatedBoard, SimulatedChessboard
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [*ROOT.glob('*.md'), *(ROOT / 'docs').glob('*.md')]
+DOCS = ROOT / 'docs'
+ALL_DOCS = sorted(DOCS.glob('**/*.md'))
+PAGES = [*ROOT.glob('*.md'), *ALL_DOCS]
 LAUNCH_FILE = (ROOT / 'launch' / 'camera_to_base.launch.py').read_text()
 NODES = {'camera_publisher', 'robot_base_publisher', 'robotic_arm_publishing_subscriber'}
 
-each_page = pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+each_page = pytest.mark.parametrize('page', PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 
 
 def commands_of(page):
@@ -56,10 +58,10 @@ def test_readme_is_read_in_one_sitting():
     assert len((ROOT / 'README.md').read_text().split()) <= 1800
 
 
-def test_contents_list_each_page():
-    contents = (ROOT / 'docs' / 'README.md').read_text()
-    for page in (ROOT / 'docs').glob('*.md'):
-        assert page.name == 'README.md' or f']({page.name})' in contents, page.name
+def test_contents_list_each_page_of_both_shelves():
+    contents = (DOCS / 'README.md').read_text()
+    for page in set(ALL_DOCS) - {DOCS / 'README.md'}:
+        assert f']({page.relative_to(DOCS)})' in contents, page
 
 
 @each_page
@@ -96,7 +98,7 @@ def test_files_of_the_package_are_there(page):
 
 
 def test_each_kind_of_reason_is_listed():
-    page = (ROOT / 'docs' / 'topics_and_frames.md').read_text()
+    page = (DOCS / 'topics_and_frames.md').read_text()
     kinds = {kind for module in (ROOT / 'camera_to_base').glob('**/*.py') for kind in re.findall(
         r"(?:[Rr]eason|_waiting|_damage|_left_out)\(\s*'(\w+)'", module.read_text())}
     assert len(kinds) > 20
@@ -177,7 +179,7 @@ def practised(tmp_path, monkeypatch, capsys):
 @pytest.fixture
 def walked(tmp_path, monkeypatch, capsys):
     """Follow the overhead page's calibration without a camera, and its table; give the output."""
-    page = (ROOT / 'docs' / 'overhead_camera.md').read_text()
+    page = (DOCS / 'overhead_camera.md').read_text()
     monkeypatch.chdir(tmp_path)
     run_calibrate(page, 'board --camera simulated')
     pairs = block_below(page, 'x_cam_cm,y_cam_cm,x_base_cm,y_base_cm')
