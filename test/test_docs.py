@@ -178,8 +178,8 @@ def practised(tmp_path, monkeypatch, capsys):
 
 @pytest.fixture
 def walked(tmp_path, monkeypatch, capsys):
-    """Follow the overhead page's calibration without a camera, and its table; give the output."""
-    page = (DOCS / 'overhead_camera.md').read_text()
+    """Follow the calibration by hand without a camera, and its table; give the output."""
+    page = (DOCS / 'calibration_by_hand.md').read_text()
     monkeypatch.chdir(tmp_path)
     run_calibrate(page, 'board --camera simulated')
     pairs = block_below(page, 'x_cam_cm,y_cam_cm,x_base_cm,y_base_cm')
@@ -215,7 +215,7 @@ def test_readme_locates_the_simulated_objects_to_half_a_millimetre(practised):
         assert float(row['y_base_cm']) == pytest.approx(24.4 - y, abs=0.05)
 
 
-def test_overhead_page_shows_what_calibrate_prints(walked):
+def test_page_of_pairs_shows_what_calibrate_prints(walked):
     page, printed = walked
     shown = block_below(page, re.search('camera frame in the base frame: .*', page).group())
     assert len(shown) == 3
