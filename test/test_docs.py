@@ -18,6 +18,7 @@ import csv
 from pathlib import Path
 import re
 import shlex
+from xml.etree import ElementTree
 
 from camera_to_base.commands.calibrate.command import main as calibrate
 from camera_to_base.commands.calibrate.options import parse
@@ -137,6 +138,29 @@ def test_launch_arguments_are_declared(page):
         if command.startswith('ros2 launch camera_to_base '):
             for name in re.findall(r' (\w+):=', command):
                 assert name in declared, command
+
+
+def test_readme_shows_the_example_as_it_is():
+    readme = (ROOT / 'README.md').read_text()
+    example = (ROOT / 'examples' / 'print_positions.py').read_text()
+    code = example.partition('"""\n\n')[2]
+    shown = re.search(r'^ {4}from geometry_msgs.*?^ {8}pass\n', readme, re.M | re.S).group()
+    assert re.sub('^    ', '', shown, flags=re.MULTILINE) == code
+
+
+def test_launch_file_of_the_readme_gives_declared_arguments():
+    readme = (ROOT / 'README.md').read_text()
+    launch = ElementTree.fromstring(re.search(r'<launch>.*?</launch>', readme, re.S).group())
+    include, = launch
+    _, _, path = include.get('file').partition('$(find-pkg-share camera_to_base)/')
+    assert (ROOT / path).exists()
+    declared = re.findall(r"DeclareLaunchArgument\(\s*'(\w+)'", LAUNCH_FILE)
+    assert {argument.get('name') for argument in include} <= set(declared)
+
+
+def test_maintainer_fills_in_addresses_and_none_is_made_up():
+    for path in [*PAGES, ROOT / 'package.xml', ROOT / 'setup.py']:
+        assert 'example.org' not in path.read_text(), path
 
 
 # What README says to write in the place of a camera.
