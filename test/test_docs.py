@@ -31,6 +31,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / 'docs'
+USER_PAGES = sorted(set(DOCS.glob('*.md')) - {DOCS / 'README.md'})
 ALL_DOCS = sorted(DOCS.glob('**/*.md'))
 PAGES = [*ROOT.glob('*.md'), *ALL_DOCS]
 LAUNCH_FILE = (ROOT / 'launch' / 'camera_to_base.launch.py').read_text()
@@ -63,6 +64,17 @@ def test_contents_list_each_page_of_both_shelves():
     contents = (DOCS / 'README.md').read_text()
     for page in set(ALL_DOCS) - {DOCS / 'README.md'}:
         assert f']({page.relative_to(DOCS)})' in contents, page
+
+
+def test_pages_for_users_are_about_ten_and_short():
+    # Of the parameters, the tables are generated: they are looked up, not read.
+    pages = [page for page in USER_PAGES if page.name != 'parameters.md']
+    assert len(pages) <= 12
+    assert not [page.name for page in pages if len(page.read_text().split()) > 1200]
+
+
+def test_all_pages_together_stay_short():
+    assert sum(len(page.read_text().split()) for page in ALL_DOCS) <= 22000
 
 
 @each_page
