@@ -44,7 +44,7 @@ setup(
     zip_safe=False,
     options={'build_scripts': {'executable': interpreter}},
     maintainer='The camera_to_base authors',
-    maintainer_email='camera-to-base@example.org',
+    maintainer_email='maintainer@todo.todo',
     description="Objects that a camera sees on a surface, as points in the robot's base frame.",
     license='Apache-2.0',
     extras_require={

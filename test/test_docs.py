@@ -18,6 +18,7 @@ import csv
 from pathlib import Path
 import re
 import shlex
+from xml.etree import ElementTree
 
 from camera_to_base.commands.calibrate.command import main as calibrate
 from camera_to_base.commands.calibrate.options import parse
@@ -29,11 +30,14 @@ from camera_to_base.simulation import SimulatedBoard, SimulatedChessboard
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [*ROOT.glob('*.md'), *(ROOT / 'docs').glob('*.md')]
+DOCS = ROOT / 'docs'
+USER_PAGES = sorted(set(DOCS.glob('*.md')) - {DOCS / 'README.md'})
+ALL_DOCS = sorted(DOCS.glob('**/*.md'))
+PAGES = [*ROOT.glob('*.md'), *ALL_DOCS]
 LAUNCH_FILE = (ROOT / 'launch' / 'camera_to_base.launch.py').read_text()
 NODES = {'camera_publisher', 'robot_base_publisher', 'robotic_arm_publishing_subscriber'}
 
-each_page = pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+each_page = pytest.mark.parametrize('page', PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 
 
 def commands_of(page):
@@ -56,10 +60,21 @@ def test_readme_is_read_in_one_sitting():
     assert len((ROOT / 'README.md').read_text().split()) <= 1800
 
 
-def test_contents_list_each_page():
-    contents = (ROOT / 'docs' / 'README.md').read_text()
-    for page in (ROOT / 'docs').glob('*.md'):
-        assert page.name == 'README.md' or f']({page.name})' in contents, page.name
+def test_contents_list_each_page_of_both_shelves():
+    contents = (DOCS / 'README.md').read_text()
+    for page in set(ALL_DOCS) - {DOCS / 'README.md'}:
+        assert f']({page.relative_to(DOCS)})' in contents, page
+
+
+def test_pages_for_users_are_about_ten_and_short():
+    # Of the parameters, the tables are generated: they are looked up, not read.
+    pages = [page for page in USER_PAGES if page.name != 'parameters.md']
+    assert len(pages) <= 13
+    assert not [page.name for page in pages if len(page.read_text().split()) > 1200]
+
+
+def test_all_pages_together_stay_short():
+    assert sum(len(page.read_text().split()) for page in ALL_DOCS) <= 22000
 
 
 @each_page
@@ -96,7 +111,7 @@ def test_files_of_the_package_are_there(page):
 
 
 def test_each_kind_of_reason_is_listed():
-    page = (ROOT / 'docs' / 'topics_and_frames.md').read_text()
+    page = (DOCS / 'topics_and_frames.md').read_text()
     kinds = {kind for module in (ROOT / 'camera_to_base').glob('**/*.py') for kind in re.findall(
         r"(?:[Rr]eason|_waiting|_damage|_left_out)\(\s*'(\w+)'", module.read_text())}
     assert len(kinds) > 20
@@ -135,6 +150,29 @@ def test_launch_arguments_are_declared(page):
         if command.startswith('ros2 launch camera_to_base '):
             for name in re.findall(r' (\w+):=', command):
                 assert name in declared, command
+
+
+def test_readme_shows_the_example_as_it_is():
+    readme = (ROOT / 'README.md').read_text()
+    example = (ROOT / 'examples' / 'print_positions.py').read_text()
+    code = example.partition('"""\n\n')[2]
+    shown = re.search(r'^ {4}from geometry_msgs.*?^ {8}pass\n', readme, re.M | re.S).group()
+    assert re.sub('^    ', '', shown, flags=re.MULTILINE) == code
+
+
+def test_launch_file_of_the_readme_gives_declared_arguments():
+    readme = (ROOT / 'README.md').read_text()
+    launch = ElementTree.fromstring(re.search(r'<launch>.*?</launch>', readme, re.S).group())
+    include, = launch
+    _, _, path = include.get('file').partition('$(find-pkg-share camera_to_base)/')
+    assert (ROOT / path).exists()
+    declared = re.findall(r"DeclareLaunchArgument\(\s*'(\w+)'", LAUNCH_FILE)
+    assert {argument.get('name') for argument in include} <= set(declared)
+
+
+def test_maintainer_fills_in_addresses_and_none_is_made_up():
+    for path in [*PAGES, ROOT / 'package.xml', ROOT / 'setup.py']:
+        assert 'example.org' not in path.read_text(), path
 
 
 # What README says to write in the place of a camera.
@@ -176,8 +214,8 @@ def practised(tmp_path, monkeypatch, capsys):
 
 @pytest.fixture
 def walked(tmp_path, monkeypatch, capsys):
-    """Follow the overhead page's calibration without a camera, and its table; give the output."""
-    page = (ROOT / 'docs' / 'overhead_camera.md').read_text()
+    """Follow the calibration by hand without a camera, and its table; give the output."""
+    page = (DOCS / 'calibration_by_hand.md').read_text()
     monkeypatch.chdir(tmp_path)
     run_calibrate(page, 'board --camera simulated')
     pairs = block_below(page, 'x_cam_cm,y_cam_cm,x_base_cm,y_base_cm')
@@ -214,7 +252,7 @@ def test_readme_locates_the_simulated_objects_to_half_a_millimetre(practised):
         assert float(row['y_base_cm']) == pytest.approx(24.4 - y, abs=0.05)
 
 
-def test_overhead_page_shows_what_calibrate_prints(walked):
+def test_page_of_pairs_shows_what_calibrate_prints(walked):
     page, printed = walked
     shown = block_below(page, re.search('camera frame in the base frame: .*', page).group())
     assert len(shown) == 3

@@ -73,8 +73,7 @@ class CameraWatch:
         if _kind(self._reason) != _kind(before) or _level(self._reason) != _level(before):
             self._tell(self._reason)
             self._diagnostics.publish()
-        doubt = self._pipeline.doubt
-        self._tell_doubt(doubt and doubt.told(self._with_commands))
+        self._tell_doubt(self._doubt())
         faintness = self._pipeline.faintness
         if faintness is not None and not self._told_faintness:
             self._told_faintness = True
@@ -108,7 +107,11 @@ class CameraWatch:
                   **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
-        return Health(self._reason or self._pipeline.doubt or well, values)
+        return Health(self._reason or self._doubt() or well, values)
+
+    def _doubt(self) -> Optional[Reason]:
+        doubt = self._pipeline.doubt
+        return doubt and doubt.told(self._with_commands)
 
 
 def _kind(reason: Optional[Reason]) -> Optional[str]:

@@ -252,7 +252,7 @@ def test_no_position_is_published_from_a_damaged_frame(ros, server_class, name):
         assert ros.spin_until(lambda: len(positions) > count, 3.0)
     assert camera.damaged_count >= 3
     # One frame of a thousand with flipped bits moves its position by less than confirm_jump_px in
-    # x and y, which looks like an object that moves: see docs/damaged_pictures.md.
+    # x and y, which looks like an object that moves: see docs/how_it_works/damaged_pictures.md.
     assert largest_error_cm(positions) < (0.64 if name.startswith('flip') else 0.2)
 
 

@@ -17,7 +17,7 @@
 import argparse
 import os
 import shlex
-from typing import Any, Dict, Iterable, Mapping, NamedTuple, Optional
+from typing import Any, Dict, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
     BASE, Calibration, cell_text, grown, MARKERS, next_step, part_values, parts_of, parts_to_lose,

@@ -162,9 +162,8 @@ def test_file_that_holds_no_kept_pairs_is_not_overwritten(run):
     assert Path('cell_touched_pairs.csv').read_text() == 'mine\n'
 
 
-def test_another_camera_is_told_and_strict_writes_nothing(run):
-    surface(run)
-    text = Path('cell.yaml').read_text().replace('device: simulated', 'device: /dev/video7')
+def test_another_camera_is_told_and_strict_writes_nothing(run, simulated_surface):
+    text = simulated_surface.replace('device: simulated', 'device: /dev/video7')
     Path('cell.yaml').write_text(text.replace('{device:', '{strict: true, device:'))
     code, output, asked = live(run, answers={0: 'q\n'})
     assert (code, output) == (1, '')
@@ -181,7 +180,8 @@ def test_base_frame_is_replaced_when_told_to_only(run, simulated_surface):
     code, _, error = live(run)
     assert code == 1 and "'cell.yaml' exists already with the base frame" in error
     assert live(run, '--force')[0] == 0
-    assert sum(line.startswith('rigid from') for line in read_parameter_file('cell.yaml').comments) == 1
+    comments = read_parameter_file('cell.yaml').comments
+    assert sum(line.startswith('rigid from') for line in comments) == 1
 
 
 @pytest.mark.slow
