@@ -23,11 +23,8 @@ import time
 from urllib.error import URLError
 from urllib.request import urlopen
 
-from ament_index_python.packages import get_package_share_directory
-from ros_helpers import NotInTime, Process
+from ros_helpers import NotInTime, Process, SIMULATED_CELL
 
-SIMULATED = os.path.join(get_package_share_directory('camera_to_base'), 'config',
-                         'simulated_camera.yaml')
 DRIVERS = ('/usr/bin/chromedriver', 'chromedriver')
 BROWSERS = ('/usr/bin/chromium', 'chromium', 'chromium-browser', 'google-chrome')
 # The machine may be busy with other tests.
@@ -87,8 +84,8 @@ class Cell:
         self._namespace = namespace
         self._camera = camera or ('-p', 'source:=simulated')
         # Without a file, the simulated camera has its own calibration.
-        file = params_file or ('' if camera else SIMULATED)
-        self._file = ('--params-file', file) if file else ()
+        own = ('--params-file', params_file) if params_file else ()
+        self._file = own or (() if camera else SIMULATED_CELL)
         self._save = ('-p', f'params_file:={params_file}') if params_file else ()
         self.processes = {}
         for name in ('robot_base_publisher', 'camera_publisher', 'dashboard'):

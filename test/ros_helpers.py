@@ -21,7 +21,7 @@ import subprocess
 import sys
 import time
 
-from ament_index_python.packages import get_package_prefix
+from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import Log
@@ -38,6 +38,9 @@ CAMERA_TOPIC = '/pos_in_cam_frame'
 BASE_TOPIC = '/pos_in_robot_base_frame'
 OBJECTS_TOPIC = '/objects_in_cam_frame'
 TRUE_TOPIC = '/true_pos_in_cam_frame'
+# The simulated camera's own calibration.
+SIMULATED_CELL = ('--params-file', os.path.join(
+    get_package_share_directory('camera_to_base'), 'config', 'simulated_camera.yaml'))
 
 
 class NotInTime(AssertionError):

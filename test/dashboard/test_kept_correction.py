@@ -21,7 +21,7 @@ from geometry_msgs.msg import PoseArray
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
-from ros_helpers import OBJECTS_TOPIC
+from ros_helpers import OBJECTS_TOPIC, SIMULATED_CELL
 
 BUMP = {'simulated.camera_shift_px': [5.0, -4.0], 'simulated.camera_turn_deg': 0.4}
 
@@ -35,7 +35,8 @@ def status(ros):
 def node(ros):
     arguments = ('source:=simulated', 'simulated.frame_rate:=20.0', 'simulated.table:=wood',
                  'simulated.shows:=still_objects')
-    node = ros.add(CameraPublisher, *(word for one in arguments for word in ('-p', one)))
+    node = ros.add(
+        CameraPublisher, *SIMULATED_CELL, *(word for one in arguments for word in ('-p', one)))
     ros.add(RobotBasePublisher)
     return node
 

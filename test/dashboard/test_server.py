@@ -19,6 +19,7 @@ import cv2
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
+from ros_helpers import SIMULATED_CELL
 
 SIMULATED = ('-p', 'source:=simulated')
 
@@ -143,7 +144,9 @@ def test_pictures_come_as_they_are_asked_for(ros, dashboard, cell, kind, flag):
     assert picture.shape[:2] == (480, 640)
 
 
-def test_log_and_health_of_both_nodes_are_shown(ros, dashboard, cell):
+def test_log_and_health_of_both_nodes_are_shown(ros, dashboard):
+    ros.add(CameraPublisher, *SIMULATED, *SIMULATED_CELL)
+    ros.add(RobotBasePublisher)
     page = dashboard()
     page.look()
     nodes = ['/camera_publisher', '/robot_base_publisher']

@@ -21,7 +21,7 @@ from camera_to_base.nodes.camera_publisher import CameraPublisher
 from geometry_msgs.msg import PoseArray, PoseStamped
 import pytest
 from rclpy.parameter import Parameter
-from ros_helpers import OBJECTS_TOPIC
+from ros_helpers import OBJECTS_TOPIC, SIMULATED_CELL
 
 TOOL_TOPIC = '/simulated_tool'
 TRUE_OBJECTS_TOPIC = '/true_objects_in_cam_frame'
@@ -30,7 +30,7 @@ TRUE_OBJECTS_TOPIC = '/true_objects_in_cam_frame'
 def start(ros, *parameters):
     arguments = [word for parameter in ('source:=simulated', 'simulated.frame_rate:=30.0',
                                         *parameters) for word in ('-p', parameter)]
-    return ros.add(CameraPublisher, *arguments)
+    return ros.add(CameraPublisher, *SIMULATED_CELL, *arguments)
 
 
 def change(node, **values):

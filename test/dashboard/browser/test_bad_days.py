@@ -60,6 +60,7 @@ window.WebSocket = class extends WebSocket {
 };
 window.addEventListener('load', () => {
   const text = document.getElementById('banner-text');
+  if (!text) return;
   window.shown = [];
   new MutationObserver(() => window.shown.push(text.textContent)).observe(
     text, {childList: true, characterData: true, subtree: true});

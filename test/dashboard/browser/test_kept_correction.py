@@ -34,7 +34,7 @@ def test_the_offer_appears_after_a_nudge_and_a_click_writes_the_file(
     path.write_text('/**:\n  ros__parameters:\n    source: simulated\n    simulated:\n'
                     '      table: wood\n      shows: still_objects\n')
     page = open_page(start_cell(params_file=str(path)))
-    page.wait_for('published', '#banner')
+    page.wait_for('not calibrated', '#banner')
     page.go_to('save')
     page.wait_for('Nothing has changed', '#part-save')
     assert 'nudged' not in page.read('#part-save')
