@@ -93,7 +93,8 @@ class BackgroundKeeper(Stage):
         self.use(Background(picture, time.monotonic(), frame if self._confirm else None))
         return self.current
 
-    def _judged(self, record: FrameRecord) -> FrameRecord:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Take the frame into the background while one is taken, and hold it back."""
         if self.current is None:
             taken = self.add(record.frame, record.now)
             if taken is not None:

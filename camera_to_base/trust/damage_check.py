@@ -69,7 +69,8 @@ class FrameCheck(Stage):
     def __init__(self, damage: Optional['DamageCheck'] = None) -> None:
         self._damage = damage
 
-    def _judged(self, record: FrameRecord) -> FrameRecord:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Check the frame itself."""
         check_frame(record.frame)
         reason = None if self._damage is None else self._damage.reason(record.frame)
         return record if reason is None else record.held(

@@ -39,7 +39,8 @@ class SizeCheck(Stage):
     def __init__(self, prepare: Callable[[Standpoint], None]) -> None:
         self._prepare = prepare
 
-    def _judged(self, record: FrameRecord) -> FrameRecord:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Check the sizes; where they differ, an error says which."""
         self._prepare(record.standpoint)
         check_same_size(record.frame, record.standpoint.background.picture)
         return record
@@ -109,7 +110,8 @@ class DetectionStage(Stage):
                 size, math.nan if noise is None else noise,
                 self._shifts.of(standpoint.background).deviation_px))
 
-    def _judged(self, record: FrameRecord) -> FrameRecord:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Find the objects."""
         standpoint, motion, frame = record.standpoint, record.motion, record.frame
         self.prepare(standpoint)
         if self._settings.method == 'precise':

@@ -48,7 +48,8 @@ class PositionGate(Stage):
         self._max_age_s = max_age_s
         self._jumps.radius_px = jump_radius_px
 
-    def _judged(self, record: FrameRecord) -> FrameRecord:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Hold back what is too old, and leave out what no second frame confirms."""
         # If the largest object is not confirmed, none is published. Other objects are left out
         # until they are confirmed.
         taken_at = time.monotonic() if record.taken_at is None else record.taken_at

@@ -57,7 +57,8 @@ class OwnCamera(Stage):
         reason = self._device_reason or self._view_reason(background)
         return reason._replace(level=Level.ERROR) if reason and self._is_strict else reason
 
-    def _judged(self, record: FrameRecord) -> FrameRecord:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Hold a frame back if the calibration is another camera's, where that is strict."""
         reason = self.reason(record.standpoint.taken.picture) if self._is_strict else None
         return record if reason is None else record.held(reason)
 

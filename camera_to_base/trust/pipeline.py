@@ -193,7 +193,11 @@ class CameraPipeline:
         """
         record = FrameRecord(frame, self.standpoint, taken_at, self._time_of(taken_at))
         for stage in self._stages:
-            record = self._judged(record, stage)
+            if record.reason is None or stage.sees_held_back:
+                try:
+                    record = stage.judge(record)
+                except CameraToBaseError as error:
+                    record = record.held(self._unusable(error, record.standpoint))
         self._stand_at(record.standpoint)
         if record.retaken:
             self.capture_background(record.retaken)
@@ -209,13 +213,9 @@ class CameraPipeline:
         return (self._damage, self.backgrounds, self._sizes, self._view, self._detection,
                 self._arms, *gate, self._markers, self._own_camera)
 
-    def _judged(self, record: FrameRecord, stage: Stage) -> FrameRecord:
-        try:
-            return stage.judge(record)
-        except CameraToBaseError as error:
-            # A new background does not change the picture size of the surface's calibration.
-            return record.held(unusable_reason(
-                error, may_retake=self._detection.is_prepared(record.standpoint)))
+    def _unusable(self, error: CameraToBaseError, standpoint: Standpoint) -> Reason:
+        # A new background does not change the picture size of the surface's calibration.
+        return unusable_reason(error, may_retake=self._detection.is_prepared(standpoint))
 
     def _limits_here(self, limits: Limits) -> Limits:
         return limits.for_recording if self._kind.ends else limits

@@ -78,9 +78,11 @@ class Stage:
     """
     A check that each frame passes.
 
-    A frame that an earlier stage has held back passes as it is. A stage to which such a frame
-    tells something, too, overrides `judge`, all others `_judged`.
+    `sees_held_back` tells whether it also judges frames that an earlier stage has held back. All
+    others are left out for such a frame.
     """
+
+    sees_held_back = False
 
     def judge(self, record: FrameRecord) -> FrameRecord:
         """
@@ -89,7 +91,4 @@ class Stage:
         :returns: The record with what the stage has found.
         :raises CameraToBaseError: If the frame cannot be used.
         """
-        return record if record.reason is not None else self._judged(record)
-
-    def _judged(self, record: FrameRecord) -> FrameRecord:
         raise NotImplementedError

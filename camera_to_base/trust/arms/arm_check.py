@@ -77,6 +77,8 @@ class ArmStage(Stage):
     :param settings: The detector's settings.
     """
 
+    sees_held_back = True
+
     def __init__(self, settings: DetectorSettings) -> None:
         self._settings = settings
         self._checks: PerBackground[ArmCheck] = PerBackground(
@@ -91,13 +93,11 @@ class ArmStage(Stage):
                 check.forget_objects()
 
     def judge(self, record: FrameRecord) -> FrameRecord:
-        """Judge a frame, and note where the camera stands even for a frame that is held back."""
+        """Leave out objects that are not free; of a frame held back, note where the camera is."""
         if record.standpoint is not self._standpoint and record.standpoint.background is not None:
             self._stand_at(record.standpoint)
-        return super().judge(record)
-
-    def _judged(self, record: FrameRecord) -> FrameRecord:
-        if not record.motion.is_in_place or not _leaves_out_cut_off(self._settings):
+        if (record.reason is not None or not record.motion.is_in_place
+                or not _leaves_out_cut_off(self._settings)):
             return record
         return self._checks.of(record.standpoint.background).judge(record)
 

@@ -64,6 +64,8 @@ class MarkerWatch(Stage):
     `doubt` is why positions are published with a warning, or None.
     """
 
+    sees_held_back = True
+
     def __init__(self, settings: Optional[MarkerSettings]) -> None:
         self._settings = settings
         self._background: Optional[Background] = None

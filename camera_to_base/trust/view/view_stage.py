@@ -60,7 +60,8 @@ class ViewStage(Stage):
         background = standpoint.background
         return None if background is None else self._watches.of(background).view
 
-    def _judged(self, record: FrameRecord) -> FrameRecord:
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Compare the view; follow the camera where it was nudged."""
         self._follow(record.standpoint)
         standpoint, self.reason = self._compared(record, self._pace.begin(record.now))
         watch = self._watch(standpoint)
