@@ -165,7 +165,8 @@ def test_base_frame_is_replaced_when_told_to_only(run):
     code, _, error = live(run)
     assert code == 1 and "'cell.yaml' exists already with the base frame" in error
     assert live(run, '--force')[0] == 0
-    assert sum(line.startswith('rigid from') for line in read_parameter_file('cell.yaml').comments) == 1
+    comments = read_parameter_file('cell.yaml').comments
+    assert sum(line.startswith('rigid from') for line in comments) == 1
 
 
 def test_new_surface_drops_the_base_frame_with_a_word_and_keeps_other_parameters(run):
