@@ -201,9 +201,9 @@ def test_new_surface_drops_the_base_frame_with_a_word_and_keeps_other_parameters
     assert 'rotation_deg' in read_parameter_file('cell.yaml.bak').values
 
 
-def test_parameters_of_ones_own_are_kept_without_force(run, simulated_surface):
+def test_parameters_of_ones_own_are_kept_without_force(run):
     Path('cell.yaml').write_text('/**:\n  ros__parameters: {reach_cm: 80.0}\n')
-    Path('cell.yaml').write_text(simulated_surface)
+    surface(run)
     assert read_parameter_file('cell.yaml').values['reach_cm'] == 80.0
 
 
