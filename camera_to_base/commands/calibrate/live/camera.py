@@ -20,7 +20,6 @@ from typing import Iterator, List, Tuple
 from camera_to_base.calibration import FRAMES, suggested_places, Suggestion
 from camera_to_base.commands.calibrate.prompts import ask, ask_for_object, tell
 from camera_to_base.errors import CalibrationError, FrameSourceError
-from camera_to_base.reason import Level
 from camera_to_base.settings import CameraSettings, NamedSource
 from camera_to_base.sources import FrameReader, SIMULATED, SourceKind
 from camera_to_base.trust import DamageCheck, view_thumbnail
@@ -34,6 +33,8 @@ _MOST_FRAMES = 150
 # Frames without a position from which on their reason is told.
 _MANY = 5
 _LONGEST_WAIT_S = 8.0
+# Kinds of reasons that do not pass: the calibration is not this camera's.
+_OTHER = 'other_camera', 'other_view'
 
 
 class _SeenObjects:
@@ -61,9 +62,9 @@ class _SeenObjects:
         raise CalibrationError(reason.sentence)
 
     def _tell_doubt(self) -> None:
-        doubt = self._pipeline.doubt
-        if doubt is not None and doubt.level is Level.ERROR:
-            raise CalibrationError(doubt.sentence)
+        reason, doubt = self._pipeline.reason, self._pipeline.doubt
+        if reason is not None and reason.kind in _OTHER:
+            raise CalibrationError(reason.sentence)
         if doubt is not None:
             tell(doubt.sentence)
 
