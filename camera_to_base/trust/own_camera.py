@@ -38,7 +38,7 @@ class OwnCamera(Stage):
         self, source: str = '', calibrated: str = '', thumbnail: Optional[np.ndarray] = None,
         is_strict: bool = False,
     ) -> None:
-        self._thumbnail, self._is_strict = thumbnail, is_strict
+        self._thumbnail, self.is_strict = thumbnail, is_strict
         self._background: Optional[np.ndarray] = None
         self._other_view = False
         self._device_reason: Optional[Reason] = None
@@ -55,11 +55,11 @@ class OwnCamera(Stage):
         :returns: An error if frames are held back for it, otherwise a warning.
         """
         reason = self._device_reason or self._view_reason(background)
-        return reason._replace(level=Level.ERROR) if reason and self._is_strict else reason
+        return reason._replace(level=Level.ERROR) if reason and self.is_strict else reason
 
     def judge(self, record: FrameRecord) -> FrameRecord:
         """Hold a frame back if the calibration is another camera's, where that is strict."""
-        reason = self.reason(record.standpoint.taken.picture) if self._is_strict else None
+        reason = self.reason(record.standpoint.taken.picture) if self.is_strict else None
         return record if reason is None else record.held(reason)
 
     def _view_reason(self, background: Optional[np.ndarray]) -> Optional[Reason]:

@@ -159,7 +159,7 @@ class CameraPipeline:
     @property
     def doubt(self) -> Optional[Reason]:
         """Why positions are published with a warning: another camera, a nudge...; or None."""
-        return (self._own_camera.reason(self.background) or self._markers.doubt
+        return (self._own_reason(is_strict=False) or self._markers.doubt
                 or self.standpoint.surface.reason)
 
     @property
@@ -180,7 +180,8 @@ class CameraPipeline:
 
         A passing reason counts after a second, see :class:`HeldBack`.
         """
-        return self.backgrounds.reason or self._held_back.reason
+        return (self.backgrounds.reason or self._own_reason(is_strict=True)
+                or self._held_back.reason)
 
     def process(self, frame: np.ndarray, taken_at: Optional[float] = None) -> Sighting:
         """
@@ -216,6 +217,11 @@ class CameraPipeline:
     def _unusable(self, error: CameraToBaseError, standpoint: Standpoint) -> Reason:
         # A new background does not change the picture size of the surface's calibration.
         return unusable_reason(error, may_retake=self._detection.is_prepared(standpoint))
+
+    def _own_reason(self, is_strict: bool) -> Optional[Reason]:
+        # Frame by frame it may be hidden behind a reason that passes.
+        own = self._own_camera
+        return own.reason(self.background) if own.is_strict == is_strict else None
 
     def _limits_here(self, limits: Limits) -> Limits:
         return limits.for_recording if self._kind.ends else limits

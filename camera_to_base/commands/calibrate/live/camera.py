@@ -20,7 +20,7 @@ from typing import Callable, Iterator, List, Optional, Tuple
 from camera_to_base.calibration import FRAMES, suggested_places, Suggestion
 from camera_to_base.commands.calibrate.prompts import ask, ask_for_object, tell
 from camera_to_base.errors import CalibrationError, FrameSourceError
-from camera_to_base.reason import Level, Reason
+from camera_to_base.reason import Reason
 from camera_to_base.settings import CameraSettings, NamedSource
 from camera_to_base.sources import (
     FrameReader, FrameSource, SIMULATED, SourceKind, TakenFrame)
@@ -35,6 +35,8 @@ _MOST_FRAMES = 150
 # Frames without a position from which on their reason is told.
 _MANY = 5
 _LONGEST_WAIT_S = 8.0
+# Kinds of reasons that do not pass: the calibration is not this camera's.
+_OTHER = 'other_camera', 'other_view'
 
 
 def display_text(point: Tuple[float, float]) -> str:
@@ -68,9 +70,9 @@ class _SeenObjects:
         raise CalibrationError(reason.sentence)
 
     def _tell_doubt(self) -> None:
-        doubt = self._pipeline.doubt
-        if doubt is not None and doubt.level is Level.ERROR:
-            raise CalibrationError(doubt.sentence)
+        reason, doubt = self._pipeline.reason, self._pipeline.doubt
+        if reason is not None and reason.kind in _OTHER:
+            raise CalibrationError(reason.sentence)
         if doubt is not None:
             tell(doubt.sentence)
 
