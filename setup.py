@@ -54,13 +54,13 @@ setup(
     },
     entry_points={
         'console_scripts': [
-            'calibrate = camera_to_base.commands.executables:calibrate',
-            'camera_publisher = camera_to_base.nodes.executables:camera_publisher',
-            'dashboard = camera_to_base.dashboard.executable:dashboard',
-            'locate = camera_to_base.commands.executables:locate',
-            'robot_base_publisher = camera_to_base.nodes.executables:robot_base_publisher',
+            'calibrate = camera_to_base.executables:calibrate',
+            'camera_publisher = camera_to_base.executables:camera_publisher',
+            'dashboard = camera_to_base.executables:dashboard',
+            'locate = camera_to_base.executables:locate',
+            'robot_base_publisher = camera_to_base.executables:robot_base_publisher',
             'robotic_arm_publishing_subscriber = '
-            'camera_to_base.nodes.executables:robot_base_publisher',
+            'camera_to_base.executables:robot_base_publisher',
         ],
     },
 )

@@ -29,8 +29,8 @@ import time
 
 from attack_days import day_with_bumps, day_with_hand
 import attack_scenes as scenes
-from camera_to_base.trust.arms.reaching_in import ReachingIn
-from camera_to_base.trust.view.quick_look import QuickLook
+from camera_to_base.pipeline.reaching_in import ReachingIn
+from camera_to_base.pipeline.view.quick_look import QuickLook
 import cv2
 import numpy as np
 

@@ -22,9 +22,9 @@ is wrong where it is more than 3 mm from the coin. 0.5625 mm are 1 px.
 import time
 
 import attack_scenes as scenes
+from camera_to_base.pipeline import CameraPipeline, Limits
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface.models import ParallelSurface
-from camera_to_base.trust import CameraPipeline, Limits
 import cv2
 import numpy as np
 

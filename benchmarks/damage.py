@@ -33,9 +33,9 @@ import time
 
 from camera_to_base.detection import LocatedObject, PreciseDifferenceDetector
 from camera_to_base.errors import FrameSourceError
+from camera_to_base.pipeline import DamageCheck, FrameRecord, PositionGate, Standpoint
 from camera_to_base.sources import Camera
 from camera_to_base.surface.models import ParallelSurface
-from camera_to_base.trust import DamageCheck, FrameRecord, PositionGate, Standpoint
 import cv2
 import numpy as np
 

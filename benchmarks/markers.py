@@ -28,13 +28,12 @@ from pathlib import Path
 import sys
 import time
 
-from camera_to_base.calibration.covariances import surface_error
-from camera_to_base.calibration.fits.homography_fit import fit_homography
+from camera_to_base.calibration.checks import surface_error
+from camera_to_base.calibration.homography_fit import fit_homography
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.markers import (
-    lens_of_values, MarkedSurface, marker_values, see_markers)
+from camera_to_base.markers import lens_of_values, MarkedSurface, marker_values, see_markers
+from camera_to_base.pipeline import Limits, ViewWatch
 from camera_to_base.surface import Hull, MatchedPoints, SURFACE_DEFAULTS, surface_values
-from camera_to_base.trust import Limits, ViewWatch
 from camera_to_base.uncertainty import scales_at, SURFACE_COVARIANCE, triangle_of, warp_design
 import cv2
 import numpy as np

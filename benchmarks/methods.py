@@ -16,8 +16,7 @@
 
 from typing import List
 
-from camera_to_base.detection import (
-    Box, Detection, Pixel, PreciseDifferenceDetector, touches_edge)
+from camera_to_base.detection import Box, Detection, Pixel, PreciseDifferenceDetector, touches_edge
 import cv2
 import numpy as np
 

@@ -32,10 +32,10 @@ import time
 
 import attack_scenes as scenes
 from camera_to_base.parameters import default_values
+from camera_to_base.pipeline import CameraPipeline, Limits
 from camera_to_base.settings import CAMERA_SPECS
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface import HomographySurface, RadialDistortion
-from camera_to_base.trust import CameraPipeline, Limits
 from camera_to_base.uncertainty import position_uncertainty, radius_for, triangle_of
 import cv2
 from nudge_scenes import Camera, MM_PER_PX, MOTIONS, random_nudge

@@ -30,10 +30,9 @@ import json
 import os
 from typing import Any, Dict, List, Optional
 
-from camera_to_base.calibration.boards.board import find_board
-from camera_to_base.calibration.boards.board_frame import board_points
-from camera_to_base.calibration.covariances import surface_error
-from camera_to_base.calibration.fits.homography_problem import HomographyProblem
+from camera_to_base.calibration.boards.board import board_points, find_board
+from camera_to_base.calibration.checks import surface_error
+from camera_to_base.calibration.homography_fit import HomographyProblem
 from camera_to_base.surface import MatchedPoints
 from camera_to_base.uncertainty import radius_for, scales_at, warp_design
 import cv2

@@ -18,13 +18,13 @@ from dataclasses import dataclass
 import math
 from typing import Dict, NamedTuple, Tuple
 
-from camera_to_base.calibration.covariances import surface_error
-from camera_to_base.calibration.fits.alignment import align
-from camera_to_base.calibration.fits.homography_problem import HomographyProblem
+from camera_to_base.calibration.checks import surface_error
+from camera_to_base.calibration.homography_fit import HomographyProblem
+from camera_to_base.calibration.rigid_fit import align
 from camera_to_base.surface import HomographySurface, MatchedPoints, RadialDistortion
 from camera_to_base.uncertainty import (
-    base_covariance, base_error, CameraPlace, FrameState, PositionUncertainty, Shape,
-    ShiftMean, Spread, WARP_NUMBERS)
+    base_covariance, base_error, CameraPlace, FrameState, PositionUncertainty, Shape, ShiftMean,
+    Spread, WARP_NUMBERS)
 import numpy as np
 
 SIZE = 640, 480

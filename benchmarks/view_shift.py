@@ -24,8 +24,8 @@ import argparse
 import json
 import time
 
+from camera_to_base.pipeline import Limits, ViewCheck
 from camera_to_base.simulation import SimulatedBoard
-from camera_to_base.trust import Limits, ViewCheck
 import cv2
 import numpy as np
 

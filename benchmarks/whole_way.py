@@ -31,11 +31,11 @@ import time
 from typing import Any, Callable, Dict, List, Sequence, Tuple, Union
 
 from camera_to_base.detection import Detection, DetectorSettings, ObjectLocator
-from camera_to_base.sources import DEVICE
-from camera_to_base.surface import HomographySurface
-from camera_to_base.trust import (
+from camera_to_base.pipeline import (
     ArmCheck, CameraPipeline, DamageCheck, FrameRecord, Limits, PositionGate, Standpoint,
     ViewWatch)
+from camera_to_base.sources import DEVICE
+from camera_to_base.surface import HomographySurface
 import cv2
 from detection_accuracy import versions
 from methods import METHODS

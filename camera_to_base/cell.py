@@ -26,11 +26,10 @@ from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import LeftOut, LocatedObject, Pixel
-from camera_to_base.errors import HorizonError, OutOfReachError
-from camera_to_base.reason import Reason
+from camera_to_base.errors import HorizonError, OutOfReachError, Reason
+from camera_to_base.pipeline import DamageCheck, FrameUncertainty
 from camera_to_base.settings import NodeSettings, read_node_settings
 from camera_to_base.sources import DEVICE, VIDEO_FILE
-from camera_to_base.trust import DamageCheck, FrameUncertainty
 from camera_to_base.uncertainty import uncertain_transform
 import cv2
 import numpy as np

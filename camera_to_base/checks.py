@@ -12,12 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Checks values where they enter the package."""
+"""Checks values and frames where they enter the package, and the size of a picture in px."""
 
-from typing import Any, Tuple
+from typing import Any, Sequence, Tuple
 
-from camera_to_base.errors import InvalidValueError
+from camera_to_base.errors import FrameSizeError, InvalidValueError
 import numpy as np
+
+ImageSize = Tuple[int, int]
+
+# The picture size of the tutorial's camera.
+DEFAULT_IMAGE_SIZE: ImageSize = (640, 480)
+LARGEST_SIDE = 10000
 
 
 def finite_numbers(name: str, values: Any, *shape: int) -> np.ndarray:
@@ -84,3 +90,47 @@ def _text(shape: Tuple[int, ...]) -> str:
 
 def _short(numbers: np.ndarray) -> str:
     return np.array2string(numbers, threshold=20, separator=', ')
+
+
+def check_image_size(image_size: Sequence[int]) -> ImageSize:
+    """
+    Check a picture size.
+
+    :returns: Width and height, in px.
+    :raises InvalidValueError: If it is not two whole numbers from 1 to `LARGEST_SIDE`.
+    """
+    width, height = finite_numbers('image_size', image_size, 2)
+    return (whole_number("image_size's width", width, 1, LARGEST_SIDE),
+            whole_number("image_size's height", height, 1, LARGEST_SIDE))
+
+
+def check_frame(frame: np.ndarray, name: str = 'frame') -> None:
+    """
+    Check that an array is a colour picture.
+
+    :raises InvalidValueError: If it is not an array of shape (h, w, 3), uint8, with pixels in it.
+    """
+    if not isinstance(frame, np.ndarray) or frame.ndim != 3 or frame.shape[2] != 3:
+        raise InvalidValueError(
+            f'expected a {name} of shape (h, w, 3), got {getattr(frame, "shape", type(frame))}')
+    if frame.dtype != np.uint8 or frame.size == 0:
+        raise InvalidValueError(
+            f'expected a {name} of uint8 with pixels in it, got {frame.dtype} {frame.shape}')
+
+
+def check_same_size(frame: np.ndarray, background: np.ndarray) -> None:
+    """
+    Check that a frame can be compared with a background.
+
+    :raises FrameSizeError: If its size is not the background's.
+    :raises InvalidValueError: If it is not a colour picture.
+    """
+    check_frame(frame)
+    if frame.shape[:2] != background.shape[:2]:
+        raise FrameSizeError(
+            f'the frame is {_size_text(frame)}, but the background is {_size_text(background)}: '
+            'use one picture size')
+
+
+def _size_text(picture: np.ndarray) -> str:
+    return f'{picture.shape[1]} x {picture.shape[0]} px'

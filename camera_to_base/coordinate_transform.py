@@ -18,9 +18,8 @@ import math
 import random
 from typing import NamedTuple, Sequence, Tuple
 
-from camera_to_base.checks import finite_numbers
+from camera_to_base.checks import DEFAULT_IMAGE_SIZE, finite_numbers
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
 import numpy as np
 
 # The tutorial's set-up: the width that the picture shows, and the pose of the camera frame.

@@ -12,7 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The exceptions of this package; they have a common base class."""
+"""What may go wrong: the exceptions, and the reason why no position is published."""
+
+from enum import IntEnum
+import os
+from typing import Callable, NamedTuple
+
+CANNOT_START, DEFECT = 1, os.EX_SOFTWARE
 
 
 class CameraToBaseError(Exception):
@@ -53,3 +59,38 @@ class CalibrationError(CameraToBaseError):
 
 class InputEndedError(InvalidValueError):
     """The person at the terminal does not answer any more."""
+
+
+class Level(IntEnum):
+    """Severity, with the numbers of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+
+
+class Reason(NamedTuple):
+    """
+    Why nothing is published, or why an object is not.
+
+    :param kind: A stable word for programs: `camera_lost`, `view_moved`. Compare kinds, never
+        sentences.
+    :param level: The level of the diagnostics while the reason applies.
+    :param sentence: The problem with its number, and its remedy.
+    :param is_passing: Whether it concerns one frame, and the next one may be good: diagnostics
+        show it only if it lasts for a second.
+    """
+
+    kind: str
+    level: Level
+    sentence: str
+    is_passing: bool = False
+
+    def told(self, write: Callable[[str], str]) -> 'Reason':
+        """Return it with its sentence rewritten for those who read it."""
+        return self._replace(sentence=write(self.sentence))
+
+
+def all_well(sentence: str) -> Reason:
+    """Make the state that diagnostics show if nothing is wrong; its kind is `ok`."""
+    return Reason('ok', Level.OK, sentence)

@@ -12,17 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
-"""Writes files as a whole: a reader sees either the old file or the new one, never a part."""
+"""What every process needs: files written as a whole, signals, and shared memory."""
 
 import os
+import signal
 import stat
-from typing import Dict, Iterable, List, Mapping, Optional
+from typing import Any, Dict, Iterable, List, Mapping, Optional
 
 from camera_to_base.errors import InvalidValueError
 
 # A process's own streams: replacing a file that one leads to would cut the stream off.
 _STREAMS = ('/dev/std', '/dev/fd/', '/proc/')
+
+_PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+# With one of these, users choose profiles or transports of their own.
+_CHOICES = {_PROFILES, 'FASTDDS_DEFAULT_PROFILES_FILE', 'FASTDDS_BUILTIN_TRANSPORTS'}
 
 
 def write_files(contents: Mapping[str, bytes], *, keep_old: bool = False) -> List[str]:
@@ -143,3 +147,48 @@ def _kind(path: str) -> str:
     if os.path.isdir(path):
         return 'a folder'
     return 'a device or a pipe'
+
+
+def serve_signals() -> None:
+    """
+    Handle SIGINT and SIGTERM from now on, and those that arrived while Python started.
+
+    The installed executables start with both blocked, see setup.py. Python needs 0.1 s to reach
+    the first line of a module; a signal before that would end it with a traceback or with the
+    signal's exit code.
+    """
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT, signal.SIGTERM))
+
+
+class Interrupt:
+    """
+    Records a Ctrl-C within a `with` block; a second one raises KeyboardInterrupt as usual.
+
+    `came` is whether there was one.
+    """
+
+    came = False
+
+    def __enter__(self) -> 'Interrupt':
+        self._previous = signal.signal(signal.SIGINT, self._on_signal)
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        signal.signal(signal.SIGINT, self._previous)
+
+    def _on_signal(self, *_: Any) -> None:
+        self.came = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def shared_memory_environment(
+    profiles_file: str, environment: Mapping[str, str]
+) -> Dict[str, str]:
+    """
+    Give a process the shared memory of a profile; other middleware ignores the variable.
+
+    :param profiles_file: Path of the profile for Fast DDS.
+    :param environment: The environment of the process.
+    :returns: The variables to add; none where the user has chosen.
+    """
+    return {} if _CHOICES & set(environment) else {_PROFILES: profiles_file}

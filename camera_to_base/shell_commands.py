@@ -33,6 +33,7 @@ _STEPS = 'sheet|board|markers|points|base|check|status|keep'
 # Not where it is full already, as after a path or `ros2 run`.
 _SHORT = re.compile(rf'(?<![\w/.-])(?<!{_PACKAGE} )calibrate (?=(?:{_STEPS})\b)')
 _RETAKE = '~/capture_background'
+_MODULES = {'calibrate': 'calibrate.command', 'locate': 'locate'}
 
 
 def full_command(executable: str, *arguments: str) -> str:
@@ -95,4 +96,4 @@ def _start(executable: str) -> str:
 
 def _module(executable: str) -> str:
     """Return how the executable is started as a module, where the package is only importable."""
-    return f'{shlex.quote(sys.executable)} -m {_PACKAGE}.commands.{executable}.command'
+    return f'{shlex.quote(sys.executable)} -m {_PACKAGE}.commands.{_MODULES[executable]}'

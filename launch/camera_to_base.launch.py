@@ -28,11 +28,11 @@ import tempfile
 from ament_index_python.packages import (
     get_package_prefix, get_package_share_directory, PackageNotFoundError)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.files import shared_memory_environment
 from camera_to_base.launching import (
     argument_warnings, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
     image_input, is_wanted, kept_background, LaunchedCamera, make_params_file, not_installed,
     plays_recording, recording_failure, transform_arguments, unknown_arguments)
-from camera_to_base.shared_memory import shared_memory_environment
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown

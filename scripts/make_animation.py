@@ -32,11 +32,11 @@ from camera_to_base.coordinate_transform import (
     TUTORIAL_WIDTH_CM)
 from camera_to_base.detection import LocatedObject, Point
 from camera_to_base.drawing import base_label, draw_left_out, draw_objects
+from camera_to_base.pipeline import CameraPipeline
 from camera_to_base.simulation import CameraMove, Scene, SimulatedBoard
-from camera_to_base.simulation.specs import WOOD
+from camera_to_base.simulation.view import WOOD
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface import HomographySurface
-from camera_to_base.trust import CameraPipeline
 import cv2
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex

@@ -24,15 +24,15 @@ from collections import Counter
 import time
 from typing import List, NamedTuple, Optional, Tuple
 
-from camera_to_base.calibration.covariances import surface_error
-from camera_to_base.calibration.fits.homography_fit import fit_homography
-from camera_to_base.calibration.markers.learning import learned_markers
+from camera_to_base.calibration.checks import surface_error
+from camera_to_base.calibration.homography_fit import fit_homography
+from camera_to_base.calibration.marker_learning import learned_markers
 from camera_to_base.markers import lens_of_values, see_markers
 from camera_to_base.parameters import checked_values
+from camera_to_base.pipeline import CameraPipeline
 from camera_to_base.settings import camera_settings, CAMERA_SPECS
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface import Hull, MatchedPoints, SURFACE_DEFAULTS, surface_values
-from camera_to_base.trust import CameraPipeline
 from camera_to_base.uncertainty import radius_for, SURFACE_COVARIANCE, triangle_of
 from marker_events import EVENTS, SHARES
 from marker_world import SIZE, World

@@ -24,7 +24,7 @@ import sys
 import time
 
 from camera_to_base.nodes import camera_publisher
-from camera_to_base.sources import capture as video_capture
+from camera_to_base.sources import cameras as video_capture
 
 
 class SlowToGo:

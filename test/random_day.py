@@ -26,9 +26,9 @@ import time
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection import DetectorSettings, read_areas
+from camera_to_base.pipeline import CameraPipeline, DamageCheck, Limits
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface.models import ParallelSurface
-from camera_to_base.trust import CameraPipeline, DamageCheck, Limits
 import cv2
 from day_events import EVENTS
 from day_world import FRAMES_PER_S, HEIGHT, MM_PER_PX, seen_from_table, WIDTH, World

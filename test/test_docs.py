@@ -22,10 +22,9 @@ from xml.etree import ElementTree
 
 from camera_to_base.commands.calibrate.command import main as calibrate
 from camera_to_base.commands.calibrate.options import parse
-from camera_to_base.commands.locate.command import main as locate
+from camera_to_base.commands.locate import main as locate
 from camera_to_base.parameters.transform import TRANSFORM_SPECS
-from camera_to_base.settings import read_node_settings
-from camera_to_base.settings.camera import CAMERA_SPECS
+from camera_to_base.settings import CAMERA_SPECS, read_node_settings
 from camera_to_base.simulation import SimulatedBoard, SimulatedChessboard
 import pytest
 

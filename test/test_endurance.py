@@ -25,7 +25,7 @@ import os
 import time
 
 from camera_to_base.nodes.camera_publisher import CameraPublisher
-from camera_to_base.simulation import parameters as simulation_parameters
+from camera_to_base.simulation import board as simulation_parameters
 from camera_to_base.simulation.board import SimulatedBoard
 from geometry_msgs.msg import PoseArray
 import numpy as np

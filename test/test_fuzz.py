@@ -22,27 +22,28 @@ from collections import Counter
 import math
 import os
 
-from camera_to_base.calibration.base_calibration import calibrate_base
-from camera_to_base.calibration.camera_info import read_camera_info
-from camera_to_base.calibration.surface_calibration import calibrate_surface, check_surface
+from camera_to_base.calibration.base import calibrate_base
+from camera_to_base.calibration.surface import calibrate_surface, check_surface
 from camera_to_base.calibration.tables import (
-    PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_pairs, read_points, SIZE_COLUMNS)
+    PAIR_COLUMNS, PAIR_HEIGHTS, POINT_COLUMNS, read_camera_info, read_pairs, read_points,
+    SIZE_COLUMNS)
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
 from camera_to_base.parameters.file import parameter_text, read_parameter_file
 from camera_to_base.parameters.spec import checked_values
 from camera_to_base.parameters.transform import transform_node_settings, TRANSFORM_SPECS
+from camera_to_base.pipeline.damage import DamageCheck
+from camera_to_base.pipeline.pipeline import CameraPipeline
+from camera_to_base.pipeline.sighting import Limits
 from camera_to_base.ros.messages import (
     MOST_POSES, point_from_message, poses_from_message, position_from_message)
-from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
+from camera_to_base.settings import camera_settings, CAMERA_SPECS
 from camera_to_base.sources.decoding import decode_compressed, decode_image, ENCODINGS
-from camera_to_base.sources.source_kind import DEVICE
-from camera_to_base.surface.matched_points import MatchedPoints
-from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
-from camera_to_base.surface.specs import SURFACE_DEFAULTS
-from camera_to_base.trust.damage_check import DamageCheck
-from camera_to_base.trust.pipeline import CameraPipeline, Limits
+from camera_to_base.sources.kinds import DEVICE
+from camera_to_base.surface.models import (
+    HomographySurface, ParallelSurface, PolynomialSurface, SURFACE_DEFAULTS)
+from camera_to_base.surface.points import MatchedPoints
 import cv2
 from geometry_msgs.msg import Point, PointStamped, Pose, PoseArray, Quaternion
 import numpy as np

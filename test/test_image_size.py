@@ -12,8 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+from camera_to_base.checks import check_image_size
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.image_size import check_image_size
 import pytest
 
 

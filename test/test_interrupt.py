@@ -15,7 +15,7 @@
 import os
 import signal
 
-from camera_to_base.interrupt import Interrupt
+from camera_to_base.files import Interrupt
 import pytest
 
 

@@ -57,7 +57,7 @@ for name in sys.argv[2:]:
 WITHOUT_ROS = """
 import sys
 
-from camera_to_base.nodes import executables
+from camera_to_base import executables
 
 
 class Blocker:

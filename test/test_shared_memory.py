@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.shared_memory import shared_memory_environment
+from camera_to_base.files import shared_memory_environment
 import pytest
 
 

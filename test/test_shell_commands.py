@@ -62,7 +62,7 @@ def test_command_is_a_word_where_the_shell_finds_it(machine):
 def test_module_is_started_as_a_module(machine, monkeypatch):
     machine(has_ros2=False)
     monkeypatch.setattr('sys.argv', ['/somewhere/command.py'])
-    assert full_command('locate', '0').endswith(' -m camera_to_base.commands.locate.command 0')
+    assert full_command('locate', '0').endswith(' -m camera_to_base.commands.locate 0')
 
 
 def test_sentences_get_full_commands_once(machine):

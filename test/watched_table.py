@@ -16,9 +16,9 @@
 
 import time
 
+from camera_to_base.pipeline import CameraPipeline, Limits
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface import make_surface, SURFACE_DEFAULTS
-from camera_to_base.trust import CameraPipeline, Limits
 from nudged_table import CM_PER_PX, nudge, NudgedTable, SIZE
 import numpy as np
 

@@ -15,19 +15,70 @@
 """Carries out what pages ask for: from the web server's thread to the node's."""
 
 import asyncio
+from collections import deque
 from concurrent.futures import Future
 import json
-from typing import Any, Callable, Dict, List, Mapping
+from typing import Any, Callable, Deque, Dict, List, Mapping, Tuple
 
-from camera_to_base.dashboard.all_sessions import AllSessions
-from camera_to_base.dashboard.live.remote_parameters import RefusedError
+from camera_to_base.dashboard.live.parameters import RefusedError
+from camera_to_base.dashboard.live.watch import WatchedCells
 from camera_to_base.dashboard.server.guarded import Refused
-from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
-from camera_to_base.dashboard.watched_cells import WatchedCells
+from camera_to_base.dashboard.sessions.cell_sessions import AllSessions, CellSessions
 from camera_to_base.errors import CameraToBaseError
+from rclpy.node import Node
+from rclpy.task import Future as RosFuture
 
 # A node answers within milliseconds. The background takes up to 10 s, see its service.
 _LONGEST_ANSWER_S, _LONGEST_BACKGROUND_S = 5.0, 15.0
+
+
+class NodeThread:
+    """
+    The only way from the web server's thread to the node.
+
+    :param node: The node whose executor runs the functions.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._tasks: Deque[Tuple[Future, Callable[[], Any]]] = deque()
+        self._guard = node.create_guard_condition(self._run)
+
+    def call(self, function: Callable[[], Any]) -> Future:
+        """
+        Run a function in the executor's thread.
+
+        :param function: It may return an rclpy future, whose result is waited for.
+        :returns: A future of the function's result.
+        """
+        result: Future = Future()
+        self._tasks.append((result, function))
+        self._guard.trigger()
+        return result
+
+    def _run(self) -> None:
+        while self._tasks:
+            result, function = self._tasks.popleft()
+            if result.set_running_or_notify_cancel():
+                _fulfil(result, function)
+
+
+def _fulfil(result: Future, function: Callable[[], Any]) -> None:
+    try:
+        value = function()
+    except Exception as error:
+        result.set_exception(error)
+        return
+    if isinstance(value, RosFuture):
+        value.add_done_callback(lambda done: _copy(done, result))
+    else:
+        result.set_result(value)
+
+
+def _copy(done: RosFuture, result: Future) -> None:
+    if done.exception() is not None:
+        result.set_exception(done.exception())
+    else:
+        result.set_result(done.result())
 
 
 class Backend:

@@ -19,16 +19,14 @@ import sys
 import threading
 from typing import Any, List, Optional
 
-from camera_to_base.dashboard.all_sessions import AllSessions
-from camera_to_base.dashboard.backend import Backend
-from camera_to_base.dashboard.node_thread import NodeThread
-from camera_to_base.dashboard.server.state_hub import part_text
+from camera_to_base.dashboard.backend import Backend, NodeThread
+from camera_to_base.dashboard.live.watch import WatchedCells
+from camera_to_base.dashboard.server.sockets import part_text
 from camera_to_base.dashboard.server.web_server import WebServer
+from camera_to_base.dashboard.sessions.cell_sessions import AllSessions
 from camera_to_base.dashboard.specs import dashboard_settings, DASHBOARD_SPECS
-from camera_to_base.dashboard.watched_cells import WatchedCells
-from camera_to_base.nodes import run, whole_or_gone
 from camera_to_base.parameters import all_names, TRANSFORM_SPECS
-from camera_to_base.ros import Heartbeat, NodeParameters
+from camera_to_base.ros import Heartbeat, NodeParameters, run, whole_or_gone
 from camera_to_base.settings import CAMERA_SPECS
 from rclpy.node import Node
 from sensor_msgs.msg import CompressedImage

@@ -22,19 +22,17 @@ Callers: `trust` and the rooms below. It imports only numpy and OpenCV; `trust` 
 position may be published.
 """
 
-from camera_to_base.detection.areas import Area, Areas, read_areas
-from camera_to_base.detection.background_taker import BackgroundTaker, median_of
-from camera_to_base.detection.detection import (
-    Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
-from camera_to_base.detection.frame_blocks import changed_blocks, has_changed_block, mean_blocks
+from camera_to_base.checks import check_frame, check_same_size
+from camera_to_base.detection.background import (
+    BackgroundTaker, changed_blocks, has_changed_block, mean_blocks, median_of, smoothed_noise,
+    white_noise)
+from camera_to_base.detection.detection import Box, Detection, Pixel, random_pixel, touches_edge
 from camera_to_base.detection.locator import (
-    Found, LeftOut, locate_pixel, LocatedObject, ObjectLocator, Point)
-from camera_to_base.detection.on_surface import object_on_surface
+    Found, LeftOut, locate_pixel, LocatedObject, object_on_surface, object_shape, ObjectLocator,
+    Point)
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.random_pixels import random_pixel
-from camera_to_base.detection.seen_shape import object_shape
-from camera_to_base.detection.settings import DetectorSettings
-from camera_to_base.detection.specs import AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS
+from camera_to_base.detection.settings import (
+    Area, AREA_SPECS, Areas, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, read_areas)
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 
 __all__ = [
@@ -43,5 +41,5 @@ __all__ = [
     'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'has_changed_block', 'LeftOut', 'locate_pixel',
     'LocatedObject', 'mean_blocks', 'median_of', 'object_on_surface', 'object_shape',
     'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas',
-    'touches_edge',
+    'smoothed_noise', 'touches_edge', 'white_noise',
 ]

@@ -12,15 +12,70 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A detector's results: outline, area, centre and axes of an object."""
+"""A detector's results: outline, area, centre and axes of an object; random pixels as stand-in."""
 
 from dataclasses import dataclass, field
+import math
+import random
 from typing import Mapping, NamedTuple, Optional
 
-from camera_to_base.detection.shape import principal_axes
-from camera_to_base.errors import FrameSizeError, InvalidValueError
 import cv2
 import numpy as np
+
+# The tutorial draws them from this range in both directions.
+_LOWEST, _HIGHEST = 250, 450
+
+
+class PrincipalAxes(NamedTuple):
+    """
+    The ellipse with the same second moments as a shape.
+
+    :param angle: The direction of its length, from the first axis towards the second, in rad, in
+        (-pi/2, pi/2].
+    :param length: Its long diameter.
+    :param width: Its short diameter.
+    """
+
+    angle: float
+    length: float
+    width: float
+
+    @property
+    def elongation(self) -> float:
+        """Length / width: 1 for a disc or a square, infinite for a line."""
+        return self.length / self.width if self.width > 0 else math.inf
+
+
+def principal_axes(spread: np.ndarray) -> PrincipalAxes:
+    """
+    Compute the axes of a shape.
+
+    :param spread: Shape (2, 2), its second central moments over its area.
+    """
+    (xx, xy), (_, yy) = spread.tolist()
+    # + 0.0 turns -0.0 into 0.0: with -0.0, atan2 returns -pi for an upright shape.
+    angle = math.atan2(2 * xy + 0.0, xx - yy) / 2
+    both, difference = xx + yy, math.hypot(2 * xy, xx - yy)
+    # An ellipse's second moment, the eigenvalue, is a quarter of its half diameter squared.
+    return PrincipalAxes(angle, math.sqrt(8 * (both + difference)),
+                         math.sqrt(8 * max(both - difference, 0.0)))
+
+
+def polygon_centroid(corners: np.ndarray) -> np.ndarray:
+    """
+    Compute the centroid of a polygon, in the unit of its corners.
+
+    :param corners: Shape (n, 2), float.
+    :returns: Shape (2,). The mean of the corners if the polygon has no area.
+    """
+    # Seen from a corner, the two edges at that corner contribute nothing.
+    offsets = corners[1:] - corners[0]
+    before, after = offsets[:-1], offsets[1:]
+    doubled_areas = before[:, 0] * after[:, 1] - after[:, 0] * before[:, 1]
+    doubled_area = doubled_areas.sum()
+    if doubled_area == 0:
+        return corners.mean(axis=0)
+    return corners[0] + doubled_areas @ (before + after) / (3 * doubled_area)
 
 
 class Pixel(NamedTuple):
@@ -88,34 +143,6 @@ class Detection:
         return principal_axes(self.spread).angle
 
 
-def check_frame(frame: np.ndarray, name: str = 'frame') -> None:
-    """
-    Check that an array is a colour picture.
-
-    :raises InvalidValueError: If it is not an array of shape (h, w, 3), uint8, with pixels in it.
-    """
-    if not isinstance(frame, np.ndarray) or frame.ndim != 3 or frame.shape[2] != 3:
-        raise InvalidValueError(
-            f'expected a {name} of shape (h, w, 3), got {getattr(frame, "shape", type(frame))}')
-    if frame.dtype != np.uint8 or frame.size == 0:
-        raise InvalidValueError(
-            f'expected a {name} of uint8 with pixels in it, got {frame.dtype} {frame.shape}')
-
-
-def check_same_size(frame: np.ndarray, background: np.ndarray) -> None:
-    """
-    Check that a frame can be compared with a background.
-
-    :raises FrameSizeError: If its size is not the background's.
-    :raises InvalidValueError: If it is not a colour picture.
-    """
-    check_frame(frame)
-    if frame.shape[:2] != background.shape[:2]:
-        raise FrameSizeError(
-            f'the frame is {_size_text(frame)}, but the background is {_size_text(background)}: '
-            'use one picture size')
-
-
 def touches_edge(box: Box, picture: np.ndarray) -> bool:
     """Return whether a box reaches the outermost pixels of a picture of shape (h, w, ...)."""
     height, width = picture.shape[:2]
@@ -123,5 +150,6 @@ def touches_edge(box: Box, picture: np.ndarray) -> bool:
             or box.x + box.width >= width or box.y + box.height >= height)
 
 
-def _size_text(picture: np.ndarray) -> str:
-    return f'{picture.shape[1]} x {picture.shape[0]} px'
+def random_pixel() -> Pixel:
+    """Draw a pixel from the tutorial's range."""
+    return Pixel(*(random.randint(_LOWEST, _HIGHEST) for _ in 'uv'))

@@ -12,26 +12,191 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The detector's settings: the method, and which objects count."""
+"""The detector's parameters: the method, which objects count, and where on the surface."""
 
 from dataclasses import dataclass
-from typing import List, Optional, Protocol
+from typing import Any, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Tuple
 
-from camera_to_base.detection.areas import Areas
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.precise.limits import STRONG_DEVIATIONS
-from camera_to_base.detection.specs import DETECTOR_DEFAULTS as _DEFAULTS
+from camera_to_base.detection.precise.light import STRONG_DEVIATIONS
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.markers import paper_corners
+from camera_to_base.parameters import default_values, grouped, ParameterSpec
 from camera_to_base.surface import Hull
+import cv2
 import numpy as np
+
+_LIMIT_CM = 1e5
+
+METHODS = ('tutorial', 'precise')
+_LARGEST_AREA_CM2 = 1e6
+
+BACKGROUND_SPECS = [
+    ParameterSpec(
+        'background_frames', 1,
+        'The background is the median of this many frames; 1 takes the first one, as the '
+        'tutorial does (of a camera, the first one that the next one confirms). No more are '
+        'gathered than fit into 200 MB: 32 of 1920 x 1080 px.', (1, 1000)),
+    ParameterSpec(
+        'background_retake', 'never',
+        'Whether a new background is taken when markers show that the camera stands elsewhere. '
+        'never: the node waits for ~/capture_background. auto: it is taken when all markers are '
+        'seen and nothing moves; what lies on the surface then is not found. Cameras only.',
+        choices=('never', 'auto')),
+]
+DETECTOR_SPECS = [
+    ParameterSpec('detector.method', 'precise',
+                  "tutorial: the tutorial's result, to the pixel; precise: right to a tenth of a "
+                  'pixel, also in changing light.', choices=METHODS),
+    ParameterSpec('detector.threshold', 95,
+                  "tutorial: a pixel whose grey level differs from the background's by more than "
+                  'this belongs to an object.', (0, 255), unit='grey levels'),
+    ParameterSpec('detector.closing_size', 20,
+                  'tutorial: edge of the square kernel that closes gaps.', (1, 500), unit='px'),
+    ParameterSpec('detector.median_size', 5,
+                  "tutorial: edge of the median filter's window, odd.", (1, 99), step=2,
+                  unit='px'),
+    ParameterSpec('detector.faintest', 13.0,
+                  'precise: least difference of an object from the surface, in one of the '
+                  'colours. It must also be at least ten times the noise.',
+                  (0, 255), unit='grey levels', old_names=('detector.precise_threshold',)),
+    ParameterSpec('detector.min_area_cm2', 0.0,
+                  'Smaller objects are not published; their area on the surface.',
+                  (0, _LARGEST_AREA_CM2), unit='cm²'),
+    ParameterSpec('detector.max_area_cm2', _LARGEST_AREA_CM2,
+                  'Larger objects (a hand) are not published; their area on the surface.',
+                  (0, _LARGEST_AREA_CM2), unit='cm²'),
+    ParameterSpec('detector.split_touching', False,
+                  'precise: whether convex objects that touch (coins, nuts) come as one each; '
+                  'where false, nothing is taken apart.'),
+    ParameterSpec('detector.publish_cut_off', False,
+                  "precise: whether an object that touches the picture's edge is published; the "
+                  'tutorial publishes it.'),
+]
+AREA_SPECS = [
+    ParameterSpec(
+        'work_area', [],
+        'Only objects whose centre lies in this polygon are published: x and y of one corner '
+        'after the other; empty for everywhere.', unit='cm', constraints='x and y in turn'),
+    ParameterSpec(
+        'ignored_areas', '',
+        'Objects whose centre lies in one of these polygons are not published (a rail, a cable, '
+        "the robot's foot): in cm, corners with , between them, polygons with ; between them.",
+        constraints="such as '0 0, 5 0, 5 3; 30 0, 36 0, 36 27'"),
+]
+# By their names without 'detector.'.
+DETECTOR_DEFAULTS: Mapping[str, Any] = grouped(default_values(DETECTOR_SPECS), 'detector.')
 
 # The settings that each method uses, in addition to the limits of the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
     'precise': ('faintest', 'split_touching', 'publish_cut_off'),
 }
+
+
+class Area:
+    """
+    A polygon on the work surface.
+
+    :param corners: Shape (n, 2), x and y of one corner after the other, in cm.
+    :raises InvalidValueError: If they enclose no area, or if the outline crosses itself.
+    """
+
+    def __init__(self, corners: np.ndarray) -> None:
+        self.corners = np.asarray(corners, float).reshape(-1, 2)
+        if not np.isfinite(self.corners).all() or np.abs(self.corners).max(
+                initial=0) > _LIMIT_CM:
+            raise InvalidValueError(
+                f'expected corners within {_LIMIT_CM:g} cm, got {self.corners.tolist()}')
+        self._outline = self.corners.astype(np.float32)
+        if len(self.corners) < 3 or not cv2.contourArea(self._outline) > 0:
+            raise InvalidValueError(
+                'expected at least three corners that are not on one line, got '
+                f'{self.corners.tolist()}')
+        if _crosses_itself(self.corners):
+            raise InvalidValueError('expected corners in the order of the outline, but it crosses '
+                                    f'itself: {self.corners.tolist()}')
+
+    def depth(self, point: Sequence[float]) -> float:
+        """Return how far inside a point lies, in cm; negative outside."""
+        return cv2.pointPolygonTest(self._outline, (float(point[0]), float(point[1])), True)
+
+    def contains(self, point: Sequence[float]) -> bool:
+        """Return whether a point lies inside, or on the edge."""
+        return self.depth(point) >= 0
+
+
+class Areas(NamedTuple):
+    """
+    Where objects count.
+
+    :param work: Only objects whose centre lies inside count; None for everywhere.
+    :param ignored: Objects whose centre lies in one of these do not.
+    """
+
+    work: Optional[Area] = None
+    ignored: Tuple[Area, ...] = ()
+
+    def without_markers(self, markers: Sequence[np.ndarray]) -> 'Areas':
+        """
+        Ignore the areas of markers, too.
+
+        :param markers: Each of shape (4, 2), the corners of its black square, in cm.
+        """
+        return self._replace(ignored=(*self.ignored, *map(Area, map(paper_corners, markers))))
+
+
+def read_areas(work_area: Sequence[float], ignored_areas: str) -> Areas:
+    """
+    Read the areas from their parameters.
+
+    :param work_area: x and y of one corner after the other, in cm; empty for everywhere.
+    :param ignored_areas: Polygons with ; between them, corners with , between them.
+    :raises InvalidValueError: If one is no polygon; the text names the parameter.
+    """
+    if len(work_area) % 2:
+        raise InvalidValueError(
+            f'work_area must be x and y in turn, got {len(work_area)} numbers')
+    work = _named('work_area', np.array(work_area)) if len(work_area) else None
+    texts = [text for text in ignored_areas.split(';') if text.strip()]
+    return Areas(work, tuple(_named('ignored_areas', _corners(text)) for text in texts))
+
+
+def _named(name: str, corners: np.ndarray) -> Area:
+    try:
+        return Area(corners)
+    except InvalidValueError as error:
+        raise InvalidValueError(f'{name}: {error}') from error
+
+
+def _corners(text: str) -> np.ndarray:
+    try:
+        corners = [[float(number) for number in corner.split()] for corner in text.split(',')]
+    except ValueError:
+        corners = []
+    if not corners or any(len(corner) != 2 for corner in corners):
+        raise InvalidValueError(
+            f"ignored_areas must be polygons as '0 0, 5 0, 5 3; 30 0, 36 0, 36 27', got '{text}'")
+    return np.array(corners)
+
+
+def _crosses_itself(corners: np.ndarray) -> bool:
+    count = len(corners)
+    sides = [(corners[index], corners[(index + 1) % count]) for index in range(count)]
+    return any(_cross(*sides[one], *sides[other]) for one in range(count)
+               for other in range(one + 2, count) if (other + 1) % count != one)
+
+
+def _cross(start: np.ndarray, end: np.ndarray, other: np.ndarray, last: np.ndarray) -> bool:
+    return (_side(start, end, other) * _side(start, end, last) < 0
+            and _side(other, last, start) * _side(other, last, end) < 0)
+
+
+def _side(start: np.ndarray, end: np.ndarray, point: np.ndarray) -> float:
+    (along, across), (u, v) = end - start, point - start
+    return along * v - across * u
 
 
 class Detector(Protocol):
@@ -75,15 +240,15 @@ class DetectorSettings:
     :raises InvalidValueError: If the smallest area is above the largest.
     """
 
-    method: str = _DEFAULTS['method']
-    threshold: int = _DEFAULTS['threshold']
-    closing_size: int = _DEFAULTS['closing_size']
-    median_size: int = _DEFAULTS['median_size']
-    faintest: float = _DEFAULTS['faintest']
-    split_touching: bool = _DEFAULTS['split_touching']
-    min_area_cm2: float = _DEFAULTS['min_area_cm2']
-    max_area_cm2: float = _DEFAULTS['max_area_cm2']
-    publish_cut_off: bool = _DEFAULTS['publish_cut_off']
+    method: str = DETECTOR_DEFAULTS['method']
+    threshold: int = DETECTOR_DEFAULTS['threshold']
+    closing_size: int = DETECTOR_DEFAULTS['closing_size']
+    median_size: int = DETECTOR_DEFAULTS['median_size']
+    faintest: float = DETECTOR_DEFAULTS['faintest']
+    split_touching: bool = DETECTOR_DEFAULTS['split_touching']
+    min_area_cm2: float = DETECTOR_DEFAULTS['min_area_cm2']
+    max_area_cm2: float = DETECTOR_DEFAULTS['max_area_cm2']
+    publish_cut_off: bool = DETECTOR_DEFAULTS['publish_cut_off']
     area: Optional[Hull] = None
     areas: Areas = Areas()
 

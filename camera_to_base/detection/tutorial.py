@@ -16,9 +16,8 @@
 
 from typing import List
 
-from camera_to_base.checks import whole_number
-from camera_to_base.detection.detection import (
-    Box, check_frame, check_same_size, Detection, Pixel, touches_edge)
+from camera_to_base.checks import check_frame, check_same_size, whole_number
+from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np

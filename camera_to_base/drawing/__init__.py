@@ -21,14 +21,11 @@ with the background for the next start.
 Callers: `settings`, `nodes` and `commands`.
 """
 
-from camera_to_base.drawing.annotated_video import AnnotatedVideo, check_video_path
-from camera_to_base.drawing.areas import AreaOverlay
-from camera_to_base.drawing.background_file import BackgroundFile, check_background_path
-from camera_to_base.drawing.ellipses import draw_ellipses
-from camera_to_base.drawing.left_out import draw_left_out
-from camera_to_base.drawing.overlay import (
-    base_label, camera_label, check_picture_path, draw_note, draw_objects, encoded_picture, Label,
-    object_mask)
+from camera_to_base.drawing.files import (
+    AnnotatedVideo, BackgroundFile, check_background_path, check_video_path)
+from camera_to_base.drawing.pictures import (
+    AreaOverlay, base_label, camera_label, check_picture_path, draw_ellipses, draw_left_out,
+    draw_note, draw_objects, encoded_picture, Label, object_mask)
 
 __all__ = [
     'AnnotatedVideo', 'AreaOverlay', 'BackgroundFile', 'base_label', 'camera_label',

@@ -11,6 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """
 Markers: square markers (ArUco) that lie on the work surface.
 
@@ -21,21 +22,19 @@ Callers: all rooms below. It imports numpy and OpenCV alone; where OpenCV was bu
 module aruco, everything else works.
 """
 
-from camera_to_base.markers.agreement import judge_markers, Verdict
-from camera_to_base.markers.aruco import (
-    CELLS, find_markers, has_markers, marker_cells, MARKER_COUNT, NO_ARUCO, paper_corners)
-from camera_to_base.markers.marked_surface import MarkedSurface, MarkerLook, NewSurface
-from camera_to_base.markers.new_surface import (
-    lens_of_values, marker_surface, new_surface_values)
-from camera_to_base.markers.seen import see_markers, SeenMarkers, TABLE_MARKERS
-from camera_to_base.markers.specs import (
-    known_markers, LEAST_MARKERS, MARKER_SPECS, marker_values, refuse_polynomial)
-from camera_to_base.markers.surface_fit import Corners, MarkerFit
+from camera_to_base.markers.find import (
+    CELLS, find_markers, has_markers, marker_cells, MARKER_COUNT, NO_ARUCO, paper_corners,
+    see_markers, SeenMarkers, TABLE_MARKERS)
+from camera_to_base.markers.fit import (
+    Corners, judge_markers, known_markers, LEAST_MARKERS, MARKER_SPECS, marker_values, MarkerFit,
+    refuse_polynomial, Verdict)
+from camera_to_base.markers.marked_surface import (
+    lens_of_values, MarkedSurface, marker_surface, MarkerLook, new_surface_values, NewSurface)
 
 __all__ = [
     'CELLS', 'Corners', 'find_markers', 'has_markers', 'judge_markers', 'known_markers',
-    'LEAST_MARKERS', 'lens_of_values', 'MarkedSurface', 'MARKER_COUNT', 'MARKER_SPECS',
-    'marker_cells', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook',
+    'LEAST_MARKERS', 'lens_of_values', 'MarkedSurface', 'marker_cells', 'MARKER_COUNT',
+    'MARKER_SPECS', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook',
     'new_surface_values', 'NewSurface', 'NO_ARUCO', 'paper_corners', 'refuse_polynomial',
     'see_markers', 'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
 ]

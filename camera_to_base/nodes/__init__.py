@@ -18,9 +18,7 @@ The two nodes, and the modules that only they use.
 In: parameters and topics. Out: topics, services and diagnostics; docs lists their names. A node
 only wires; the code that it calls is in the rooms above.
 
-Callers: the installed executables, and the dashboard, whose process lives in the same way.
+Callers: only the installed executables, so there is no `__all__`.
 """
 
-from camera_to_base.nodes.process import run, start, whole_or_gone
-
-__all__ = ['run', 'start', 'whole_or_gone']
+__all__ = []

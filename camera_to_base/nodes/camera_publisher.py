@@ -23,24 +23,20 @@ from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import locate_pixel, Pixel
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.nodes.background_keeper import BackgroundFileKeeper
-from camera_to_base.nodes.background_service import BackgroundService
-from camera_to_base.nodes.camera_watch import CameraWatch
-from camera_to_base.nodes.correction_service import CorrectionService
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
-from camera_to_base.nodes.freed_memory import keep_freed_memory
-from camera_to_base.nodes.picture_memory import use_picture_memory
-from camera_to_base.nodes.pictures import CameraPictures, DebugImages
-from camera_to_base.nodes.positions import PublishedPositions
-from camera_to_base.nodes.process import run, whole_or_gone
+from camera_to_base.nodes.outputs import CameraPictures, DebugImages, PublishedPositions
+from camera_to_base.nodes.services import (
+    BackgroundFileKeeper, BackgroundService, CorrectionService)
+from camera_to_base.nodes.watch import CameraWatch
 from camera_to_base.parameters import (
     all_names, gives_other_values, TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS)
-from camera_to_base.ros import NodeParameters
+from camera_to_base.pipeline import Sighting
+from camera_to_base.ros import (
+    keep_freed_memory, NodeParameters, run, use_picture_memory, whole_or_gone)
 from camera_to_base.settings import (
     camera_settings, CAMERA_SPECS, CameraSettings, open_named_source)
 from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.sources import FirstCamera, is_reader_hanging, RANDOM
-from camera_to_base.trust import Sighting
 import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Header

@@ -21,16 +21,14 @@ import sys
 from typing import Callable, Iterator, List, Optional
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.errors import CameraToBaseError, OtherFrameError, OutOfReachError
-from camera_to_base.nodes.process import run, whole_or_gone
-from camera_to_base.nodes.wanted_input import WantedInput
+from camera_to_base.errors import (
+    all_well, CameraToBaseError, Level, OtherFrameError, OutOfReachError, Reason)
 from camera_to_base.parameters import (
     CAMERA_FRAME_SPEC, ParameterSpec, TRANSFORM_SPECS, TransformSettings, value_in_files)
-from camera_to_base.reason import all_well, Level, Reason
 from camera_to_base.ros import (
     Diagnostics, Health, Heartbeat, NameCheck, NodeParameters, point_from_message,
     poses_from_message, poses_of_markers, position_from_message, PositionTopics, qos_mismatch,
-    uncertain_pose_from_message, UncertainPose)
+    run, uncertain_pose_from_message, UncertainPose, whole_or_gone)
 from camera_to_base.uncertainty import uncertain_transform_of
 from geometry_msgs.msg import PointStamped, PoseArray, PoseWithCovarianceStamped
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -40,11 +38,39 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import Float64MultiArray, Header
 from visualization_msgs.msg import MarkerArray
 
+_PERIOD_S = 1.0
+
 # Each event of a subscription slows every message; `qos_mismatch` replaces the event.
 _NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 _POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
 # Keys of the diagnostics for dropped positions; all other errors count as 'no position'.
 _DROPPED_AS = {OutOfReachError: 'out of reach', OtherFrameError: 'in another frame'}
+
+
+class WantedInput:
+    """
+    Subscribes while somebody wants the result, so that the publisher has no work otherwise.
+
+    :param node: The node that subscribes.
+    :param heartbeat: Its heartbeat.
+    :param is_wanted: Whether the result has a subscriber.
+    :param subscribe: Makes the subscription.
+    """
+
+    def __init__(
+        self, node: Node, heartbeat: Heartbeat, is_wanted: Callable[[], bool],
+        subscribe: Callable[[], Subscription],
+    ) -> None:
+        self._node, self._is_wanted, self._subscribe = node, is_wanted, subscribe
+        self._subscription: Optional[Subscription] = None
+        heartbeat.every(_PERIOD_S, self._check)
+
+    def _check(self) -> None:
+        if self._is_wanted() and self._subscription is None:
+            self._subscription = self._subscribe()
+        elif not self._is_wanted() and self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
 
 
 class RobotBasePublisher(Node):

@@ -22,19 +22,15 @@ of misspelt names, and the settings of the transform, which has no room of its o
 Callers: all rooms below. It does not import OpenCV: the transform node starts without it.
 """
 
-from camera_to_base.parameters.calibration import (
-    age_text, calibration_date, calibration_record, calibration_summary, changed_record,
-    OWN_CAMERA_SPECS, RECORD_SPECS)
+from camera_to_base.parameters.command_line import (
+    argument_problem, file_warnings, given_warnings, gives_other_values, value_in_files)
 from camera_to_base.parameters.file import (
-    load_yaml, node_namespaces, parameter_text, ParameterFile, read_node_parameters,
-    read_parameter_file, read_sections)
-from camera_to_base.parameters.given import (
-    file_warnings, given_warnings, gives_other_values, value_in_files)
-from camera_to_base.parameters.names import (
-    all_names, misspelt_name, name_warnings, unknown_name_text, with_new_names)
-from camera_to_base.parameters.refused_arguments import argument_problem
+    age_text, calibration_date, calibration_record, calibration_summary, changed_record,
+    load_yaml, node_namespaces, OWN_CAMERA_SPECS, parameter_text, ParameterFile,
+    read_node_parameters, read_parameter_file, read_sections, RECORD_SPECS)
 from camera_to_base.parameters.spec import (
-    checked_values, default_values, grouped, ParameterSpec, Values)
+    all_names, checked_values, default_values, grouped, misspelt_name, name_warnings,
+    ParameterSpec, unknown_name_text, Values, with_new_names)
 from camera_to_base.parameters.transform import (
     CAMERA_FRAME_SPEC, PLACEMENT_SPECS, transform_node_settings, transform_settings,
     TRANSFORM_SETUP_SPECS, TRANSFORM_SPECS, TransformSettings)

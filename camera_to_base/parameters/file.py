@@ -12,20 +12,43 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Parameter files for `ros2 run ... --params-file`, and what they record of a calibration."""
 
-"""Reads and writes parameter files for `ros2 run ... --ros-args --params-file`."""
-
+from datetime import datetime
 from itertools import accumulate
 import re
 from typing import (
     Any, Collection, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple)
 
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameters.spec import ParameterSpec
 import yaml
-
 
 # PyYAML takes seconds for more.
 _MOST_CHARACTERS = 200_000
+
+_CHANGE = '; '
+# Both nodes have these: they log the same line at their start.
+RECORD_SPECS = [
+    ParameterSpec('calibration.surface', '',
+                  'When the surface was calibrated, from what, and how well; written by '
+                  'calibrate.'),
+    ParameterSpec('calibration.base', '',
+                  'When the base frame was calibrated, from what, and how well; written by '
+                  'calibrate.'),
+    ParameterSpec('calibration.device', '',
+                  'The camera that the surface was calibrated with: a lasting link to a device, '
+                  'the URL of a stream, or simulated; written by calibrate.'),
+]
+# Only the camera node has frames to compare.
+OWN_CAMERA_SPECS = [
+    ParameterSpec('calibration.thumbnail', '',
+                  'A small picture of the calibrated surface, PNG in base64: the node compares '
+                  'its background with it; written by calibrate.'),
+    ParameterSpec('calibration.strict', False,
+                  'Whether to publish nothing if the calibration belongs to another camera, or to '
+                  'another view. Otherwise the node only warns.'),
+]
 
 
 class _Loader(yaml.SafeLoader):
@@ -215,3 +238,79 @@ def _comments(text: str) -> List[str]:
         # An indent belongs to the text: tables have one.
         lines.append(line[1:].removeprefix(' ').rstrip())
     return lines
+
+
+def calibration_record(report: Mapping[str, Any]) -> str:
+    """
+    Write in one line when a part was calibrated, from what, and how well.
+
+    :param report: The report of the calibration.
+    """
+    return (f'{report["date"]}, {report["model"]} from {report["source"]}, '
+            f'rms {report["rms_mm"]:.2f} mm at {report["points"]} points')
+
+
+def changed_record(record: str, how: str, now: datetime) -> str:
+    """
+    Write in one line that a calibration was changed, and what it was made from.
+
+    :param record: Its line before; '' for none.
+    :param how: What was done to it.
+    :param now: When.
+    """
+    date, _, made_from = record.partition(', ')
+    if made_from and _CHANGE not in made_from:
+        made_from += f' on {date[:10]}'
+    made_from = made_from.partition(_CHANGE)[0]
+    words = f'{made_from}{_CHANGE}{how}' if made_from else how
+    return f'{now.isoformat(timespec="seconds")}, {words}'
+
+
+def calibration_summary(values: Mapping[str, Any], now: Optional[datetime] = None) -> str:
+    """
+    Say in one line what the parameters hold of a calibration.
+
+    :param values: By full name; missing ones have their defaults.
+    :param now: With its time zone; None for the present time.
+    """
+    now = now or datetime.now().astimezone()
+    surface = _part('surface', values.get('calibration.surface'),
+                    values.get('surface.model', 'parallel') != 'parallel', now)
+    base = _part('base frame', values.get('calibration.base'), False, now)
+    device = values.get('calibration.device')
+    return f'calibration: {surface}; {base}' + (f'; camera {device}' if device else '')
+
+
+def calibration_date(values: Mapping[str, Any]) -> Optional[datetime]:
+    """
+    Tell when the surface was calibrated; None where that is not recorded.
+
+    :param values: By full name.
+    """
+    date = str(values.get('calibration.surface') or '').partition(', ')[0]
+    try:
+        return datetime.fromisoformat(date).astimezone()
+    except ValueError:
+        return None
+
+
+def age_text(date: str, now: datetime) -> str:
+    """
+    Say how long ago a date is.
+
+    :param date: In ISO 8601.
+    :param now: With its time zone.
+    :returns: The date itself where it is none.
+    """
+    try:
+        days = (now - datetime.fromisoformat(date)).days
+    except (TypeError, ValueError):
+        return date
+    return f'{date} ({"less than a day" if days < 1 else f"{days} days"} ago)'
+
+
+def _part(name: str, record: Optional[str], is_set: bool, now: datetime) -> str:
+    if not record:
+        return f'{name} {"without a record" if is_set else "not calibrated"}'
+    date, _, rest = record.partition(', ')
+    return f'{name} of {age_text(date, now)}, {rest}'

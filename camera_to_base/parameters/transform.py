@@ -22,7 +22,7 @@ from camera_to_base.checks import frame_id
 from camera_to_base.coordinate_transform import (
     CameraToRobotBaseConversion, Pose, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG)
 from camera_to_base.errors import OtherFrameError, OutOfReachError
-from camera_to_base.parameters.calibration import calibration_summary, RECORD_SPECS
+from camera_to_base.parameters.file import calibration_summary, RECORD_SPECS
 from camera_to_base.parameters.spec import ParameterSpec, Values
 
 PLACEMENT_SPECS = [

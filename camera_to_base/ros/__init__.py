@@ -22,27 +22,22 @@ Callers: `nodes`, and commands that listen to a running node. It does not import
 transform node starts without it.
 """
 
-from camera_to_base.ros.correction_listener import CorrectionListener
-from camera_to_base.ros.diagnostics import Diagnostics
-from camera_to_base.ros.ellipse_markers import poses_of_markers
-from camera_to_base.ros.health import Health
-from camera_to_base.ros.heartbeat import Heartbeat, real_time_timer
-from camera_to_base.ros.left_out import left_out_markers
+from camera_to_base.ros.diagnostics import (
+    Diagnostics, Health, Heartbeat, NameCheck, qos_mismatch, real_time_timer)
+from camera_to_base.ros.listeners import CorrectionListener, ObjectListener, ToolListener
 from camera_to_base.ros.messages import (
-    point_from_message, poses_from_message, poses_message, position_from_message, position_message,
-    tool_message)
-from camera_to_base.ros.name_check import NameCheck
-from camera_to_base.ros.object_listener import ObjectListener
+    image_message, jpeg_message, left_out_markers, png_message, point_from_message,
+    poses_from_message, poses_message, poses_of_markers, position_from_message, position_message,
+    tool_message, uncertain_pose_from_message, UncertainPose)
 from camera_to_base.ros.parameters import NodeParameters
-from camera_to_base.ros.pose_messages import uncertain_pose_from_message, UncertainPose
 from camera_to_base.ros.position_topics import NO_EVENTS, PositionTopics
-from camera_to_base.ros.qos_check import qos_mismatch
-from camera_to_base.ros.tool_listener import ToolListener
+from camera_to_base.ros.process import keep_freed_memory, run, use_picture_memory, whole_or_gone
 
 __all__ = [
-    'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat', 'left_out_markers', 'NameCheck',
-    'NO_EVENTS', 'NodeParameters', 'ObjectListener', 'point_from_message', 'poses_from_message',
-    'poses_message', 'poses_of_markers', 'position_from_message', 'position_message',
-    'PositionTopics', 'qos_mismatch', 'real_time_timer', 'tool_message', 'ToolListener',
-    'uncertain_pose_from_message', 'UncertainPose',
+    'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat', 'image_message', 'jpeg_message',
+    'keep_freed_memory', 'left_out_markers', 'NameCheck', 'NO_EVENTS', 'NodeParameters',
+    'ObjectListener', 'png_message', 'point_from_message', 'poses_from_message', 'poses_message',
+    'poses_of_markers', 'position_from_message', 'position_message', 'PositionTopics',
+    'qos_mismatch', 'real_time_timer', 'run', 'tool_message', 'ToolListener',
+    'uncertain_pose_from_message', 'UncertainPose', 'use_picture_memory', 'whole_or_gone',
 ]

@@ -13,19 +13,27 @@
 # limitations under the License.
 
 """
-Conversion between ROS messages and numbers, in this module alone.
+Conversion between ROS messages and numbers, poses, markers and pictures, in this module alone.
 
 Pictures are in `nodes.image_messages`: a process without pictures does not load OpenCV.
 """
 
+from array import array
 import math
-from typing import Iterable, List, Sequence, Tuple
+import textwrap
+from typing import Iterable, List, NamedTuple, Sequence, Tuple
 
 from camera_to_base.coordinate_transform import axis_angle, Pose
-from camera_to_base.errors import InvalidValueError
+from camera_to_base.errors import InvalidValueError, Reason
+from camera_to_base.uncertainty import Ellipse, ellipse_covariance, error_ellipse
+import cv2
 from geometry_msgs.msg import (
-    Point, PointStamped, Pose as PoseMessage, PoseArray, PoseStamped, Quaternion)
-from std_msgs.msg import Float64MultiArray, Header
+    Point, PointStamped, Pose as PoseMessage, PoseArray, PoseStamped, PoseWithCovariance,
+    PoseWithCovarianceStamped, Quaternion, Vector3)
+import numpy as np
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import ColorRGBA, Float64MultiArray, Header
+from visualization_msgs.msg import Marker, MarkerArray
 
 # A position has two numbers, or a few more; a message with thousands belongs to another topic.
 MOST_NUMBERS = 16
@@ -34,6 +42,20 @@ _CM_PER_M = 100.0
 # A quaternion that differs by more than this from a rotation about z, or from length 1, is
 # refused.
 _QUATERNION_TOLERANCE = 1e-3
+
+# x, y and z in m, and the rotations about them in rad, for one cm and one rad.
+_M_PER_CM = np.array([0.01] * 3 + [1.0] * 3)
+_M2_PER_CM2 = np.outer(_M_PER_CM, _M_PER_CM)
+
+SHARE = 0.95
+_NAMESPACE = 'ellipses_95'
+_ELLIPSE_COLOUR = ColorRGBA(r=1.0, g=0.55, b=0.0, a=0.6)
+# RViz refuses a marker without an extent.
+_THICKNESS_M, _LEAST_M = 0.001, 1e-5
+
+_LEFT_OUT_COLOUR = ColorRGBA(r=0.7, g=0.7, b=0.7, a=1.0)
+_LETTER_M = 0.008
+_LETTERS_PER_LINE = 32
 
 
 def position_message(x: float, y: float) -> Float64MultiArray:
@@ -145,3 +167,136 @@ def _yaw(q: Quaternion) -> float:
             f'expected a yaw about z, got the quaternion ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g})')
     # Half the angle, doubled.
     return axis_angle(q.w * q.w - q.z * q.z, 2 * q.z * q.w)
+
+
+class UncertainPose(NamedTuple):
+    """
+    A pose with its covariance.
+
+    :param pose: In cm and rad.
+    :param covariance: Shape (6, 6), of x, y, z in cm and the rotations about them in rad.
+    """
+
+    pose: Pose
+    covariance: np.ndarray
+
+
+def uncertain_pose_message(header: Header, uncertain: UncertainPose) -> PoseWithCovarianceStamped:
+    """Make a stamped pose with its covariance, in m and rad."""
+    return PoseWithCovarianceStamped(header=header, pose=PoseWithCovariance(
+        pose=pose_to_one(uncertain.pose),
+        covariance=(uncertain.covariance * _M2_PER_CM2).ravel()))
+
+
+def uncertain_pose_from_message(message: PoseWithCovarianceStamped) -> UncertainPose:
+    """
+    Read a stamped pose with its covariance.
+
+    :raises InvalidValueError: If a number is not finite, a variance is negative, or the pose is
+        turned about another axis than z.
+    """
+    pose = pose_from_one(message.pose.pose)
+    in_metres = np.reshape(message.pose.covariance, (6, 6))
+    with np.errstate(over='ignore', invalid='ignore'):
+        covariance = in_metres / _M2_PER_CM2
+    if not math.isfinite(covariance.sum()) or covariance.diagonal().min() < 0:
+        raise InvalidValueError('expected a covariance of finite numbers without a negative '
+                                f'variance, got the diagonal {in_metres.diagonal().tolist()}')
+    return UncertainPose(pose, covariance)
+
+
+def ellipse_markers(header: Header, poses: Iterable[UncertainPose]) -> MarkerArray:
+    """Make flat discs, one for each pose; the first marker deletes those of earlier messages."""
+    markers = [Marker(header=header, ns=_NAMESPACE, action=Marker.DELETEALL)]
+    for number, (pose, covariance) in enumerate(poses, start=1):
+        ellipse = error_ellipse(covariance, SHARE)
+        markers.append(Marker(
+            header=header, ns=_NAMESPACE, id=number, type=Marker.CYLINDER, action=Marker.ADD,
+            pose=pose_to_one(pose._replace(yaw=ellipse.angle)), color=_ELLIPSE_COLOUR,
+            scale=Vector3(x=_diameter(ellipse.long), y=_diameter(ellipse.short),
+                          z=_THICKNESS_M)))
+    return MarkerArray(markers=markers)
+
+
+def poses_of_markers(message: MarkerArray) -> List[UncertainPose]:
+    """
+    Read the poses that ellipses belong to.
+
+    What an ellipse does not tell, z and the rotations, has no variance here.
+
+    :raises InvalidValueError: If a number is not finite, or there are far too many.
+    """
+    if len(message.markers) > MOST_POSES:
+        raise InvalidValueError(f'expected at most {MOST_POSES} markers, '
+                                f'got {len(message.markers)}')
+    return [_uncertain(marker) for marker in message.markers if marker.action == Marker.ADD]
+
+
+def _uncertain(marker: Marker) -> UncertainPose:
+    pose = pose_from_one(marker.pose)
+    half_axes = np.array([marker.scale.x, marker.scale.y]) * _CM_PER_M / 2
+    if not np.isfinite(half_axes).all():
+        raise InvalidValueError(f'expected finite scales of a marker, got {half_axes.tolist()}')
+    covariance = np.zeros((6, 6))
+    covariance[:2, :2] = ellipse_covariance(
+        Ellipse(*half_axes.tolist(), axis_angle(np.cos(pose.yaw), np.sin(pose.yaw))), SHARE)
+    return UncertainPose(Pose(*pose[:3], 0.0), covariance)
+
+
+def _diameter(half_axis_cm: float) -> float:
+    return max(2 * half_axis_cm / _CM_PER_M, _LEAST_M)
+
+
+def left_out_markers(
+    header: Header, left_out: Iterable[Tuple[Tuple[float, float], Reason]]
+) -> MarkerArray:
+    """
+    Make a text for each object that was left out: its reason's sentence, at its place.
+
+    A marker's namespace is the reason's kind, so that RViz can hide each kind. The first marker
+    deletes those of earlier messages.
+
+    :param left_out: Of each, x and y in cm in the camera frame, and the reason.
+    """
+    markers = [Marker(header=header, action=Marker.DELETEALL)]
+    for number, ((x, y), reason) in enumerate(left_out, start=1):
+        markers.append(Marker(
+            header=header, ns=reason.kind, id=number, type=Marker.TEXT_VIEW_FACING,
+            action=Marker.ADD, pose=pose_to_one(Pose(x, y, 0.0, 0.0)), color=_LEFT_OUT_COLOUR,
+            scale=Vector3(z=_LETTER_M),
+            text='\n'.join(textwrap.wrap(reason.sentence, _LETTERS_PER_LINE))))
+    return MarkerArray(markers=markers)
+
+
+def image_message(header: Header, picture: np.ndarray) -> Image:
+    """
+    Make an image message.
+
+    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
+    """
+    height, width = picture.shape[:2]
+    colour = picture.ndim == 3
+    # rclpy copies any other type than array.array byte by byte, which is slow.
+    return Image(header=header, height=height, width=width,
+                 encoding='bgr8' if colour else 'mono8',
+                 step=width * (3 if colour else 1), data=array('B', picture.tobytes()))
+
+
+def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
+    """
+    Make a message with a JPEG picture, of OpenCV's usual quality of 95.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    """
+    jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
+    return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
+
+
+def png_message(header: Header, picture: np.ndarray) -> CompressedImage:
+    """
+    Make a message with a PNG picture, which loses nothing.
+
+    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
+    """
+    png = cv2.imencode('.png', picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes()
+    return CompressedImage(header=header, format='png', data=array('B', png))

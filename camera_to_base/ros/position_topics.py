@@ -18,9 +18,9 @@ import time
 from typing import Iterable
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.ros.ellipse_markers import ellipse_markers
-from camera_to_base.ros.messages import point_message, poses_message, position_message
-from camera_to_base.ros.pose_messages import uncertain_pose_message, UncertainPose
+from camera_to_base.ros.messages import (
+    ellipse_markers, point_message, poses_message, position_message, uncertain_pose_message,
+    UncertainPose)
 from geometry_msgs.msg import PointStamped, PoseArray, PoseWithCovarianceStamped
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks

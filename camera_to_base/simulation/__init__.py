@@ -22,16 +22,13 @@ calibrate the simulated camera with.
 Callers: `settings`, `nodes`, `commands` and benchmarks. No detector imports it.
 """
 
-from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.simulation.camera_move import CameraMove, move_parameters
-from camera_to_base.simulation.chessboard import SimulatedChessboard
-from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.parameters import simulation_settings, SimulationSettings
-from camera_to_base.simulation.robot import SimulatedRobot
-from camera_to_base.simulation.scene import SimulatedScene, Touch
-from camera_to_base.simulation.specs import SIMULATION_SPECS
+from camera_to_base.simulation.board import (
+    SimulatedBoard, SimulatedRobot, SimulatedScene, SimulatedTouchTable, simulation_settings,
+    SimulationSettings, Touch)
+from camera_to_base.simulation.disturbances import BoardConditions
+from camera_to_base.simulation.printed import SimulatedChessboard
 from camera_to_base.simulation.table import TrueObject
-from camera_to_base.simulation.touch_table import SimulatedTouchTable
+from camera_to_base.simulation.view import CameraMove, move_parameters, SIMULATION_SPECS
 
 __all__ = [
     'BoardConditions', 'CameraMove', 'move_parameters', 'SimulatedBoard', 'SimulatedChessboard',

@@ -12,22 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A rendered work surface with objects: a frame source with known true positions."""
+"""A rendered work surface with objects: a frame source with known true positions, and a robot."""
 
-from typing import Dict, List, Optional, Tuple
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
-from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
-from camera_to_base.image_size import DEFAULT_IMAGE_SIZE, ImageSize
-from camera_to_base.simulation.bump import largest_shift_px, random_bump
-from camera_to_base.simulation.camera_move import CameraMove
-from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.disturbances import BoardDisturbances
-from camera_to_base.simulation.scene import SimulatedScene, Touch
-from camera_to_base.simulation.specs import (
-    BOARD, OBJECTS, SIMULATION_DEFAULTS as _DEFAULTS, STILL_OBJECTS)
-from camera_to_base.simulation.table import (
-    BoardObjects, draw_oval, placed_board, PrintedMarkers, Table, true_object, TrueObject)
-from camera_to_base.simulation.view import BoardView, Oval
+from camera_to_base.checks import DEFAULT_IMAGE_SIZE, ImageSize
+from camera_to_base.coordinate_transform import (
+    CameraToRobotBaseConversion, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG,
+    TUTORIAL_WIDTH_CM)
+from camera_to_base.errors import HorizonError, InvalidValueError
+from camera_to_base.markers import marker_cells
+from camera_to_base.parameters import Values
+from camera_to_base.simulation.disturbances import BoardConditions, BoardDisturbances
+from camera_to_base.simulation.printed import placed_board, PrintedMarkers
+from camera_to_base.simulation.table import BoardObjects, draw_oval, Table, true_object, TrueObject
+from camera_to_base.simulation.view import (
+    BOARD, BoardView, camera_move, CameraMove, largest_shift_px, OBJECTS, Oval, random_bump,
+    SIMULATION_DEFAULTS as _DEFAULTS, STILL_OBJECTS)
 from camera_to_base.sources import SIMULATED
 import numpy as np
 
@@ -35,6 +37,41 @@ import numpy as np
 _ROUND_S = 60.0
 # Corners along a row and a column, and the edge of a square in cm: what `calibrate sheet` prints.
 _PRINTED_BOARD = 9, 6, 2.5
+
+# Of a gripper tip on the middle of a coin, in each direction.
+_TOUCH_ERROR_CM = 0.03
+
+_DIAMETER_CM = 2.4
+
+
+class SimulatedScene(NamedTuple):
+    """
+    What the simulated camera sees; it may change between two frames.
+
+    :param shows: One of `specs.SHOWN`.
+    :param placement: Where the chessboard lies, from 1, see `board_placement`.
+    :param markers: Whether the markers lie on the table.
+    :param table: One of `specs.TABLES`.
+    :param move: How the camera was moved since the start.
+    """
+
+    shows: str = _DEFAULTS['shows']
+    placement: int = _DEFAULTS['placement']
+    markers: bool = _DEFAULTS['markers']
+    table: str = _DEFAULTS['table']
+    move: CameraMove = CameraMove()
+
+
+class Touch(NamedTuple):
+    """
+    What the simulated robot touches.
+
+    :param number: The object's, 1 for the largest in the picture; 0 for none.
+    :param marker: The marker's, which comes first; -1 for none.
+    """
+
+    number: int = _DEFAULTS['touched']
+    marker: int = _DEFAULTS['touched_marker']
 
 
 class SimulatedBoard:
@@ -192,3 +229,129 @@ class SimulatedBoard:
 
     def _rounds(self, number: int) -> float:
         return number / self.frame_rate / _ROUND_S
+
+
+class SimulatedRobot:
+    """
+    A robot that stands beside the table as the tutorial's does.
+
+    :param random: Makes the errors of its touches.
+    """
+
+    def __init__(self, random: np.random.Generator) -> None:
+        self._random = random
+        self._base_from_camera = CameraToRobotBaseConversion.from_roll_pitch_yaw(
+            TUTORIAL_ROTATION_DEG, TUTORIAL_DISPLACEMENT_CM)
+        self.renew_error()
+
+    def renew_error(self) -> None:
+        """Touch anew: with another error, which stays the same while the tool touches."""
+        self._error = self._random.normal(0.0, _TOUCH_ERROR_CM, 2)
+
+    def touch(self, point: Tuple[float, float]) -> Tuple[float, float]:
+        """
+        Return where the tool is.
+
+        :param point: What it touches, x and y, in cm, in the camera frame of the uncalibrated
+            simulated camera.
+        :returns: x and y, in cm, in the base frame, with an error of a few tenths of a mm.
+        """
+        x, y, _ = self._base_from_camera.convert_point(*point)
+        return float(x + self._error[0]), float(y + self._error[1])
+
+
+class SimulatedTouchTable(SimulatedBoard):
+    """
+    The simulated board with one coin at rest, or none.
+
+    :param image_size: Width and height, in px.
+    :param others: See :class:`SimulatedBoard`.
+    """
+
+    def __init__(self, image_size: ImageSize, **others) -> None:
+        super().__init__(image_size=image_size, **others)
+        self._point: Optional[Tuple[float, float]] = None
+        self._robot = SimulatedRobot(np.random.default_rng(self._seed))
+
+    def lay_coin(self, pixel: Tuple[float, float]) -> None:
+        """Lay the coin on the surface where a pixel shows it."""
+        self._point = self._view.point(pixel)
+
+    def robot_position(self) -> Tuple[float, float]:
+        """
+        Return what the display of the tutorial's robot shows when it touches the coin.
+
+        :returns: x and y, in cm, in the base frame, with an error of a few tenths of a mm.
+        """
+        return self._shown(self._point)
+
+    def robot_position_at(self, marker: int) -> Optional[Tuple[float, float]]:
+        """Return what the display shows when it touches a marker's middle; None without it."""
+        corners = self.true_markers.get(marker)
+        return None if corners is None else self._shown(tuple(corners.mean(axis=0)))
+
+    def _shown(self, point: Tuple[float, float]) -> Tuple[float, float]:
+        x, y = self._robot.touch(point)
+        self._robot.renew_error()
+        return round(x, 2), round(y, 2)
+
+    def _ovals(self, number: int) -> List[Oval]:
+        if self._point is None:
+            return []
+        return [Oval(self._point, _DIAMETER_CM / 2, _DIAMETER_CM / 2, 0.0)]
+
+
+@dataclass(frozen=True)
+class SimulationSettings:
+    """
+    How the simulated board is seen, and what kind of day it has.
+
+    :param scene: What the camera sees; may change while the node runs.
+    :param touch: What the robot touches; may change, too.
+    """
+
+    tilt_deg: float
+    seed: int
+    frame_rate: float
+    scene: SimulatedScene
+    touch: Touch
+    conditions: BoardConditions
+
+    def check_scene(self, image_size: ImageSize) -> None:
+        """
+        Check that the camera sees the table in all of its picture, and that markers can be drawn.
+
+        :raises InvalidValueError: If the picture would reach the horizon.
+        :raises CalibrationError: If OpenCV has no module aruco, and there are to be markers.
+        """
+        if self.scene.markers:
+            marker_cells(0)
+        try:
+            BoardView(image_size, TUTORIAL_WIDTH_CM, self.tilt_deg, self.scene.move)
+        except HorizonError as error:
+            raise InvalidValueError(
+                'simulated.tilt_deg and simulated.camera_tilt_deg tilt the camera so far that its '
+                'picture reaches the horizon: tilt it less') from error
+
+    def board(self, image_size: ImageSize) -> SimulatedBoard:
+        """Make the board, for pictures of a size."""
+        return SimulatedBoard(image_size=image_size, **self._everything)
+
+    def touch_table(self, image_size: ImageSize) -> SimulatedTouchTable:
+        """Make the same table with one object at rest."""
+        return SimulatedTouchTable(image_size, **self._everything)
+
+    @property
+    def _everything(self) -> Dict[str, Any]:
+        return {'tilt_deg': self.tilt_deg, 'seed': self.seed, 'frame_rate': self.frame_rate,
+                'scene': self.scene, **asdict(self.conditions)}
+
+
+def simulation_settings(values: Values) -> SimulationSettings:
+    """Make the simulation's settings of its parameters, named without 'simulated.'."""
+    return SimulationSettings(
+        values['tilt_deg'], values['seed'], values['frame_rate'],
+        SimulatedScene(values['shows'], values['placement'], values['markers'], values['table'],
+                       camera_move(values)),
+        Touch(values['touched'], values['touched_marker']),
+        BoardConditions(**{field.name: values[field.name] for field in fields(BoardConditions)}))

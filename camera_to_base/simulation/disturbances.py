@@ -12,19 +12,60 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Disturbances of the simulated picture: hands, light, noise."""
+"""Bad days of the simulated picture: its light, noise and objects, hands, drift and steps."""
 
+from dataclasses import dataclass
 import math
-from typing import Optional
+from typing import Optional, Sequence
 
-from camera_to_base.image_size import ImageSize
-from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.view import SeenEllipse
+from camera_to_base.checks import ImageSize
+from camera_to_base.simulation.view import SeenEllipse, SIMULATION_DEFAULTS as _DEFAULTS
 import numpy as np
 
 _HAND_COLOUR = np.array([66.0, 86.0, 116.0], np.float32)
 # An object nearer than this to a hand cannot be told from it in a picture, in px.
 _HAND_MARGIN_PX = 6.0
+
+
+@dataclass(frozen=True)
+class BoardConditions:
+    """
+    Conditions of the simulated board; by default, only a little noise.
+
+    :param noise: Standard deviation of the sensor's noise, in grey levels.
+    :param light_drift: Change of the table's brightness in one round, in grey levels.
+    :param exposure_step: The factor by which the camera's exposure jumps, in every other
+        quarter of a round.
+    :param shadow: Depth of a soft shadow that moves over the board, in grey levels.
+    :param hands: How often a hand reaches into the picture in one round.
+    :param table_level: The table's brightness, in grey levels.
+    :param contrast: Objects are darker than the table by this; lighter if it is negative.
+    :param diameters_cm: The diameter of each object.
+    :param elongation: Length / width of the objects, whose length is the diameter; 1 for coins.
+    :param yaw_deg: The direction of the first oval's length, from x towards y, in degrees; each
+        further one is turned by 50 degrees more.
+    :param highlight: Whether objects have a spot that looks like the table.
+    :param texture: Standard deviation of the table's pattern, in grey levels.
+    :param over_edge: Whether the objects' paths lead beyond the picture's edge.
+    :param in_first_frame: Whether the objects lie there on the first frame, the background.
+    :param rests: Whether the objects stop on their way, for as long as they move.
+    """
+
+    noise: float = _DEFAULTS['noise']
+    light_drift: float = _DEFAULTS['light_drift']
+    exposure_step: float = _DEFAULTS['exposure_step']
+    shadow: float = _DEFAULTS['shadow']
+    hands: int = _DEFAULTS['hands']
+    table_level: float = _DEFAULTS['table_level']
+    contrast: float = _DEFAULTS['contrast']
+    diameters_cm: Sequence[float] = tuple(_DEFAULTS['diameters_cm'])
+    elongation: float = _DEFAULTS['elongation']
+    yaw_deg: float = _DEFAULTS['yaw_deg']
+    highlight: bool = _DEFAULTS['highlight']
+    texture: float = _DEFAULTS['texture']
+    over_edge: bool = _DEFAULTS['over_edge']
+    in_first_frame: bool = _DEFAULTS['in_first_frame']
+    rests: bool = _DEFAULTS['rests']
 
 
 class BoardDisturbances:

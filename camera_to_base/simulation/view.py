@@ -12,19 +12,182 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Geometry of the simulated board: a pinhole camera above a work surface."""
+"""The simulated camera: a pinhole above the work surface, its parameters, and how it is moved."""
 
 import math
-from typing import NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Mapping, NamedTuple, Sequence, Tuple
 
-from camera_to_base.checks import finite_number
-from camera_to_base.image_size import check_image_size, ImageSize
-from camera_to_base.simulation.camera_move import CameraMove
-from camera_to_base.simulation.specs import LARGEST_TILT_DEG
+from camera_to_base.checks import check_image_size, finite_number, ImageSize
+from camera_to_base.parameters import default_values, grouped, ParameterSpec, Values
 from camera_to_base.surface import HomographySurface
 import numpy as np
 
+LARGEST_TILT_DEG = 60.0
+SHOWN = OBJECTS, STILL_OBJECTS, BOARD, EMPTY = 'objects', 'still_objects', 'board', 'empty'
+TABLES = GREY, WOOD, PRINTED = 'grey', 'wood', 'printed'
+PLACEMENT_COUNT = 8
+MARKER_COUNT = 4
+
+# What a person changes while the node runs: the table, and where the camera is.
+_SCENE_SPECS = [
+    ParameterSpec('simulated.shows', OBJECTS,
+                  'simulated: what lies on the table: objects that move, five still objects, a '
+                  'printed chessboard of 9x6 corners and 25 mm squares, or nothing.',
+                  choices=SHOWN),
+    ParameterSpec('simulated.placement', 1,
+                  'simulated: where the chessboard lies: 1 in the middle, 2 to 5 towards the '
+                  'corners, 6 to 8 turned.', (1, PLACEMENT_COUNT)),
+    ParameterSpec('simulated.markers', False,
+                  'simulated: whether the markers 0 to 3, 40 mm wide, lie near the corners of '
+                  'the picture.'),
+    ParameterSpec('simulated.table', GREY,
+                  "simulated: the table's surface.", choices=TABLES),
+    ParameterSpec('simulated.touched', 0,
+                  'simulated: the number of the object that the robot touches, 1 for the largest '
+                  'in the picture; 0 for none. Its tool is published on simulated_tool.',
+                  (0, 100)),
+    ParameterSpec('simulated.touched_marker', -1,
+                  'simulated: the marker whose middle the robot touches; -1 for none.',
+                  (-1, MARKER_COUNT - 1)),
+    ParameterSpec('simulated.camera_shift_px', [0.0, 0.0],
+                  'simulated: the camera is moved, so that the picture of the table moves to '
+                  'the right and down.', (-2000, 2000), unit='px', lengths=(2,)),
+    ParameterSpec('simulated.camera_turn_deg', 0.0,
+                  'simulated: the camera is turned, so that the picture of the table turns '
+                  'clockwise about its middle.', (-180, 180), unit='deg'),
+    ParameterSpec('simulated.camera_tilt_deg', [0.0, 0.0],
+                  'simulated: the camera is tilted further, so that the top and the left of the '
+                  'picture show more distant points.', (-25, 25), unit='deg', lengths=(2,)),
+    ParameterSpec('simulated.camera_zoom', 1.0,
+                  'simulated: the camera comes nearer by this factor.', (0.3, 3)),
+]
+
+SIMULATION_SPECS = [
+    *_SCENE_SPECS,
+    ParameterSpec('simulated.tilt_deg', 0.0,
+                  "simulated: the camera's tilt, 0 looks straight down.", (0, LARGEST_TILT_DEG),
+                  unit='deg', fixed=True),
+    ParameterSpec('simulated.seed', 0, 'simulated: makes the noise.', (0, 2**31 - 1), fixed=True),
+    ParameterSpec('simulated.frame_rate', 10.0, 'simulated: frames per second.', (0.1, 1000),
+                  unit='Hz', fixed=True),
+    ParameterSpec('simulated.noise', 2.0,
+                  'simulated: standard deviation of the noise.', (0, 100),
+                  unit='grey levels', fixed=True),
+    ParameterSpec('simulated.light_drift', 0.0,
+                  'simulated: what the table gains (or loses) in a minute.',
+                  (-255, 255), unit='grey levels', fixed=True),
+    ParameterSpec('simulated.exposure_step', 1.0,
+                  "simulated: the factor by which the camera's exposure jumps every 15 s.",
+                  (0.01, 100), fixed=True),
+    ParameterSpec('simulated.shadow', 0.0,
+                  'simulated: what a soft shadow takes away.', (0, 255),
+                  unit='grey levels', fixed=True),
+    ParameterSpec('simulated.hands', 0,
+                  'simulated: how often a hand reaches into the picture in a minute.', (0, 100),
+                  fixed=True),
+    ParameterSpec('simulated.table_level', 202.0,
+                  "simulated: the table's brightness.", (1, 255), unit='grey levels',
+                  fixed=True),
+    ParameterSpec('simulated.contrast', 142.0,
+                  'simulated: objects are that much darker than the table (lighter, where '
+                  'negative).', (-255, 255), unit='grey levels', fixed=True),
+    ParameterSpec('simulated.diameters_cm', [2.4],
+                  'simulated: the diameter of each object.', (0.1, 100), unit='cm', fixed=True),
+    ParameterSpec('simulated.elongation', 1.0,
+                  'simulated: objects are ovals that much longer than wide, the diameter being '
+                  'their length; 1 for coins.', (1, 10), fixed=True),
+    ParameterSpec('simulated.yaw_deg', 0.0,
+                  "simulated: the direction of the first oval's length, from x towards y; each "
+                  'further one is turned by 50 degrees more.', (-180, 180), unit='deg',
+                  fixed=True),
+    ParameterSpec('simulated.highlight', False,
+                  'simulated: whether objects have a spot that looks like the table.', fixed=True),
+    ParameterSpec('simulated.texture', 0.0,
+                  "simulated: standard deviation of the table's pattern.",
+                  (0, 100), unit='grey levels', fixed=True),
+    ParameterSpec('simulated.over_edge', False,
+                  "simulated: whether the objects' paths lead beyond the picture's edge.",
+                  fixed=True),
+    ParameterSpec('simulated.in_first_frame', False,
+                  'simulated: whether the objects lie there on the first frame, the background.',
+                  fixed=True),
+    ParameterSpec('simulated.rests', False,
+                  'simulated: whether the objects stop on their way.', fixed=True),
+]
+# By their names without 'simulated.'.
+SIMULATION_DEFAULTS: Mapping[str, Any] = grouped(default_values(SIMULATION_SPECS), 'simulated.')
+
 _CAMERA_DISTANCE_CM = 60.0
+
+# By how far a bump moves the corner of the picture that it moves farthest, in px.
+_BUMP_PX = 4.0, 15.0
+# Standard deviations before the bump is scaled: px at VGA, degrees, degrees, factor.
+_SHIFT, _TURN_DEG, _TILT_DEG, _ZOOM = 5.0, 0.4, 0.4, 0.008
+
+
+class CameraMove(NamedTuple):
+    """
+    A camera's way from its first pose to another one; any pose can be reached.
+
+    :param shift_px: The picture of the table moves to the right and down by this, at tilt 0.
+    :param turn_deg: The picture turns clockwise about its middle by this.
+    :param tilt_deg: The camera is tilted further about the point at its picture's middle: so that
+        the top, and so that the left of the picture shows more distant points.
+    :param zoom: The camera comes nearer by this factor.
+    """
+
+    shift_px: Tuple[float, float] = tuple(SIMULATION_DEFAULTS['camera_shift_px'])
+    turn_deg: float = SIMULATION_DEFAULTS['camera_turn_deg']
+    tilt_deg: Tuple[float, float] = tuple(SIMULATION_DEFAULTS['camera_tilt_deg'])
+    zoom: float = SIMULATION_DEFAULTS['camera_zoom']
+
+    def rotation(self, tilt: float) -> np.ndarray:
+        """
+        Return the rotation from the surface to the moved camera.
+
+        :param tilt: The camera's before the move, in rad.
+        :returns: Shape (3, 3).
+        """
+        about_u, about_v = np.deg2rad(self.tilt_deg)
+        return (_about_axis(math.radians(self.turn_deg)) @ _about_u(tilt + about_u)
+                @ _about_v(about_v))
+
+    def times(self, factor: float) -> 'CameraMove':
+        """Return a move of the same kind, larger by a factor, for small moves."""
+        def scaled(pair: Tuple[float, float]) -> Tuple[float, float]:
+            return pair[0] * factor, pair[1] * factor
+
+        return CameraMove(scaled(self.shift_px), self.turn_deg * factor, scaled(self.tilt_deg),
+                          1 + (self.zoom - 1) * factor)
+
+
+def camera_move(values: Values) -> CameraMove:
+    """Make the move of the parameters, named without 'simulated.'."""
+    return CameraMove(tuple(values['camera_shift_px']), values['camera_turn_deg'],
+                      tuple(values['camera_tilt_deg']), values['camera_zoom'])
+
+
+def move_parameters(move: CameraMove) -> Dict[str, Any]:
+    """Return the parameters of a move, by their full names."""
+    return {'simulated.camera_shift_px': list(move.shift_px),
+            'simulated.camera_turn_deg': move.turn_deg,
+            'simulated.camera_tilt_deg': list(move.tilt_deg),
+            'simulated.camera_zoom': move.zoom}
+
+
+def _about_axis(angle: float) -> np.ndarray:
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+
+
+def _about_u(angle: float) -> np.ndarray:
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[1, 0, 0], [0, cos, sin], [0, -sin, cos]])
+
+
+def _about_v(angle: float) -> np.ndarray:
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
 
 
 class Oval(NamedTuple):
@@ -189,3 +352,29 @@ class BoardView:
                               [0, 1, (move.shift_px[1] - centre[1]) * self.cm_per_px],
                               [0, 0, 1]])
         return camera @ pose @ to_centre
+
+
+def largest_shift_px(view: BoardView, moved: BoardView) -> float:
+    """Return how far a move takes the picture's corner that it takes farthest, in px."""
+    right, bottom = view.width - 1.0, view.height - 1.0
+    corners = np.array([[0, 0], [right, 0], [0, bottom], [right, bottom]])
+    points = np.array([view.point(corner) for corner in corners])
+    return float(np.hypot(*(moved.pixels(points) - corners).T).max())
+
+
+def random_bump(random: np.random.Generator, view: BoardView) -> CameraMove:
+    """Draw a bump of a camera: shift, turn, tilt and zoom at once, a few px in all."""
+    unscaled = CameraMove(
+        tuple(random.normal(0, _SHIFT, 2)), random.normal(0, _TURN_DEG),
+        tuple(random.normal(0, _TILT_DEG, 2)), 1 + random.normal(0, _ZOOM))
+    return _rounded(unscaled.times(
+        random.uniform(*_BUMP_PX) / largest_shift_px(view, view.moved(unscaled))))
+
+
+def _rounded(move: CameraMove) -> CameraMove:
+    # As a person would write it; plain floats, as parameters take them.
+    def pair(numbers: tuple) -> tuple:
+        return tuple(round(float(number), 2) for number in numbers)
+
+    return CameraMove(pair(move.shift_px), round(float(move.turn_deg), 3), pair(move.tilt_deg),
+                      round(float(move.zoom), 5))

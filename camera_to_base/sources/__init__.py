@@ -24,18 +24,17 @@ Callers: `drawing`, `calibration` and the rooms below them. Nothing here detects
 from camera_to_base.sources.cameras import Camera, first_camera, FirstCamera
 from camera_to_base.sources.decoding import (
     decode_compressed, frame_from_compressed_message, frame_from_image_message)
-from camera_to_base.sources.device_names import is_other_camera, lasting_name
-from camera_to_base.sources.files import BagFile, open_repeated, VideoFile
-from camera_to_base.sources.frame_source import FrameSource
-from camera_to_base.sources.live import (
-    FrameReader, is_reader_hanging, LOST_AFTER_S, ReaderFacts, ReaderSnapshot, ReaderState,
-    ReaderStatus, SilenceLimit, source_reason, stamp_reason, TakenFrame)
-from camera_to_base.sources.opening import open_frame_source
-from camera_to_base.sources.recording import LiveRecording, PlayedRecording, Recording, TimedFrame
-from camera_to_base.sources.source_kind import (
-    AUTO, BAG, COMPRESSED_TOPIC, DEVICE, kind_of, RANDOM, SIMULATED, SourceKind, STREAM, TOPIC,
-    VIDEO_FILE)
-from camera_to_base.sources.still_picture import median_frame, read_picture, still_frames
+from camera_to_base.sources.files import BagFile, open_frame_source, open_repeated, VideoFile
+from camera_to_base.sources.kinds import (
+    AUTO, BAG, COMPRESSED_TOPIC, DEVICE, FrameSource, is_other_camera, kind_of, lasting_name,
+    RANDOM, SIMULATED, SourceKind, STREAM, TOPIC, VIDEO_FILE)
+from camera_to_base.sources.reader import FrameReader, is_reader_hanging, TakenFrame
+from camera_to_base.sources.recording import (
+    LiveRecording, median_frame, PlayedRecording, read_picture, Recording, still_frames,
+    TimedFrame)
+from camera_to_base.sources.status import (
+    LOST_AFTER_S, ReaderFacts, ReaderSnapshot, ReaderState, ReaderStatus, SilenceLimit,
+    source_reason, stamp_reason)
 
 __all__ = [
     'AUTO', 'BAG', 'BagFile', 'Camera', 'COMPRESSED_TOPIC', 'decode_compressed', 'DEVICE',

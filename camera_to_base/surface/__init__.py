@@ -22,26 +22,23 @@ calibration, the camera's pose and the view from above are here.
 Callers: all rooms below. It imports numpy and OpenCV alone.
 """
 
-from camera_to_base.image_size import ImageSize
+from camera_to_base.checks import ImageSize
 from camera_to_base.surface.distortion import divide, RadialDistortion, undivide
-from camera_to_base.surface.equivalence import as_homography, is_same_surface
-from camera_to_base.surface.hull import Hull
-from camera_to_base.surface.matched_points import (
-    check_inside, check_spread, MatchedPoints, on_one_line, PointPairs)
 from camera_to_base.surface.models import (
-    homogeneous, HomographySurface, PolynomialSurface, Surface)
-from camera_to_base.surface.nudged import NudgedSurface, PictureMap
+    homogeneous, HomographySurface, PolynomialSurface, Surface, SURFACE_DEFAULTS, SURFACE_SPECS)
 from camera_to_base.surface.parameters import make_hull, make_surface, surface_values
-from camera_to_base.surface.pose import camera_pose, CameraIntrinsics
-from camera_to_base.surface.raised import flat_surface, RaisedSurface
-from camera_to_base.surface.rectification import sees_y_clockwise, surface_extent, top_view
-from camera_to_base.surface.specs import SURFACE_DEFAULTS, SURFACE_SPECS
+from camera_to_base.surface.points import (
+    camera_pose, CameraIntrinsics, check_inside, check_spread, Hull, MatchedPoints, on_one_line,
+    PointPairs, sees_y_clockwise, surface_extent, top_view)
+from camera_to_base.surface.raised_nudged import (
+    as_homography, flat_surface, is_same_surface, NudgedSurface, PictureMap, RaisedSurface)
+from camera_to_base.surface.thumbnail import read_thumbnail, shares_structure, view_thumbnail
 
 __all__ = [
     'as_homography', 'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread', 'divide',
     'flat_surface', 'homogeneous', 'HomographySurface', 'Hull', 'ImageSize', 'is_same_surface',
     'make_hull', 'make_surface', 'MatchedPoints', 'NudgedSurface', 'on_one_line', 'PictureMap',
-    'PointPairs', 'PolynomialSurface', 'RadialDistortion', 'RaisedSurface', 'sees_y_clockwise',
-    'Surface', 'SURFACE_DEFAULTS', 'surface_extent', 'SURFACE_SPECS', 'surface_values', 'top_view',
-    'undivide',
+    'PointPairs', 'PolynomialSurface', 'RadialDistortion', 'RaisedSurface', 'read_thumbnail',
+    'sees_y_clockwise', 'shares_structure', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent',
+    'SURFACE_SPECS', 'surface_values', 'top_view', 'undivide', 'view_thumbnail',
 ]

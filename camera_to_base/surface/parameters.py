@@ -12,20 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """From the parameters that describe a calibration to the surface and the area it holds for."""
 
 from functools import lru_cache
 from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
+from camera_to_base.checks import ImageSize
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.image_size import ImageSize
 from camera_to_base.surface.distortion import RadialDistortion
-from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.models import (
-    HomographySurface, ParallelSurface, PolynomialSurface, Surface)
-from camera_to_base.surface.raised import RaisedSurface
-from camera_to_base.surface.specs import MOST_CORNERS, SURFACE_SPECS
+    HomographySurface, MOST_CORNERS, ParallelSurface, PolynomialSurface, Surface, SURFACE_SPECS)
+from camera_to_base.surface.points import Hull
+from camera_to_base.surface.raised_nudged import RaisedSurface
 import numpy as np
 
 # What a flat surface does not depend on.

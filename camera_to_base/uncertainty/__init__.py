@@ -11,6 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """
 Uncertainty: how far a position may be off, as a covariance.
 
@@ -23,36 +24,30 @@ Each term has a module of its own: `centre` (detection), `surface_fit` with `pic
 Callers: all rooms below. It imports numpy alone: the transform node starts without OpenCV.
 """
 
-from camera_to_base.uncertainty.base import (
-    base_covariance, base_error, pose_design, POSE_NUMBERS, UNKNOWN_BASE)
-from camera_to_base.uncertainty.centre import (
-    centre_covariance, Shape, Spread, UNKNOWN_ANGLE, yaw_variance)
-from camera_to_base.uncertainty.ellipse import (
-    Ellipse, ellipse_covariance, error_ellipse, radius_for)
-from camera_to_base.uncertainty.from_parameters import position_uncertainty
-from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
-from camera_to_base.uncertainty.picture_warp import (
-    HOMOGRAPHY_NUMBERS, Lens, warp_design, WARP_NUMBERS)
-from camera_to_base.uncertainty.position import PositionUncertainty, scales_at
-from camera_to_base.uncertainty.position_covariance import FrameState, PositionCovariance
-from camera_to_base.uncertainty.scatter import pooled_variance
-from camera_to_base.uncertainty.specs import (
-    CENTRE_FLOOR, checked_covariance, HEIGHT_TOLERANCE, SURFACE_COVARIANCE, surface_covariance,
+from camera_to_base.uncertainty.covariance import (
+    CENTRE_FLOOR, checked_covariance, FrameState, HEIGHT_TOLERANCE, PositionCovariance,
+    SURFACE_COVARIANCE, surface_covariance, symmetric, triangle_length, triangle_of,
     UNCERTAINTY_SPECS)
-from camera_to_base.uncertainty.surface_fit import fit_error, FitError, LENS_DEVIATIONS
+from camera_to_base.uncertainty.fit_error import (
+    base_covariance, base_error, fit_error, FitError, LENS_DEVIATIONS, pooled_variance,
+    pose_design, POSE_NUMBERS, UNKNOWN_BASE)
+from camera_to_base.uncertainty.position import (
+    position_uncertainty, PositionUncertainty, scales_at)
+from camera_to_base.uncertainty.terms import (
+    CameraPlace, centre_covariance, height_slopes, HOMOGRAPHY_NUMBERS, Lens, likely_place, Shape,
+    ShiftMean, Spread, UNKNOWN_ANGLE, warp_design, WARP_NUMBERS, yaw_variance)
 from camera_to_base.uncertainty.transform import (
-    uncertain_transform, uncertain_transform_of, UncertainTransform)
-from camera_to_base.uncertainty.triangle import symmetric, triangle_length, triangle_of
-from camera_to_base.uncertainty.view import ShiftMean
+    Ellipse, ellipse_covariance, error_ellipse, radius_for, uncertain_transform,
+    uncertain_transform_of, UncertainTransform)
 
 __all__ = [
-    'base_covariance', 'base_error', 'CameraPlace', 'centre_covariance',
-    'CENTRE_FLOOR', 'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse',
-    'fit_error', 'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE',
-    'HOMOGRAPHY_NUMBERS', 'Lens', 'LENS_DEVIATIONS', 'likely_place',
-    'pooled_variance', 'pose_design', 'POSE_NUMBERS', 'position_uncertainty', 'PositionCovariance',
-    'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread',
-    'surface_covariance', 'SURFACE_COVARIANCE', 'symmetric', 'triangle_length', 'triangle_of',
-    'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS',
-    'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
+    'base_covariance', 'base_error', 'CameraPlace', 'centre_covariance', 'CENTRE_FLOOR',
+    'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse', 'fit_error',
+    'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE', 'HOMOGRAPHY_NUMBERS', 'Lens',
+    'LENS_DEVIATIONS', 'likely_place', 'pooled_variance', 'pose_design', 'POSE_NUMBERS',
+    'position_uncertainty', 'PositionCovariance', 'PositionUncertainty', 'radius_for', 'scales_at',
+    'Shape', 'ShiftMean', 'Spread', 'SURFACE_COVARIANCE', 'surface_covariance', 'symmetric',
+    'triangle_length', 'triangle_of', 'uncertain_transform', 'uncertain_transform_of',
+    'UncertainTransform', 'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design',
+    'WARP_NUMBERS', 'yaw_variance',
 ]

@@ -18,14 +18,15 @@ from dataclasses import dataclass, field
 import math
 from typing import Dict, NamedTuple, Optional, Protocol, Tuple
 
+from camera_to_base.checks import ImageSize
 from camera_to_base.errors import HorizonError
-from camera_to_base.image_size import ImageSize
-from camera_to_base.uncertainty.centre import (
-    centre_covariance, Shape, Spread, TUTORIAL_FLOOR_PX, UNKNOWN_ANGLE, yaw_variance)
-from camera_to_base.uncertainty.height import CameraPlace, height_slopes, likely_place
-from camera_to_base.uncertainty.picture_warp import Lens, warp_design
-from camera_to_base.uncertainty.position_covariance import (
-    FrameState, LEAST_Z_CM, PositionCovariance, UNKNOWN_POSITION)
+from camera_to_base.parameters import Values
+from camera_to_base.uncertainty.covariance import (
+    CENTRE_FLOOR, FrameState, HEIGHT_TOLERANCE, LEAST_Z_CM, PositionCovariance,
+    SURFACE_COVARIANCE, surface_covariance, UNKNOWN_POSITION)
+from camera_to_base.uncertainty.terms import (
+    CameraPlace, centre_covariance, height_slopes, Lens, likely_place, Shape, Spread,
+    TUTORIAL_FLOOR_PX, UNKNOWN_ANGLE, warp_design, yaw_variance)
 import numpy as np
 
 # The calibration's terms are the same within a square of this edge, in px, to a few percent.
@@ -196,3 +197,23 @@ def scales_at(surface: SurfaceModel, pixels: np.ndarray) -> np.ndarray:
 
 
 _STEPS = np.array([[0.5, 0], [-0.5, 0], [0, 0.5], [0, -0.5]])
+
+
+def position_uncertainty(values: Values, surface: SurfaceModel) -> PositionUncertainty:
+    """
+    Make the uncertainty of positions in the camera frame.
+
+    :param values: The camera node's parameters, by full name.
+    :param surface: Made of the same parameters.
+    :raises InvalidValueError: If surface.covariance is no covariance.
+    """
+    camera = None
+    height_cm, foot = values['surface.camera_height_cm'], values['surface.camera_foot_cm']
+    if height_cm > values['object_height_cm']:
+        if not foot and values['surface.model'] == 'parallel':
+            foot = surface.locate([np.subtract(values['surface.image_size'], 1) / 2])[0].tolist()
+        if foot:
+            camera = CameraPlace(tuple(foot), height_cm - values['object_height_cm'])
+    return PositionUncertainty(
+        surface, surface_covariance(values[SURFACE_COVARIANCE]), camera,
+        values[CENTRE_FLOOR], values[HEIGHT_TOLERANCE], values['detector.method'] == 'tutorial')

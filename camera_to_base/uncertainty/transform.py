@@ -12,15 +12,68 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The transform into the base frame, with its uncertainty."""
+"""The transform into the base frame with its uncertainty, and ellipses that contain the errors."""
 
 from dataclasses import dataclass
-from typing import Sequence
+import math
+from typing import NamedTuple, Sequence
 
 from camera_to_base.parameters import transform_node_settings, TransformSettings, Values
-from camera_to_base.uncertainty.base import base_covariance, POSE_NUMBERS, UNKNOWN_BASE
-from camera_to_base.uncertainty.specs import checked_covariance
+from camera_to_base.uncertainty.covariance import checked_covariance
+from camera_to_base.uncertainty.fit_error import base_covariance, POSE_NUMBERS, UNKNOWN_BASE
 import numpy as np
+
+
+class Ellipse(NamedTuple):
+    """
+    An ellipse about a position.
+
+    :param long: Its long half axis, in the unit of the covariance's root.
+    :param short: Its short half axis.
+    :param angle: Direction of the long axis, from x towards y, in rad, in (-pi/2, pi/2].
+    """
+
+    long: float
+    short: float
+    angle: float
+
+
+def radius_for(share: float) -> float:
+    """
+    Return how many standard deviations an ellipse needs to contain a share of all errors.
+
+    In two dimensions a squared normal error is exponentially distributed.
+
+    :param share: At least 0, below 1.
+    """
+    return math.sqrt(-2 * math.log(1 - share))
+
+
+def error_ellipse(covariance: np.ndarray, share: float) -> Ellipse:
+    """
+    Return the ellipse that contains a share of all normal errors.
+
+    :param covariance: Shape (2, 2), or larger: its first two rows and columns are used.
+    """
+    xx, xy, yy = float(covariance[0, 0]), float(covariance[0, 1]), float(covariance[1, 1])
+    both, difference = (xx + yy) / 2, math.hypot(xy, (xx - yy) / 2)
+    radius = radius_for(share)
+    return Ellipse(radius * math.sqrt(max(both + difference, 0.0)),
+                   radius * math.sqrt(max(both - difference, 0.0)),
+                   math.atan2(2 * xy + 0.0, xx - yy) / 2)
+
+
+def ellipse_covariance(ellipse: Ellipse, share: float) -> np.ndarray:
+    """
+    Return the covariance whose ellipse for a share this is.
+
+    :returns: Shape (2, 2).
+    """
+    radius = radius_for(share)
+    cosine, sine = math.cos(ellipse.angle), math.sin(ellipse.angle)
+    axes = np.array([[cosine, -sine], [sine, cosine]]) * [ellipse.long / radius,
+                                                          ellipse.short / radius]
+    return axes @ axes.T
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@
 
 import re
 
-from camera_to_base.calibration.camera_info import read_camera_info
+from camera_to_base.calibration.tables import read_camera_info
 from camera_to_base.errors import InvalidValueError
 import pytest
 

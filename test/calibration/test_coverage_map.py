@@ -14,7 +14,7 @@
 
 """The map of what a calibration covers."""
 
-from camera_to_base.calibration.coverage_map import covered_shares, map_lines, uncovered
+from camera_to_base.calibration.boards.placement import covered_shares, map_lines, uncovered
 import numpy as np
 
 LEFT_THIRD = np.array([[0, 0], [213, 0], [213, 480], [0, 480]])

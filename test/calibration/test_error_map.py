@@ -16,7 +16,7 @@
 
 import re
 
-from camera_to_base.calibration.error_map import verdict_of
+from camera_to_base.calibration.report import verdict_of
 import numpy as np
 import pytest
 

@@ -15,10 +15,9 @@
 """The figures of a calibration."""
 
 from camera_to_base.calibration.figures import coverage, error_figures, tilt, tilt_of, warnings
-from camera_to_base.calibration.fits.homography_fit import fit_homography
-from camera_to_base.surface.hull import Hull
-from camera_to_base.surface.matched_points import MatchedPoints
+from camera_to_base.calibration.homography_fit import fit_homography
 from camera_to_base.surface.models import HomographySurface
+from camera_to_base.surface.points import Hull, MatchedPoints
 import numpy as np
 import pytest
 from rendered_board import IMAGE_SIZE, pixel_from_surface, project

@@ -14,13 +14,10 @@
 
 """The report picture."""
 
-from camera_to_base.calibration.boards.board import find_board
-from camera_to_base.calibration.boards.board_frame import board_points
-from camera_to_base.calibration.fits.homography_fit import fit_homography
-from camera_to_base.calibration.report_drawing import (
-    ARROW, report_panels, report_picture, round_step)
-from camera_to_base.surface.matched_points import MatchedPoints
-from camera_to_base.surface.rectification import surface_extent, top_view
+from camera_to_base.calibration.boards.board import board_points, find_board
+from camera_to_base.calibration.homography_fit import fit_homography
+from camera_to_base.calibration.result import ARROW, report_panels, report_picture, round_step
+from camera_to_base.surface.points import MatchedPoints, surface_extent, top_view
 import numpy as np
 import pytest
 from rendered_board import IMAGE_SIZE, pixel_from_surface, project, render

@@ -16,7 +16,7 @@
 
 from datetime import datetime, timezone
 
-from camera_to_base.calibration.status import file_status, next_step, without_report
+from camera_to_base.calibration.cell_file import file_status, next_step, without_report
 
 NOW = datetime(2026, 5, 17, 12, tzinfo=timezone.utc)
 SURFACE = ['Written by `calibrate` of camera_to_base.',

@@ -16,7 +16,7 @@
 from contextlib import suppress
 import socket
 
-from camera_to_base.dashboard.server.access import Access
+from camera_to_base.dashboard.server.guarded import Access
 from dashboard_client import DashboardClient
 import pytest
 from tornado.httpclient import HTTPClientError

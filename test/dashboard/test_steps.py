@@ -120,7 +120,7 @@ def test_a_full_disk_is_told_and_the_old_file_stays(page, tmp_path, monkeypatch)
 
 
 def test_what_the_second_node_refuses_is_not_kept_by_the_first(ros, page, cell):
-    from camera_to_base.dashboard.sessions.cell_values import CellChanges
+    from camera_to_base.dashboard.sessions.values import CellChanges
     camera, transform = cell
     transform.add_on_set_parameters_callback(
         lambda parameters: SetParametersResult(

@@ -15,8 +15,7 @@
 """Where objects count."""
 
 from camera_to_base.detection import ObjectLocator, read_areas
-from camera_to_base.detection.areas import Area
-from camera_to_base.detection.settings import DetectorSettings
+from camera_to_base.detection.settings import Area, DetectorSettings
 from camera_to_base.drawing import AreaOverlay
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface.models import HomographySurface, ParallelSurface

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.detection.background_taker import BackgroundTaker
+from camera_to_base.detection.background import BackgroundTaker
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.simulation.board import SimulatedBoard
 import cv2

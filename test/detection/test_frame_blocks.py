@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.detection.frame_blocks import changed_blocks, mean_blocks
+from camera_to_base.detection.background import changed_blocks, mean_blocks
 import numpy as np
 
 

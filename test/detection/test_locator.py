@@ -16,14 +16,12 @@ import math
 
 from camera_to_base.detection.detection import Pixel
 from camera_to_base.detection.locator import locate_pixel, ObjectLocator, Point
-from camera_to_base.detection.settings import DetectorSettings
-from camera_to_base.detection.specs import DETECTOR_SPECS
-from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.detection.settings import DETECTOR_SPECS, DetectorSettings
+from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError, Level
 from camera_to_base.parameters.spec import checked_values
-from camera_to_base.reason import Level
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
+from camera_to_base.surface.points import Hull
 import cv2
 import numpy as np
 import pytest

@@ -14,7 +14,7 @@
 
 import math
 
-from camera_to_base.detection.shape import polygon_centroid, principal_axes
+from camera_to_base.detection.detection import polygon_centroid, principal_axes
 import numpy as np
 import pytest
 

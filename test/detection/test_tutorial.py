@@ -14,7 +14,8 @@
 
 import re
 
-from camera_to_base.detection.detection import Box, check_frame, Pixel
+from camera_to_base.checks import check_frame
+from camera_to_base.detection.detection import Box, Pixel
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 import cv2

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.drawing.annotated_video import AnnotatedVideo, check_video_path
+from camera_to_base.drawing.files import AnnotatedVideo, check_video_path
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
@@ -34,7 +34,7 @@ def test_video_holds_the_pictures_at_its_rate_and_none_of_another_size(tmp_path)
 
 
 def test_missing_encoder_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr('camera_to_base.drawing.annotated_video._CODEC', '????')
+    monkeypatch.setattr('camera_to_base.drawing.files._CODEC', '????')
     with pytest.raises(InvalidValueError, match=r'cannot write video .*seen.mp4.*encoder'):
         AnnotatedVideo(str(tmp_path / 'seen.mp4'), 10.0).add(disc_frame(None))
 

@@ -15,7 +15,7 @@
 import os
 import time
 
-from camera_to_base.drawing.background_file import BackgroundFile, check_background_path
+from camera_to_base.drawing.files import BackgroundFile, check_background_path
 from camera_to_base.errors import InvalidValueError
 import numpy as np
 import pytest

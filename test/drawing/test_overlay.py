@@ -17,7 +17,7 @@ from itertools import combinations
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.detection import Box, Detection, Pixel
 from camera_to_base.detection.locator import LocatedObject, Point
-from camera_to_base.drawing.overlay import (
+from camera_to_base.drawing.pictures import (
     base_label, check_picture_path, draw_note, draw_objects, encoded_picture, object_mask)
 from camera_to_base.errors import InvalidValueError
 import cv2

@@ -17,10 +17,9 @@ import math
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.launching import (
-    argument_warnings, check_frames, driver_parameters, frames, image_input, is_wanted,
+    argument_warnings, check_frames, driver_parameters, Frames, frames, image_input, is_wanted,
     kept_background, LaunchedCamera, not_installed, plays_recording, recording_failure,
     transform_arguments)
-from camera_to_base.launching.coordinate_frames import Frames
 import numpy as np
 import pytest
 

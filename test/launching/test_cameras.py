@@ -15,7 +15,7 @@
 from pathlib import Path
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.launching.cameras import choose_cameras, LaunchedCamera, read_cameras
+from camera_to_base.launching import choose_cameras, LaunchedCamera, read_cameras
 import pytest
 
 CONFIG = Path(__file__).parents[2] / 'config'

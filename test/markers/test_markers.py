@@ -14,13 +14,10 @@
 """Markers in pictures: their corners, and the surface anew from them, on rendered tables."""
 
 from camera_to_base.errors import CalibrationError, InvalidValueError
-from camera_to_base.markers import aruco
-from camera_to_base.markers.edges import corners_by_edges
-from camera_to_base.markers.marked_surface import MarkedSurface
-from camera_to_base.markers.new_surface import new_surface_values
-from camera_to_base.markers.seen import see_markers
-from camera_to_base.markers.specs import known_markers, MARKER_SPECS, marker_values
-from camera_to_base.markers.surface_fit import outward_moves
+from camera_to_base.markers import find as aruco
+from camera_to_base.markers.find import corners_by_edges, see_markers
+from camera_to_base.markers.fit import known_markers, MARKER_SPECS, marker_values, outward_moves
+from camera_to_base.markers.marked_surface import MarkedSurface, new_surface_values
 from camera_to_base.parameters import default_values
 from camera_to_base.surface import (
     HomographySurface, Hull, RadialDistortion, SURFACE_DEFAULTS, surface_values)

@@ -18,7 +18,7 @@ import math
 import signal
 import time
 
-from camera_to_base.drawing.background_file import BackgroundFile
+from camera_to_base.drawing.files import BackgroundFile
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from child_camera import ChildCamera
 import cv2

@@ -14,14 +14,13 @@
 
 import time
 
-from camera_to_base.nodes.camera_health import camera_values, DetectionRate
-from camera_to_base.reason import Level
-from camera_to_base.sources.live.reader_status import ReaderStatus
-from camera_to_base.sources.live.source_reasons import source_reason
-from camera_to_base.sources.source_kind import DEVICE, SIMULATED
+from camera_to_base.errors import Level
+from camera_to_base.nodes.watch import camera_values, DetectionRate
+from camera_to_base.pipeline.pipeline import CameraPipeline
+from camera_to_base.pipeline.sighting import Limits
+from camera_to_base.sources.kinds import DEVICE, SIMULATED
+from camera_to_base.sources.status import ReaderStatus, source_reason
 from camera_to_base.surface.models import HomographySurface, ParallelSurface
-from camera_to_base.trust.limits import Limits
-from camera_to_base.trust.pipeline import CameraPipeline
 import cv2
 import numpy as np
 

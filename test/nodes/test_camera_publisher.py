@@ -17,12 +17,12 @@ import os
 import time
 
 from ament_index_python.packages import get_package_share_directory
+from camera_to_base import settings as named_source
 from camera_to_base.errors import CameraToBaseError, FrameSourceError
-from camera_to_base.nodes import background_service
+from camera_to_base.nodes import services as background_service
 from camera_to_base.nodes.camera_publisher import CameraPublisher
-from camera_to_base.settings import named_source
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.sources.source_kind import DEVICE
+from camera_to_base.sources.kinds import DEVICE
 from captures import Device
 import cv2
 from geometry_msgs.msg import PoseArray

@@ -19,9 +19,8 @@ from camera_to_base.detection.locator import ObjectLocator
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.simulation.view import BoardView, Oval
-from camera_to_base.surface.models import HomographySurface, ParallelSurface
+from camera_to_base.surface.models import HomographySurface, ParallelSurface, SURFACE_DEFAULTS
 from camera_to_base.surface.parameters import make_surface
-from camera_to_base.surface.specs import SURFACE_DEFAULTS
 import numpy as np
 import pytest
 

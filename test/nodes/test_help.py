@@ -19,7 +19,7 @@ import subprocess
 from ament_index_python.packages import get_package_prefix
 from camera_to_base.nodes.help import NODE_HELP, plain_arguments
 from camera_to_base.parameters.transform import TRANSFORM_SPECS
-from camera_to_base.settings.camera_specs import CAMERA_SPECS
+from camera_to_base.settings import CAMERA_SPECS
 import pytest
 from rclpy.utilities import remove_ros_args
 

@@ -17,7 +17,7 @@
 from array import array
 
 from camera_to_base.nodes.camera_publisher import CameraPublisher
-from camera_to_base.trust.thumbnail import view_thumbnail
+from camera_to_base.surface.thumbnail import view_thumbnail
 import cv2
 import numpy as np
 import pytest

@@ -23,7 +23,7 @@ import pytest
 
 FAILING_NODE = """
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.nodes.process import run
+from camera_to_base.ros.process import run
 from rclpy.node import Node
 
 

@@ -21,9 +21,9 @@ from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
-from camera_to_base.ros.ellipse_markers import ellipse_markers, poses_of_markers
-from camera_to_base.ros.pose_messages import (
-    uncertain_pose_from_message, uncertain_pose_message, UncertainPose)
+from camera_to_base.ros.messages import (
+    ellipse_markers, poses_of_markers, uncertain_pose_from_message, uncertain_pose_message,
+    UncertainPose)
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
 import pytest

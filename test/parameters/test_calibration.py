@@ -16,7 +16,7 @@
 
 from datetime import datetime, timezone
 
-from camera_to_base.parameters.calibration import calibration_record, calibration_summary
+from camera_to_base.parameters.file import calibration_record, calibration_summary
 
 NOW = datetime(2026, 5, 17, 12, tzinfo=timezone.utc)
 REPORT = {'date': '2026-05-01T10:00:00+00:00', 'model': 'homography', 'source': 'a chessboard',

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.parameters.given import (
+from camera_to_base.parameters.command_line import (
     file_warnings, given_arguments, given_warnings, GivenArguments)
 import pytest
 

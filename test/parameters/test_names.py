@@ -12,8 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.parameters.names import all_names, meant_name, name_warnings, with_new_names
-from camera_to_base.parameters.spec import ParameterSpec
+from camera_to_base.parameters.spec import (
+    all_names, meant_name, name_warnings, ParameterSpec, with_new_names)
 from camera_to_base.parameters.transform import TRANSFORM_SPECS
 from camera_to_base.settings import CAMERA_SPECS
 import pytest

@@ -16,7 +16,7 @@ import array
 
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters.spec import checked_values, ParameterSpec
-from camera_to_base.settings.camera import CAMERA_SPECS
+from camera_to_base.settings import CAMERA_SPECS
 import pytest
 
 SPECS = [

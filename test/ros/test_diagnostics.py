@@ -12,10 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.reason import all_well, Level, Reason
-from camera_to_base.ros.diagnostics import Diagnostics
-from camera_to_base.ros.health import Health
-from camera_to_base.ros.heartbeat import Heartbeat
+from camera_to_base.errors import all_well, Level, Reason
+from camera_to_base.ros.diagnostics import Diagnostics, Health, Heartbeat
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import pytest
 

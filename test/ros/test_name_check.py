@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.ros.name_check import NameCheck
+from camera_to_base.ros.diagnostics import NameCheck
 import pytest
 import rclpy
 

@@ -13,12 +13,11 @@
 # limitations under the License.
 
 from camera_to_base.errors import FrameSourceError, InvalidValueError
-from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
-from camera_to_base.settings.named_source import open_named_source
+from camera_to_base.settings import camera_settings, CAMERA_SPECS, open_named_source
 from camera_to_base.simulation.board import SimulatedBoard
 from camera_to_base.sources.cameras import Camera
-from camera_to_base.sources.files.video_file import VideoFile
-from camera_to_base.sources.source_kind import DEVICE, RANDOM, SIMULATED
+from camera_to_base.sources.files import VideoFile
+from camera_to_base.sources.kinds import DEVICE, RANDOM, SIMULATED
 from captures import Device, write_levels
 import cv2
 import numpy as np

@@ -17,7 +17,7 @@
 from pathlib import Path
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.settings.node_settings import read_node_settings
+from camera_to_base.settings import read_node_settings
 import pytest
 
 

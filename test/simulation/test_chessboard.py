@@ -13,11 +13,10 @@
 # limitations under the License.
 
 
-from camera_to_base.calibration.boards.board import find_board
-from camera_to_base.calibration.boards.board_frame import board_points
+from camera_to_base.calibration.boards.board import board_points, find_board
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.simulation.chessboard import SimulatedChessboard
+from camera_to_base.simulation.printed import SimulatedChessboard
 import numpy as np
 import pytest
 

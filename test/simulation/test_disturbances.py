@@ -12,8 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.simulation.conditions import BoardConditions
-from camera_to_base.simulation.disturbances import BoardDisturbances
+from camera_to_base.simulation.disturbances import BoardConditions, BoardDisturbances
 import numpy as np
 import pytest
 

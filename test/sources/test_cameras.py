@@ -17,8 +17,8 @@ import glob
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources import cameras
 from camera_to_base.sources.cameras import Camera, device_hint, first_camera
-from camera_to_base.sources.opening import open_frame_source
-from camera_to_base.sources.source_kind import STREAM
+from camera_to_base.sources.files import open_frame_source
+from camera_to_base.sources.kinds import STREAM
 from captures import Device, LEVELS, read_levels, write_levels
 import cv2
 import numpy as np

@@ -14,7 +14,7 @@
 
 """Lasting names of cameras."""
 
-from camera_to_base.sources.device_names import lasting_name
+from camera_to_base.sources.kinds import lasting_name
 import pytest
 
 

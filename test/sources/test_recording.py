@@ -15,9 +15,9 @@
 import itertools
 
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.sources.files.video_file import VideoFile
+from camera_to_base.sources.files import VideoFile
+from camera_to_base.sources.kinds import DEVICE
 from camera_to_base.sources.recording import LiveRecording, PlayedRecording, TimedFrame
-from camera_to_base.sources.source_kind import DEVICE
 import numpy as np
 from recordings import disc_frame, write_video
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from camera_to_base.sources.source_kind import kind_of
+from camera_to_base.sources.kinds import kind_of
 import pytest
 
 

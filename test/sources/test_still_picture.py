@@ -14,7 +14,7 @@
 
 from camera_to_base.errors import FrameSourceError
 from camera_to_base.sources import median_frame
-from camera_to_base.sources.source_kind import DEVICE, VIDEO_FILE
+from camera_to_base.sources.kinds import DEVICE, VIDEO_FILE
 import numpy as np
 import pytest
 

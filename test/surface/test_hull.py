@@ -14,8 +14,8 @@
 
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.surface.hull import Hull
 from camera_to_base.surface.parameters import make_hull
+from camera_to_base.surface.points import Hull
 import numpy as np
 import pytest
 

@@ -17,9 +17,9 @@ import re
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
 from camera_to_base.parameters.spec import checked_values
 from camera_to_base.surface.distortion import RadialDistortion
-from camera_to_base.surface.models import HomographySurface, ParallelSurface, PolynomialSurface
+from camera_to_base.surface.models import (
+    HomographySurface, ParallelSurface, PolynomialSurface, SURFACE_DEFAULTS, SURFACE_SPECS)
 from camera_to_base.surface.parameters import make_hull, make_surface
-from camera_to_base.surface.specs import SURFACE_DEFAULTS, SURFACE_SPECS
 import cv2
 import numpy as np
 import pytest

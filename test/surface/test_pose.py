@@ -15,8 +15,7 @@
 """Where the camera is, against cameras whose place is known."""
 
 from camera_to_base.errors import CalibrationError, InvalidValueError
-from camera_to_base.surface.matched_points import MatchedPoints
-from camera_to_base.surface.pose import camera_pose, CameraIntrinsics
+from camera_to_base.surface.points import camera_pose, CameraIntrinsics, MatchedPoints
 import cv2
 import numpy as np
 import pytest

@@ -20,10 +20,9 @@ from camera_to_base.detection.locator import ObjectLocator
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
 from camera_to_base.parameters.spec import checked_values
-from camera_to_base.surface.models import HomographySurface, ParallelSurface
+from camera_to_base.surface.models import HomographySurface, ParallelSurface, SURFACE_SPECS
 from camera_to_base.surface.parameters import make_surface
-from camera_to_base.surface.raised import RaisedSurface
-from camera_to_base.surface.specs import SURFACE_SPECS
+from camera_to_base.surface.raised_nudged import RaisedSurface
 import numpy as np
 import pytest
 

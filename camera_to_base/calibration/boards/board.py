@@ -12,24 +12,32 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Find a chessboard's inner corners, in a reproducible order."""
+"""Finds a chessboard's inner corners in a picture, in a reproducible order."""
 
 from dataclasses import dataclass
 import time
+from typing import Sequence
 
 from camera_to_base.calibration.boards.board_search import (
-    other_counts, REASON_S, search, SEARCH_S, SMALLEST_SQUARE_PX, why_not_found)
-from camera_to_base.calibration.boards.squares import count_beyond, square_contrast
-from camera_to_base.checks import whole_number
-from camera_to_base.detection import check_frame
+    count_beyond, other_counts, REASON_S, search, SEARCH_S, SMALLEST_SQUARE_PX, square_contrast,
+    why_not_found)
+from camera_to_base.checks import (
+    check_frame, check_image_size, finite_number, finite_numbers, whole_number)
 from camera_to_base.errors import CalibrationError, InvalidValueError
-from camera_to_base.image_size import check_image_size
 import cv2
 import numpy as np
 
 # Half the side of the window in which a corner is refined, as a share of the distance to its
 # nearest neighbour. 0.25 to 0.3 measured best; at 0.4 the window contains neighbouring edges.
 WINDOW_SHARE = 0.3
+
+# For each corner that can be the origin: whether x and y start at the far end.
+ORIGIN_CORNERS = {
+    0: (False, False),
+    1: (True, False),
+    2: (True, True),
+    3: (False, True),
+}
 
 
 @dataclass(frozen=True)
@@ -171,3 +179,34 @@ def _check_size(image, columns, rows):
         raise InvalidValueError(
             f'the picture of {width} x {height} px is too small to show {columns + 1} x '
             f'{rows + 1} squares: use a larger one')
+
+
+def board_points(columns: int, rows: int, square_mm: float, *, origin_corner: int = 0,
+                 origin_mm: Sequence[float] = (0.0, 0.0), yaw_deg: float = 0.0) -> np.ndarray:
+    """
+    Return the positions of a `Board`'s corners in the camera frame.
+
+    x runs along the board's rows and y along its columns, from the corner that is the origin into
+    the board. From corners 0 and 2 the camera sees y a quarter turn clockwise from x, and z points
+    into the surface, as with the parallel camera; from 1 and 3 it points towards the camera.
+
+    :param origin_corner: 0 for the board's first corner, then 1 to 3 clockwise as the camera sees
+        them: the other end of the first row, the opposite corner, the other end of the first
+        column.
+    :param origin_mm: x and y of the camera frame's origin, measured from that corner along the
+        board, in mm.
+    :param yaw_deg: The angle from the board's x to the camera frame's, towards the board's y.
+    :returns: Shape (rows * columns, 2), columns x and y, in cm, in the order of `Board.pixels`.
+    :raises InvalidValueError: If a value is not finite, the square is not positive, or there is no
+        such corner.
+    """
+    square_mm = finite_number('square_mm', square_mm, 0.01, 1e5)
+    origin_mm = finite_numbers('origin_mm', origin_mm, 2)
+    yaw = np.radians(finite_number('yaw_deg', yaw_deg, -360, 360))
+    row, column = np.mgrid[:rows, :columns].astype(float)
+    from_far_x, from_far_y = ORIGIN_CORNERS[whole_number('origin_corner', origin_corner, 0, 3)]
+    x = columns - 1 - column if from_far_x else column
+    y = rows - 1 - row if from_far_y else row
+    board_mm = square_mm * np.stack([x.ravel(), y.ravel()], axis=1) - origin_mm
+    frame_from_board = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    return board_mm @ frame_from_board.T / 10

@@ -21,8 +21,7 @@ and the white squares have the markers from FIRST_MARKER on, row by row.
 
 from typing import Dict, List, NamedTuple, Tuple
 
-from camera_to_base.checks import whole_number
-from camera_to_base.detection import check_frame
+from camera_to_base.checks import check_frame, whole_number
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.markers import find_markers, MARKER_COUNT
 import cv2

@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """The command `calibrate`: calibrates from a chessboard or a table, and reports the errors."""
 
 import argparse
@@ -22,21 +21,19 @@ import sys
 from typing import List, Optional
 
 from camera_to_base.calibration import (
-    calibrate_surface, check_surface, has_one_origin, marker_sheet_content,
-    read_points, refuse_other_size, Report, report_lines, sheet_content, SURFACE)
+    calibrate_surface, check_surface, has_one_origin, marker_sheet_content, read_points,
+    refuse_other_size, Report, report_lines, sheet_content, SURFACE)
+from camera_to_base.checks import DEFAULT_IMAGE_SIZE
 from camera_to_base.commands.calibrate.base import run_base
 from camera_to_base.commands.calibrate.board import run_board
 from camera_to_base.commands.calibrate.files import (
-    check_outputs, next_command, read_cell_file, sheet_output, write_part)
-from camera_to_base.commands.calibrate.keep import run_keep, run_status
+    check_outputs, next_command, read_cell_file, run_keep, run_status, sheet_output, tell,
+    write_part)
 from camera_to_base.commands.calibrate.markers import run_markers
-from camera_to_base.commands.calibrate.options import parse
-from camera_to_base.commands.calibrate.prompts import tell
-from camera_to_base.commands.output import BOLD, drop_output, GREEN, RED, styled, YELLOW
+from camera_to_base.commands.calibrate.options import (
+    BOLD, drop_output, GREEN, parse, RED, styled, YELLOW)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
-from camera_to_base.files import write_files
-from camera_to_base.image_size import DEFAULT_IMAGE_SIZE
-from camera_to_base.interrupt import serve_signals
+from camera_to_base.files import serve_signals, write_files
 from camera_to_base.shell_commands import full_command, with_full_commands
 
 

@@ -12,28 +12,118 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The files that `calibrate` writes: a parameter file that grows with each step, and a picture."""
+"""The files that `calibrate` writes, questions at the terminal, and `calibrate keep`."""
 
 import argparse
+from datetime import datetime
 import os
 import shlex
-from typing import Any, Dict, Mapping, NamedTuple, Optional
+import sys
+import termios
+from typing import Any, Callable, Collection, Dict, Mapping, NamedTuple, Optional, TypeVar
 
 from camera_to_base.calibration import (
-    BASE, Calibration, cell_text, grown, MARKERS, next_step, part_values, parts_of, parts_to_lose,
-    Report, report_lines, SURFACE, TITLE, without_report)
+    BASE, Calibration, cell_text, corrected_file_text, file_status, grown, MARKERS, next_step,
+    OfferedCorrection, part_values, parts_of, parts_to_lose, Report, report_lines, Suggestion,
+    SURFACE, TITLE, without_report)
 from camera_to_base.drawing import check_picture_path, encoded_picture
-from camera_to_base.errors import CameraToBaseError, InvalidValueError
+from camera_to_base.errors import (
+    CalibrationError, CameraToBaseError, InputEndedError, InvalidValueError)
 from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections
 from camera_to_base.shell_commands import full_command, run_command
 from camera_to_base.sources import DEVICE, kind_of, lasting_name
 
+T = TypeVar('T')
 
 # Name of a part, and the step that gives it.
 _EARLIER = {SURFACE: ('surface', 'calibrate board --camera {} --placements 4 -o {}'),
             MARKERS: ('markers', 'calibrate markers --camera {} -o {}')}
+
+# A hand that crosses the view, or a picture that comes late, does not end the command.
+_PATIENCE_S = 2.0
+
+
+def ask(question: str) -> str:
+    """
+    Print a question, and return the line that is typed.
+
+    Questions go to standard error: standard output carries the report alone. What was typed into
+    a terminal before the question is dropped: it answers another one.
+
+    :raises InputEndedError: If the input has ended.
+    """
+    _drop_typed_ahead()
+    print(question, end=' ', file=sys.stderr, flush=True)
+    line = sys.stdin.readline()
+    if not line:
+        print(file=sys.stderr)
+        raise InputEndedError(
+            'the input has ended before all questions were answered: run it in a terminal')
+    return line.strip()
+
+
+def _drop_typed_ahead() -> None:
+    try:
+        number = sys.stdin.fileno()
+        if os.isatty(number):
+            termios.tcflush(number, termios.TCIFLUSH)
+    except (OSError, ValueError, termios.error):
+        pass  # no file, or a terminal that is gone: reading it tells
+
+
+def tell(text: str) -> None:
+    """Print a line for the person."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def until_right(step: Callable[[], T], again: str) -> T:
+    """
+    Repeat a step until it raises no error that the person can mend; print each error.
+
+    :param again: The question after an error; 'q' as its answer raises the error.
+    """
+    while True:
+        try:
+            return step()
+        except InputEndedError:
+            raise
+        except CameraToBaseError as error:
+            tell(f'  {error}')
+            if ask(again).lower() == 'q':
+                raise
+
+
+def until_it_fits(
+    fit: Callable[[], T], touches: str, again: str, numbers: Collection[int],
+    repeat: Callable[[int], None],
+) -> T:
+    """
+    Repeat a fit until it raises no error; after each error a single touch may be repeated.
+
+    :param touches: What does not fit, in the line that tells the error.
+    :param again: How a touch is repeated, as in 'a pair to measure it again'.
+    :param numbers: The touches' numbers.
+    :param repeat: Repeats the touch of a number.
+    :raises CalibrationError: The fit's, if the answer is 'q'.
+    """
+    while True:
+        try:
+            return fit()
+        except CalibrationError as error:
+            tell(f'The {touches} do not fit: {error}')
+            answer = ask(f'Type the number of {again}, or q to stop without a file:')
+            if answer.lower() == 'q':
+                raise
+            if answer.isdecimal() and int(answer) in numbers:
+                repeat(int(answer))
+
+
+def ask_for_object(suggestion: Suggestion) -> None:
+    """Ask the person to put the object to a place."""
+    ask(f'  Put one object near the {suggestion.name} of the calibrated area, as the picture '
+        'shows it. Take your hand and the robot out of the picture, and press Enter:')
 
 
 class Outputs(NamedTuple):
@@ -205,3 +295,61 @@ def _refuse_loss(path: str, old: Optional[ParameterFile], part: str) -> None:
         raise InvalidValueError(
             f"'{path}' exists already with {' and '.join(lost)}: name another file, or replace "
             f'{"them" if len(lost) > 1 else "it"} with --force')
+
+
+def run_keep(options: argparse.Namespace) -> Report:
+    """Write the file, and let the node use it."""
+    single = [one.node for one in read_sections(options.file) if one.node != '/**']
+    if single:
+        raise InvalidValueError(
+            f"'{options.file}' has parameters for single nodes ({', '.join(single)}), which would "
+            'be lost: put all of them under /**')
+    file = read_parameter_file(options.file)
+    regular_target(options.file)
+    listener = _listener(options.namespace)
+    try:
+        offer = OfferedCorrection(**listener.offer(_PATIENCE_S))
+        text = corrected_file_text(options.file, file, offer)
+        # The file first: a background that is older than its surface is not trusted.
+        kept = write_files({options.file: text.encode()}, keep_old=True)
+        warnings = _used(listener, offer)
+    finally:
+        listener.close()
+    return {'kept_correction': offer.values['calibration.surface'], 'file': options.file,
+            'kept': kept, 'warnings': warnings,
+            'next': full_command('calibrate', 'status', '--live', options.file)}
+
+
+def run_status(options: argparse.Namespace) -> Report:
+    """Tell what a file holds, and what the running node offers to keep."""
+    file = read_cell_file(options.file)
+    report = file_status(options.file, file.values, file.comments, datetime.now().astimezone())
+    report['next'] = next_command(options.file, file.values)
+    if not options.live:
+        return report
+    listener = _listener(options.namespace)
+    try:
+        offer = listener.offer()
+    except CameraToBaseError as error:
+        return {**report, 'offer': str(error)}
+    finally:
+        listener.close()
+    return {**report, 'offer': offer['sentence'],
+            'next': full_command('calibrate', 'keep', options.file)}
+
+
+def _used(listener: Any, offer: OfferedCorrection) -> list:
+    try:
+        listener.use(offer.values)
+    except CameraToBaseError as error:
+        return [f'the file is written, but {error}: restart the node with it']
+    return []
+
+
+def _listener(namespace: str) -> Any:
+    try:
+        from camera_to_base.ros import CorrectionListener
+    except ModuleNotFoundError as error:
+        raise InvalidValueError(
+            'a running node is asked by ROS 2: source /opt/ros/jazzy/setup.bash') from error
+    return CorrectionListener(namespace)

@@ -11,19 +11,55 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """`calibrate markers`: where the markers of a table lie, on a surface that is calibrated."""
 
 import argparse
-from typing import Tuple
+from dataclasses import replace
+from typing import List, Tuple
 
 from camera_to_base.calibration import learned_markers, MARKERS, Report, SURFACE
 from camera_to_base.commands.calibrate.files import check_outputs, refuse_without, write_part
-from camera_to_base.commands.calibrate.marker_frames import marker_frames, markers_in
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.markers import lens_of_values
+from camera_to_base.markers import Corners, lens_of_values, see_markers
 from camera_to_base.parameters import checked_values
-from camera_to_base.settings import CAMERA_SPECS, read_node_settings
+from camera_to_base.settings import (
+    CAMERA_SPECS, CameraSettings, open_named_source, read_node_settings)
+from camera_to_base.sources import read_picture, still_frames
+from camera_to_base.surface import RadialDistortion
 import numpy as np
+
+
+def marker_frames(
+    options: argparse.Namespace, settings: CameraSettings
+) -> Tuple[List[np.ndarray], str]:
+    """
+    Return frames that show the markers, and where they come from.
+
+    :param options: Name pictures or a camera.
+    :param settings: The camera node's, which name the camera where the options do not.
+    :raises CameraToBaseError: If there is no such picture, or no camera.
+    """
+    if options.pictures:
+        return ([read_picture(path).frame for path in options.pictures],
+                ', '.join(options.pictures))
+    scene = settings.simulated.scene._replace(markers=True, shows='empty')
+    source = open_named_source(replace(
+        settings, source=options.camera or settings.source,
+        simulated=replace(settings.simulated, scene=scene)), may_be_random=False)
+    if source.frames is None:
+        raise InvalidValueError(
+            f"'{source.name}' is no camera that can be opened here: give --camera with a device "
+            'or a stream, or pictures of the markers')
+    try:
+        return still_frames(source.frames), f'camera {source.name}'
+    finally:
+        source.frames.release()
+
+
+def markers_in(frames: List[np.ndarray], lens: RadialDistortion) -> List[Corners]:
+    """Find the markers in each frame."""
+    return [see_markers(frame, lens).corners for frame in frames]
 
 
 def run_markers(options: argparse.Namespace) -> Report:

@@ -12,23 +12,188 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
-"""Command-line options of `calibrate`."""
+"""Command-line options of `calibrate`, with its descriptions and examples."""
 
 import argparse
+import os
 import re
-from typing import Any, List, Optional, Tuple
+import sys
+from typing import Any, List, Optional, TextIO, Tuple
 
 from camera_to_base.calibration import PAPERS
-from camera_to_base.commands.calibrate.examples import DESCRIPTION, EXAMPLES
-from camera_to_base.commands.calibrate.marker_options import (
-    add_markers, add_sheet_markers, MARKERS_EXAMPLES)
-from camera_to_base.commands.calibrate.shared_options import (
-    add_base_z, add_image_size, add_robot_topic)
-from camera_to_base.commands.parser import CommandParser, decimal
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameters import misspelt_name
+from camera_to_base.shell_commands import full_command
+
+BOLD, RED, GREEN, YELLOW = '1', '31', '32', '33'
+
+EXAMPLES = {
+    'sheet': """
+Print it at 100 % (not "fit to page"), measure the ruler on it, and glue it to something flat.
+
+  calibrate sheet -o board.pdf
+  calibrate sheet --paper Letter --corners 8x5 --square-mm 28 -o board.pdf""",
+    'board': """
+Print a chessboard, lay it flat on the work surface, and take one picture of it.
+
+  calibrate board --camera 0 --corners 9x6 --square-mm 25 -o cell.yaml
+  calibrate board picture.png --corners 9x6 --square-mm 25 -o cell.yaml
+
+A board that covers only a part of the table is laid in several places, the camera stays where it
+is. The command says where to lay it next:
+
+  calibrate board --camera 0 --placements 4 -o cell.yaml
+
+The camera frame lies on the board: its origin is the first inner corner, x runs along the rows
+of corners, y along the columns. The report and its picture show the result.
+
+Objects that are not flat need the camera's height, too. It is computed from the intrinsics that
+ROS's camera_calibration writes:
+
+  calibrate board picture.png --corners 9x6 --square-mm 25 --intrinsics lens.yaml -o cell.yaml""",
+    'points': """
+Measure the positions of points on the work surface (cm) and their pixels in the picture.
+The table's columns, in any order: x_cm, y_cm, u_px, v_px (optional: width_px, height_px).
+
+  calibrate points points.csv --image-size 640x480 -o surface.yaml""",
+    'base': """
+Put one object after the other on the surface, and touch it with the robot. The command asks for
+each, sees it by the running camera_publisher or by the camera itself, and adds the base frame to
+the file:
+
+  calibrate base --live cell.yaml
+
+Or note the objects' /pos_in_cam_frame and the robot's positions in a table with the columns
+x_cam_cm, y_cam_cm, x_base_cm, y_base_cm (and z_cam_cm, z_base_cm, which are 0 by default).
+
+  calibrate base pairs.csv --surface surface.yaml -o cell.yaml
+  ros2 launch camera_to_base camera_to_base.launch.py params_file:=cell.yaml""",
+    'check': """
+Use points that the calibration was not made from, in a table as for `calibrate points`:
+
+  calibrate check surface.yaml more_points.csv""",
+    'status': """
+How old each part is, how good it is, and what to do next:
+
+  calibrate status cell.yaml
+
+With --live it tells, too, whether the running node corrects a nudge of the camera:
+
+  calibrate status --live cell.yaml""",
+    'keep': """
+A nudged camera is corrected while the node runs. This command writes the corrected surface into
+the node's file, and the node uses it from then on; the old file is kept as FILE.bak. The
+base frame, the markers and the areas stay.
+
+  calibrate keep cell.yaml""",
+}
+DESCRIPTION = """
+Calibrates a camera that looks at a work surface, and reports the errors. The output is a
+parameter file for the nodes. The --help of each command has an example; the first one:
+
+  calibrate board picture.png --corners 9x6 --square-mm 25 -o surface.yaml"""
+
+MARKERS_EXAMPLES = """
+Print the markers with calibrate sheet --markers, cut them out, and glue them flat near the corners
+of the working area. Once the surface is calibrated, and before the camera is moved:
+
+  calibrate markers --camera 0 -o cell.yaml
+  calibrate base --markers cell.yaml
+
+The running node then computes the surface anew from three or four markers wherever the camera
+stands."""
 
 _EXAMPLES = {**EXAMPLES, 'markers': MARKERS_EXAMPLES}
+
+
+def styled(text: str, style: str, stream: TextIO) -> str:
+    """Return a text in a style for a terminal; as it is for a pipe, or if NO_COLOR is set."""
+    if os.environ.get('NO_COLOR') or os.environ.get('TERM') == 'dumb' or not stream.isatty():
+        return text
+    return f'\x1b[{style}m{text}\x1b[0m'
+
+
+def drop_output() -> None:
+    """Drop what cannot be printed; otherwise Python prints an error when it flushes at its end."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def decimal(text: str) -> float:
+    """
+    Read a decimal number, with a point or a comma.
+
+    :raises ArgumentTypeError: If it is none.
+    """
+    try:
+        return float(text.replace(',', '.'))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"expected a number such as 25.4, got '{text}'") from None
+
+
+class CommandParser(argparse.ArgumentParser):
+    """Reports a wrong option in one sentence, like any other wrong input, and exits with 1."""
+
+    def error(self, message: str) -> None:
+        """Exit with the sentence."""
+        command, *subcommand = self.prog.split()
+        self.exit(1, f'{command}: {message}: see {full_command(command, *subcommand, "--help")}\n')
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        # argparse's own sentence has no suggestion.
+        if action.choices is not None and value not in action.choices:
+            near = misspelt_name(str(value), list(map(str, action.choices)))
+            cure = f'did you mean {near}?' if near else f'choose {" or ".join(action.choices)}'
+            name = None if action.dest == 'command' else action
+            raise argparse.ArgumentError(name, f"there is no '{value}', {cure}")
+
+
+def add_base_z(command: argparse.ArgumentParser) -> None:
+    """Add the option that says how the base frame's z points."""
+    command.add_argument('--base-z', choices=('up', 'down'), default='up',
+                         help="direction of the base frame's z at the table: up, away from it, or "
+                              'down, as for a hanging robot (default: %(default)s)')
+
+
+def add_robot_topic(command: argparse.ArgumentParser, purpose: str) -> None:
+    """Add the option that names the robot's topic."""
+    command.add_argument('--robot-topic', metavar='TOPIC',
+                         help=f"take the robot's position for {purpose} from "
+                              'geometry_msgs/PoseStamped, in m, in the base frame, instead of '
+                              'asking for it')
+
+
+def add_image_size(command: argparse.ArgumentParser, which: str) -> None:
+    """Add the option that gives a picture's size."""
+    command.add_argument('--image-size', metavar='640x480',
+                         help=f'width and height {which}, in px')
+
+
+def add_markers(markers: argparse.ArgumentParser) -> None:
+    """Add the options of `calibrate markers`."""
+    markers.add_argument('pictures', nargs='*', metavar='PICTURE',
+                         help='of the markers, all taken by the camera in one place')
+    markers.add_argument('--camera', metavar='SOURCE',
+                         help="instead of pictures: a device, a video, a stream's URL, or "
+                              'simulated (default: the source that FILE names)')
+    markers.add_argument('--marker-mm', type=decimal, metavar='40',
+                         help='edge of the black square as printed: measure it')
+    markers.add_argument('-o', '--output', required=True, metavar='FILE',
+                         help='the parameter file with the surface, to which the markers are '
+                              'added')
+    markers.add_argument('--force', action='store_true', help='replace what is in the file')
+
+
+def add_sheet_markers(sheet: argparse.ArgumentParser) -> None:
+    """Add the options of `calibrate sheet` for markers."""
+    sheet.add_argument('--markers', action='store_true',
+                       help='instead of a chessboard: four markers that stay on the table, with '
+                            'cut lines')
+    sheet.add_argument('--marker-mm', type=decimal, default=40.0, metavar='40',
+                       help="edge of a marker's black square (default: %(default)g)")
 
 
 def parse(args: Optional[List[str]]) -> argparse.Namespace:

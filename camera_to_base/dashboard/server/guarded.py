@@ -12,12 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What all requests have in common: the checks before them, and errors as JSON."""
+"""What all requests have in common: who may use the page, errors as JSON, and the page itself."""
 
+import hmac
+import ipaddress
 import json
-from typing import Any, Dict, Optional
+from pathlib import Path
+import socket
+from typing import Any, Dict, Optional, Set, Tuple
+from urllib.parse import urlsplit
 
-from camera_to_base.dashboard.server.access import Access
+from camera_to_base.dashboard.specs import is_loopback
 from camera_to_base.errors import CameraToBaseError
 import tornado.web
 
@@ -32,6 +37,81 @@ _HEADERS = {
 NEEDS_TOKEN = (
     'this page needs the token: open the address that the dashboard has printed at its start, '
     'with ?token=… at its end')
+
+
+class Access:
+    """
+    Checks hosts, origins and tokens.
+
+    :param host: The address that the server listens on.
+    :param token: What a page must know; '' if it needs nothing.
+    """
+
+    def __init__(self, host: str, token: str) -> None:
+        self._token = token
+        self._is_local = is_loopback(host)
+        self._names = {'localhost'} if self._is_local else _own_names()
+
+    @property
+    def needs_token(self) -> bool:
+        """Whether a page must know the token."""
+        return bool(self._token)
+
+    def host_refusal(self, host_header: Optional[str]) -> Optional[str]:
+        """
+        Say why a request's Host header is refused; None if it is accepted.
+
+        A page of another site whose name is made to lead here (DNS rebinding) sends that name.
+        """
+        name = _split(host_header)[0]
+        if name in self._names or _is_address(name) and (
+                not self._is_local or is_loopback(name)):
+            return None
+        return (f"the dashboard is not '{name:.80}': open it by the address that it has printed "
+                'at its start')
+
+    def origin_refusal(
+        self, origin: Optional[str], host_header: Optional[str]
+    ) -> Optional[str]:
+        """
+        Say why a request that changes something, or a WebSocket, is refused; None if it is not.
+
+        Browsers name the page that a request comes from; it must be the dashboard's own.
+        """
+        if origin is None:
+            return 'a request that changes something needs the header Origin, as browsers send it'
+        parts = urlsplit(origin)
+        if parts.scheme in ('http', 'https') and _split(parts.netloc) == _split(host_header):
+            return None
+        return f"the page '{origin:.80}' is not the dashboard: open the dashboard's own page"
+
+    def knows_token(self, *given: Optional[str]) -> bool:
+        """Return whether one of the given texts is the token, or none is needed."""
+        wanted = self._token.encode()
+        return not wanted or any(
+            hmac.compare_digest(one.encode(), wanted) for one in given if one)
+
+
+def _split(netloc: Optional[str]) -> Tuple[str, Optional[int]]:
+    try:
+        parts = urlsplit(f'//{netloc or ""}')
+        return (parts.hostname or '').rstrip('.'), parts.port
+    except ValueError:
+        return '', None
+
+
+def _is_address(name: str) -> bool:
+    # An address is no name that somebody could make to lead elsewhere.
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def _own_names() -> Set[str]:
+    name = socket.gethostname().lower()
+    return {'localhost', name, f'{name}.local', socket.getfqdn().lower()}
 
 
 class Refused(tornado.web.HTTPError):
@@ -106,3 +186,37 @@ class Guarded(tornado.web.RequestHandler):
         if status == 404:
             return {'error': f'there is no {self.request.path:.80}'}
         return {'error': f'the dashboard cannot do this (HTTP {status}): its terminal says why'}
+
+
+WEB = Path(__file__).parents[1] / 'web'
+
+
+class Page(Guarded):
+    """The page itself; a token in its address becomes a cookie."""
+
+    def get(self) -> None:
+        """Answer with the page."""
+        token = self.get_query_argument('token', None)
+        if token is not None:
+            if self.access.needs_token:
+                self.set_cookie(self.cookie_name, token, httponly=True, samesite='Strict')
+            self.redirect('/')
+            return
+        self.set_header('Content-Type', 'text/html; charset=UTF-8')
+        self.finish((WEB / 'index.html').read_bytes())
+
+
+class WebFile(Guarded, tornado.web.StaticFileHandler):
+    """A file of the page."""
+
+    def set_extra_headers(self, path: str) -> None:
+        """Let the browser ask whether a file has changed."""
+        self.set_header('Cache-Control', 'no-cache')
+
+    def get_content_type(self) -> str:
+        """Return a file's type, whatever this machine's tables say."""
+        return _TYPES.get(Path(self.absolute_path).suffix) or super().get_content_type()
+
+
+_TYPES = {'.js': 'text/javascript; charset=UTF-8', '.css': 'text/css; charset=UTF-8',
+          '.svg': 'image/svg+xml', '.png': 'image/png', '.html': 'text/html; charset=UTF-8'}

@@ -12,19 +12,197 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The WebSockets: the state as JSON text, and pictures as they are asked for."""
+"""The WebSockets: the newest state as JSON text, and pictures as they are asked for."""
 
+import json
+import math
 import re
-from typing import Any, Optional
+from typing import (
+    Any, Awaitable, Callable, Dict, Hashable, NamedTuple, Optional, Protocol, Set, Tuple)
 
 from camera_to_base.dashboard.server.guarded import Guarded, NEEDS_TOKEN, Refused
-from camera_to_base.dashboard.server.outbox import Outbox
-from camera_to_base.dashboard.server.picture_hub import Picture
+import tornado.ioloop
 import tornado.websocket
+
+# A page that is loaded again finds the cell still watched, with its charts.
+_LINGER_S = 5.0
+
+Key = Tuple[str, str]
 
 PICTURE_KINDS = ('annotated', 'frame', 'mask', 'background', 'board')
 _CELL = re.compile(r'/|(/[A-Za-z_]\w*){1,8}', re.ASCII)
 _POLICY_VIOLATION = 1008
+
+
+class Outbox:
+    """
+    Sends messages one after the other; a newer one replaces a waiting one of the same key.
+
+    :param send: Sends a message; its result is awaited before the next one is sent.
+    """
+
+    def __init__(self, send: Callable[[Any], Awaitable[None]]) -> None:
+        self._send = send
+        self._waiting: Dict[Hashable, Any] = {}
+        self._is_sending = False
+
+    def put(self, key: Hashable, message: Any) -> None:
+        """Send a message as soon as those before it are sent."""
+        self._waiting[key] = message
+        if not self._is_sending:
+            self._is_sending = True
+            tornado.ioloop.IOLoop.current().add_callback(self._send_all)
+
+    async def _send_all(self) -> None:
+        try:
+            while self._waiting:
+                key = next(iter(self._waiting))
+                await self._send(self._waiting.pop(key))
+        finally:
+            self._is_sending = False
+
+
+class Viewer(Protocol):
+    """A page that looks at a cell."""
+
+    def show(self, key: str, text: str) -> None:
+        """Send a text; a newer one with the same key replaces it."""
+
+
+class StateHub:
+    """
+    Keeps parts of the state, and passes them on.
+
+    :param look_at: Called with a cell when the first page looks at it.
+    :param look_away: Called with a cell when nobody has looked for some seconds.
+    """
+
+    def __init__(
+        self, look_at: Callable[[str], None], look_away: Callable[[str], None]
+    ) -> None:
+        self._look_at, self._look_away = look_at, look_away
+        self._parts: Dict[str, Dict[str, str]] = {}
+        self._viewers: Dict[str, Set[Viewer]] = {}
+
+    def add(self, cell: str, viewer: Viewer) -> None:
+        """Show the state of a cell to a page from now on."""
+        if cell not in self._viewers:
+            self._viewers[cell] = set()
+            self._look_at(cell)
+        self._viewers[cell].add(viewer)
+        for part, text in self._parts.get(cell, {}).items():
+            viewer.show(part, text)
+
+    def remove(self, cell: str, viewer: Viewer) -> None:
+        """End that."""
+        self._viewers.get(cell, set()).discard(viewer)
+        tornado.ioloop.IOLoop.current().call_later(_LINGER_S, self._end_if_unwatched, cell)
+
+    def put(self, cell: str, part: str, text: str) -> None:
+        """Keep a part's new text, and show it."""
+        if cell in self._viewers:
+            self._parts.setdefault(cell, {})[part] = text
+            for viewer in self._viewers[cell]:
+                viewer.show(part, text)
+
+    def _end_if_unwatched(self, cell: str) -> None:
+        if cell in self._viewers and not self._viewers[cell]:
+            del self._viewers[cell]
+            self._parts.pop(cell, None)
+            self._look_away(cell)
+
+
+def part_text(part: str, data: Any) -> str:
+    """Make the text of a message with a part of the state."""
+    message = {'part': part, 'data': data}
+    try:
+        return json.dumps(message, separators=(',', ':'), allow_nan=False)
+    except ValueError:
+        return json.dumps(_finite(message), separators=(',', ':'))
+
+
+def _finite(data: Any) -> Any:
+    # A number that is not finite has no JSON.
+    if isinstance(data, dict):
+        return {name: _finite(value) for name, value in data.items()}
+    if isinstance(data, list):
+        return list(map(_finite, data))
+    return None if isinstance(data, float) and not math.isfinite(data) else data
+
+
+class Picture(NamedTuple):
+    """
+    A picture file in memory.
+
+    :param number: Counts the pictures of a kind.
+    """
+
+    number: int
+    content: bytes
+
+
+class Watcher(Protocol):
+    """
+    A page that looks at a kind of picture.
+
+    `wants` is whether it waits for a picture, `last` the number of the last one that it got.
+    """
+
+    wants: bool
+    last: int
+
+    def show(self, picture: Picture) -> None:
+        """Send a picture."""
+
+
+class PictureHub:
+    """
+    Passes each picture on to the pages that wait for one; no page has more than one on its way.
+
+    :param look_at: Called with a cell and a kind when the first page looks.
+    :param look_away: Called likewise when the last one has gone.
+    """
+
+    def __init__(
+        self, look_at: Callable[[str, str], None], look_away: Callable[[str, str], None]
+    ) -> None:
+        self._look_at, self._look_away = look_at, look_away
+        self._newest: Dict[Key, Picture] = {}
+        self._watchers: Dict[Key, Set[Watcher]] = {}
+
+    def add(self, key: Key, watcher: Watcher) -> None:
+        """Let a page look at a kind of picture."""
+        if key not in self._watchers:
+            self._watchers[key] = set()
+            self._look_at(*key)
+        self._watchers[key].add(watcher)
+
+    def remove(self, key: Key, watcher: Watcher) -> None:
+        """End that."""
+        watchers = self._watchers.get(key, set())
+        watchers.discard(watcher)
+        if not watchers and self._watchers.pop(key, None) is not None:
+            self._newest.pop(key, None)
+            self._look_away(*key)
+
+    def want(self, key: Key, watcher: Watcher) -> None:
+        """Send the page the newest picture that it does not have, now or when it comes."""
+        watcher.wants = True
+        self._serve(key, watcher)
+
+    def put(self, key: Key, content: bytes) -> None:
+        """Keep a new picture, and send it to those who wait."""
+        if key in self._watchers:
+            before = self._newest.get(key)
+            self._newest[key] = Picture(before.number + 1 if before else 1, content)
+            for watcher in self._watchers[key]:
+                self._serve(key, watcher)
+
+    def _serve(self, key: Key, watcher: Watcher) -> None:
+        newest = self._newest.get(key)
+        if watcher.wants and newest is not None and newest.number != watcher.last:
+            watcher.wants, watcher.last = False, newest.number
+            watcher.show(newest)
 
 
 def checked_cell(name: str) -> str:

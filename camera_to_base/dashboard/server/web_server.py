@@ -12,32 +12,169 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The web server in a thread of its own."""
+"""The web server in a thread of its own, and what a page can ask of it."""
 
 import asyncio
 import errno
+import json
 import logging
 import socket
 import threading
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
-from camera_to_base.dashboard.server.access import Access
-from camera_to_base.dashboard.server.actions import ACTIONS, Unknown
-from camera_to_base.dashboard.server.pages import Page, WEB, WebFile
-from camera_to_base.dashboard.server.picture_hub import PictureHub
-from camera_to_base.dashboard.server.session_actions import SESSION_ACTIONS
-from camera_to_base.dashboard.server.sockets import PictureSocket, StateSocket
-from camera_to_base.dashboard.server.state_hub import StateHub
+from camera_to_base.dashboard.server.guarded import Access, Guarded, Page, Refused, WEB, WebFile
+from camera_to_base.dashboard.server.sockets import (
+    checked_cell, PictureHub, PictureSocket, StateHub, StateSocket)
 from camera_to_base.dashboard.specs import DashboardSettings, is_loopback
 from camera_to_base.errors import InvalidValueError
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.web import Application
 
+_TYPES = {'png': 'image/png', 'txt': 'text/plain; charset=utf-8'}
+
 _LARGEST_BODY = 1_000_000
 _LARGEST_MESSAGE = 10_000
 _IDLE_S, _PING_S = 60.0, 20.0
 _LONGEST_END_S = 0.4
+
+
+class Action(Guarded):
+    """A request of a page, answered with JSON."""
+
+    @property
+    def cell(self) -> str:
+        """The cell that it is about."""
+        return checked_cell(self.get_query_argument('cell', '/'))
+
+    @property
+    def backend(self) -> Any:
+        """What carries it out."""
+        return self.settings['backend']
+
+    def body(self) -> Dict[str, Any]:
+        """
+        Return the request's JSON object.
+
+        :raises Refused: If it is none.
+        """
+        try:
+            body = json.loads(self.request.body or b'{}')
+        except ValueError:
+            body = None
+        if not isinstance(body, dict):
+            raise Refused(400, 'expected a JSON object')
+        return body
+
+    def answer(self, data: Any) -> None:
+        """Answer with JSON."""
+        self.set_header('Content-Type', 'application/json')
+        self.finish(json.dumps(data))
+
+
+class Unknown(Action):
+    """An address that does not exist."""
+
+    def prepare(self) -> None:
+        """Refuse it, after the checks."""
+        super().prepare()
+        raise Refused(404, f'there is no {self.request.path:.80}')
+
+
+class SetParameters(Action):
+    """Parameters of a node."""
+
+    async def post(self) -> None:
+        """Set them, all or none."""
+        body = self.body()
+        node, values = body.get('node'), body.get('values')
+        if node not in ('camera', 'transform') or not isinstance(values, dict) or not values:
+            raise Refused(400, 'expected {"node": "camera" or "transform", "values": {…}}')
+        self.answer({'values': await self.backend.set_parameters(self.cell, node, values)})
+
+
+class TakeBackground(Action):
+    """The background."""
+
+    async def post(self) -> None:
+        """Take it anew."""
+        self.answer({'sentence': await self.backend.capture_background(self.cell)})
+
+
+ACTIONS = [('/api/parameters', SetParameters), ('/api/background', TakeBackground)]
+
+
+class SessionStep(Action):
+    """A step of a session."""
+
+    async def post(self, part: str, name: str) -> None:
+        """Carry it out, and answer with the session's new state."""
+        self.answer(await self.backend.act(self.cell, part, name, self.body()))
+
+
+class WholePart(SessionStep):
+    """The one step of a part: to save the file, or to set the areas."""
+
+    async def post(self, part: str) -> None:
+        """Carry it out, and answer with the part's new state."""
+        await super().post(part, {'save': 'save', 'areas': 'set'}[part])
+
+
+class KeepCorrection(Action):
+    """The camera node's correction of a nudge."""
+
+    async def post(self) -> None:
+        """Keep it, and answer with the new state of the part `save`."""
+        self.answer(await self.backend.keep_correction(self.cell, self.body()))
+
+
+class ReportPart(Action):
+    """A picture or the text of the board's report."""
+
+    async def get(self, name: str) -> None:
+        """Answer with it."""
+        content = await self.backend.ask_sessions(self.cell, lambda one: one.report(name))
+        self.set_header('Content-Type', _TYPES[name.rpartition('.')[2]])
+        self.finish(content)
+
+
+class Sheet(Action):
+    """The board to print, or the markers."""
+
+    async def get(self) -> None:
+        """Answer with a PDF."""
+        options = self._options()
+        content = await self.backend.ask_sessions(self.cell, lambda one: one.sheet(options))
+        self.set_header('Content-Type', 'application/pdf')
+        self.set_header('Content-Disposition', 'inline; filename="sheet.pdf"')
+        self.finish(content)
+
+    def _options(self) -> Dict[str, Any]:
+        kind = self.get_query_argument('kind', 'board')
+        wanted: Dict[str, Any] = {'charuco': kind == 'charuco', 'markers': kind == 'markers'}
+        for name in ('paper', 'square_mm'):
+            if self.get_query_argument(name, None) is not None:
+                wanted[name] = self.get_query_argument(name)
+        corners = self.get_query_argument('corners', None)
+        return wanted if corners is None else {**wanted, 'corners': corners.lower().split('x')}
+
+
+class SavedFile(Action):
+    """The parameter file as it would be saved."""
+
+    async def get(self) -> None:
+        """Answer with its text."""
+        text = await self.backend.ask_sessions(self.cell, lambda one: one.file_text())
+        self.set_header('Content-Type', 'application/yaml; charset=utf-8')
+        self.set_header('Content-Disposition', 'attachment; filename="cell.yaml"')
+        self.finish(text)
+
+
+SESSION_ACTIONS = [
+    ('/api/(board|markers|robot|simulated)/([a-z_0-9]+)', SessionStep),
+    ('/api/(save|areas)', WholePart), ('/api/correction', KeepCorrection),
+    ('/api/report/([a-z]+[.](?:png|txt))', ReportPart), ('/api/sheet', Sheet),
+    ('/api/file', SavedFile)]
 
 
 class WebServer:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The camera's curve, and the light of a frame beside the background's."""
+"""The light of a frame: its curve and gain, its noise, and the limits that follow from them."""
 
 import math
 import operator
@@ -31,6 +31,22 @@ _LEAST_USABLE = 1 / 12
 _DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
 # Grey levels grow with about this power of the light.
 _POWER = 1 / 2.2
+
+# A camera that trembles shows at a place what lies beside it on the background.
+_TREMBLE = np.ones((3, 3), np.uint8)
+_BLOCK = 32
+# Grey levels beyond the background's own range, and deviations of the noise: where an object's
+# rim still counts, and what an object must have somewhere.
+WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
+
+# Places that are compared, about, and how far apart the two of a pair are, in px.
+_PLACES, _APART = 9000, 3
+_BIN, _LEAST_IN_BIN = 16, 60
+_BINS, _DIFFERENCES = 256 // _BIN, 2 * 255 + 1
+# A difference of whole numbers has a median of 0 on a quiet picture.
+_QUIETEST = 0.3
+# The median of a normal distribution's absolute values is 0.6745 of its deviation.
+_DEVIATION = 1 / 0.6745
 
 
 def _linear_levels() -> np.ndarray:
@@ -153,3 +169,124 @@ class GainMeter:
 def _grid(length: int, points: int) -> slice:
     step = max(length // points, 1)
     return slice(step // 2, None, step)
+
+
+class Range(NamedTuple):
+    """Darkest and lightest levels that are the background's, each of shape (h, w, 3), uint8."""
+
+    darkest: np.ndarray
+    lightest: np.ndarray
+
+    def outside(self, frame: np.ndarray) -> np.ndarray:
+        """Find the pixels beyond it in any channel: shape (h, w), uint8, 255 or 0."""
+        return cv2.bitwise_not(cv2.inRange(frame, self.darkest, self.lightest))
+
+
+class Limits:
+    """
+    The background's own range of levels, at some light and with some noise.
+
+    :param background: Shape (h, w, 3), uint8, BGR.
+    :param faintest: Grey levels that an object must at least differ by somewhere.
+    """
+
+    def __init__(self, background: np.ndarray, faintest: float) -> None:
+        usual = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
+        self._strong, self._weak = _LitRange(usual), _LitRange(usual)
+        self._faintest = faintest
+        self.least = faintest
+
+    def set_light(self, gain: Gain, noise: np.ndarray) -> None:
+        """
+        Follow the light and the noise, see :func:`measure_noise`.
+
+        A level that is beyond the strong range differs by more than `least` from the background.
+        """
+        levels = gain.coded_levels
+        noise = np.take_along_axis(noise, np.rint(levels).astype(int), axis=0)
+        weak = np.maximum(min(WEAK_LEVELS, self._faintest), _WEAK_DEVIATIONS * noise)
+        strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
+        self.least = max(float(strong.min()) - 0.01, 0.0)
+        self._weak.set_levels(levels - weak, levels + weak)
+        self._strong.set_levels(levels - strong, levels + strong)
+
+    def strong(self, part: tuple) -> Range:
+        """Give the range that an object must leave somewhere, for a part of the picture."""
+        return self._strong.part(part)
+
+    def weak(self, part: tuple) -> Range:
+        """Give the range that each pixel of an object leaves, for a part of the picture."""
+        return self._weak.part(part)
+
+
+class _LitRange:
+    # A range at the frame's light: made block by block, where it is asked for.
+
+    def __init__(self, usual: Range) -> None:
+        self._usual = usual
+        self._lit = Range(*(np.empty_like(bound) for bound in usual))
+        self._missing = np.ones(
+            [-(-length // _BLOCK) for length in usual.darkest.shape[:2]], np.uint8)
+        self._tables = np.empty(0), np.empty(0)
+
+    def set_levels(self, darkest: np.ndarray, lightest: np.ndarray) -> None:
+        tables = tuple(np.clip(np.rint(levels), 0, 255).astype(np.uint8)[:, None]
+                       for levels in (darkest, lightest))
+        if not all(map(np.array_equal, tables, self._tables)):
+            self._tables = tables
+            self._missing[:] = 1
+
+    def part(self, part: tuple) -> Range:
+        blocks = tuple([slice(side.start // _BLOCK, -(-side.stop // _BLOCK)) for side in part])
+        if cv2.countNonZero(self._missing[blocks]):
+            around = tuple(slice(side.start * _BLOCK, side.stop * _BLOCK) for side in blocks)
+            for usual, table, lit in zip(self._usual, self._tables, self._lit):
+                cv2.LUT(usual[around], table, dst=lit[around])
+            self._missing[blocks] = 0
+        return Range(self._lit.darkest[part], self._lit.lightest[part])
+
+
+def measure_noise(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    """
+    Measure how much a frame differs from the background by noise alone.
+
+    The differences at two places that are a few px apart are compared: light that has changed
+    drops out, and so does what covers less than half of the places of a level.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :returns: Shape (256, 3): the deviation of one frame's grey levels, by level and channel.
+    """
+    step = max(int(np.sqrt(frame.shape[0] * frame.shape[1] / _PLACES)), 1)
+    rows = slice(step // 2, None, step)
+    change = frame[rows].astype(np.int16) - background[rows]
+    if change.shape[1] <= 2 * _APART:
+        return np.full((256, 3), _QUIETEST, np.float32)
+    pairs = change[:, :-_APART:step] - change[:, _APART::step]
+    levels = background[rows, :-_APART:step] // _BIN
+    return np.stack([_by_level(np.abs(pairs[..., channel]).ravel(), levels[..., channel].ravel())
+                     for channel in range(3)], axis=1)
+
+
+def _by_level(differences: np.ndarray, bins: np.ndarray) -> np.ndarray:
+    # How often each difference occurs at each level.
+    counts = np.bincount(
+        np.int16(bins) * _DIFFERENCES + differences, minlength=_BINS * _DIFFERENCES)
+    counts = counts.reshape(_BINS, _DIFFERENCES)
+    known = np.flatnonzero(counts.sum(axis=1) >= min(_LEAST_IN_BIN, len(differences)))
+    medians = [_median(counts[number]) for number in known]
+    if not medians:
+        known, medians = np.array([0]), [_median(counts.sum(axis=0))]
+    deviations = np.interp(np.arange(256), known * _BIN + _BIN / 2, medians)
+    # Two frames at two places each: four times one frame's variance.
+    return (np.maximum(deviations, _QUIETEST) * _DEVIATION / 2).astype(np.float32)
+
+
+def _median(counts: np.ndarray) -> float:
+    # Between whole numbers: by how many values lie below, as in grouped data.
+    upto = np.cumsum(counts)
+    half = upto[-1] / 2
+    whole = int(np.searchsorted(upto, int(half), side='right'))
+    below = upto[whole] - counts[whole]
+    low = max(whole - 0.5, 0.0)
+    return float(low + (whole + 0.5 - low) * (half - below) / counts[whole])

@@ -17,14 +17,13 @@
 from typing import Callable, List, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
-from camera_to_base.detection.precise.highlight import close_around_highlights
-from camera_to_base.detection.precise.piece import make_piece, outline_of, Piece
+from camera_to_base.detection.precise.own_shadow import split_off_shade
+from camera_to_base.detection.precise.piece import (
+    close_around_highlights, enlarged, make_piece, outline_of, Piece, reduced)
 from camera_to_base.detection.precise.plain import place_plain, Plain
-from camera_to_base.detection.precise.reduced import enlarged, reduced
 from camera_to_base.detection.precise.reference import Reference
-from camera_to_base.detection.precise.regions import filled, grown, Region, slices
-from camera_to_base.detection.precise.shaded import find_shaded, places_to_look
-from camera_to_base.detection.precise.shadow import split_off_shade
+from camera_to_base.detection.precise.regions import (
+    filled, find_shaded, grown, places_to_look, Region, slices)
 from camera_to_base.detection.precise.shares import place, place_whole, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2

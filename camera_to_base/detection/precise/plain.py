@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """
 The short way for plain objects: of one colour, with a sharp rim, on a table without shade.
 

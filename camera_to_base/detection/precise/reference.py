@@ -16,9 +16,7 @@
 
 from typing import Optional
 
-from camera_to_base.detection.precise.light import Gain, GainMeter, NO_GAIN
-from camera_to_base.detection.precise.limits import Limits
-from camera_to_base.detection.precise.noise import measure_noise
+from camera_to_base.detection.precise.light import Gain, GainMeter, Limits, measure_noise, NO_GAIN
 import cv2
 import numpy as np
 

@@ -22,15 +22,13 @@ with that light taken into account.
 from typing import List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box, touches_edge
-from camera_to_base.detection.precise.bands import find_bands, without_bands
-from camera_to_base.detection.precise.foreign_light import (
-    find_field, has_light, in_usual_light, looks_like_light)
-from camera_to_base.detection.precise.limits import Limits
+from camera_to_base.detection.precise.changes import changed_parts, Strips
+from camera_to_base.detection.precise.light import Limits
+from camera_to_base.detection.precise.outside_light import (
+    find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
-from camera_to_base.detection.precise.strips import Strips
-from camera_to_base.detection.precise.tiles import changed_parts
 import cv2
 import numpy as np
 

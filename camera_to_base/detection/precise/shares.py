@@ -23,11 +23,9 @@ is covered make the next, better mask: three turns are enough.
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from camera_to_base.detection.precise.highlight import complete_shares, find_highlight
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_sum, chosen, disc, largest_part, outline_of, Piece, quantile,
-    square)
-from camera_to_base.detection.precise.reduced import enlarged, reduced
+    channel_extremes, channel_sum, chosen, complete_shares, disc, enlarged, find_highlight,
+    largest_part, outline_of, Piece, quantile, reduced, square)
 import cv2
 import numpy as np
 

@@ -16,8 +16,7 @@
 
 import time
 
-from camera_to_base.calibration.boards.board import find_board
-from camera_to_base.calibration.boards.board_frame import board_points
+from camera_to_base.calibration.boards.board import board_points, find_board
 from camera_to_base.calibration.boards.board_search import search, why_not_found
 from camera_to_base.errors import CalibrationError, InvalidValueError
 import cv2

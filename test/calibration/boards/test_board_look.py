@@ -15,8 +15,7 @@
 """What a person who lays a board is told about the newest picture."""
 
 from camera_to_base.calibration.boards.board import find_board
-from camera_to_base.calibration.boards.board_look import look_for
-from camera_to_base.calibration.boards.printed_board import PrintedBoard
+from camera_to_base.calibration.boards.placement import look_for, PrintedBoard
 import cv2
 import numpy as np
 import pytest

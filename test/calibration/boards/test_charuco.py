@@ -15,7 +15,7 @@
 """A board with markers, of which only a part is seen."""
 
 from camera_to_base.calibration.boards.charuco import find_charuco, marker_squares
-from camera_to_base.calibration.boards.sheet import sheet_content
+from camera_to_base.calibration.boards.sheets import sheet_content
 from camera_to_base.errors import CalibrationError, InvalidValueError
 import cv2
 import numpy as np

@@ -17,7 +17,7 @@
 import re
 
 from camera_to_base.calibration.boards.board import find_board
-from camera_to_base.calibration.boards.sheet import has_one_origin, PAPERS, sheet_content
+from camera_to_base.calibration.boards.sheets import has_one_origin, PAPERS, sheet_content
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np

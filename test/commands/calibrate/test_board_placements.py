@@ -21,8 +21,8 @@ from pathlib import Path
 import time
 
 from camera_to_base.commands.calibrate.command import main
-from camera_to_base.commands.calibrate.live import FreshFrames
-from camera_to_base.settings.node_settings import read_node_settings
+from camera_to_base.commands.calibrate.live_camera import FreshFrames
+from camera_to_base.settings import read_node_settings
 from camera_to_base.sources import DEVICE
 import cv2
 import numpy as np

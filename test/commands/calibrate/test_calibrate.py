@@ -27,14 +27,13 @@ from camera_to_base.calibration.figures import ErrorFigures, warnings
 from camera_to_base.commands.calibrate.command import main
 from camera_to_base.parameters.file import parameter_text, read_parameter_file
 from camera_to_base.parameters.transform import transform_settings, TRANSFORM_SPECS
-from camera_to_base.settings.camera import camera_settings, CAMERA_SPECS
+from camera_to_base.settings import camera_settings, CAMERA_SPECS
 from camera_to_base.shell_commands import full_command, run_command
 from camera_to_base.surface.models import PolynomialSurface
 import cv2
 import numpy as np
 import pytest
-from rendered_board import (
-    camera_place, CENTRE, IMAGE_SIZE, pixel_from_surface, project, render)
+from rendered_board import camera_place, CENTRE, IMAGE_SIZE, pixel_from_surface, project, render
 import yaml
 
 DEFAULTS = {spec.name: spec.default for spec in CAMERA_SPECS + TRANSFORM_SPECS}

@@ -21,7 +21,7 @@ import re
 
 from camera_to_base.commands.calibrate.command import main
 from camera_to_base.parameters.file import read_parameter_file
-from camera_to_base.settings.node_settings import read_node_settings
+from camera_to_base.settings import read_node_settings
 from camera_to_base.simulation.view import BoardView
 import numpy as np
 import pytest

@@ -22,7 +22,7 @@ import time
 from camera_to_base.commands.calibrate.command import main
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.parameters.file import read_parameter_file
-from camera_to_base.simulation.touch_table import SimulatedTouchTable
+from camera_to_base.simulation.board import SimulatedTouchTable
 from geometry_msgs.msg import PoseStamped
 import numpy as np
 import pytest

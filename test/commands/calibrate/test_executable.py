@@ -20,7 +20,7 @@ import sys
 COUNT_THREADS = """
 import os
 import sys
-from camera_to_base.commands.executables import calibrate
+from camera_to_base.executables import calibrate
 sys.argv = ['calibrate', 'check', 'no_file.yaml', 'no_table.txt']
 code = calibrate()
 print(len(os.listdir('/proc/self/task')), 'numpy' in sys.modules)

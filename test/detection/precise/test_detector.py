@@ -17,12 +17,12 @@
 from dataclasses import asdict
 import math
 
-from camera_to_base.detection.on_surface import object_on_surface
+from camera_to_base.detection.detection import principal_axes
+from camera_to_base.detection.locator import object_on_surface
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.shape import principal_axes
 from camera_to_base.errors import FrameSizeError, InvalidValueError
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.simulation.conditions import BoardConditions
+from camera_to_base.simulation.disturbances import BoardConditions
 import cv2
 import numpy as np
 import pytest

@@ -15,8 +15,7 @@
 """Large objects are placed on a reduced picture, nearly as well as on the whole one."""
 
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.precise.piece import Piece
-from camera_to_base.detection.precise.reduced import enlarged, reduced
+from camera_to_base.detection.precise.piece import enlarged, Piece, reduced
 import cv2
 import numpy as np
 import pytest

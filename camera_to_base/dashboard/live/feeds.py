@@ -1,0 +1,142 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The pictures of a cell's camera node, and what a cell's sessions ask for."""
+
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+from camera_to_base.coordinate_transform import Pose
+from camera_to_base.dashboard.live.cells import full_name
+from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
+import cv2
+from geometry_msgs.msg import PoseStamped
+import numpy as np
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import CompressedImage
+
+TOPICS = {'annotated': 'debug_image/compressed', 'frame': 'frame/compressed',
+          'mask': 'mask/compressed', 'background': 'background/compressed'}
+# The background is published once; it waits for those who come later.
+_LATCHED = {'background'}
+
+OnPicture = Callable[[str, str, CompressedImage], None]
+
+_CM_PER_M = 100.0
+
+
+def picture_qos(kind: str) -> QoSProfile:
+    """Return the quality of service for a kind of picture: the newest one alone."""
+    durability = (DurabilityPolicy.TRANSIENT_LOCAL if kind in _LATCHED
+                  else DurabilityPolicy.VOLATILE)
+    return QoSProfile(depth=1, durability=durability)
+
+
+class PictureTopics:
+    """
+    Subscribes to pictures while somebody looks at them.
+
+    :param node: The node that listens.
+    :param on_picture: Called with the cell, the kind and the message.
+    """
+
+    def __init__(self, node: Node, on_picture: OnPicture) -> None:
+        self._node, self._on_picture = node, on_picture
+        self._subscriptions: Dict[Tuple[str, str], Subscription] = {}
+
+    def look_at(self, namespace: str, kind: str) -> None:
+        """Subscribe to a kind of picture of a cell; nothing if it is not published."""
+        if (namespace, kind) in self._subscriptions or kind not in TOPICS:
+            return
+        self._subscriptions[namespace, kind] = self._node.create_subscription(
+            CompressedImage, full_name(namespace, TOPICS[kind]),
+            lambda message: self._on_picture(namespace, kind, message),
+            picture_qos(kind))
+
+    def look_away(self, namespace: str, kind: str) -> None:
+        """End a subscription."""
+        subscription = self._subscriptions.pop((namespace, kind), None)
+        if subscription is not None:
+            self._node.destroy_subscription(subscription)
+
+
+class SessionFeed:
+    """
+    Subscribes while a session wants it.
+
+    :param node: The node that listens.
+    :param namespace: The cell's.
+    :param sessions: The cell's sessions.
+    """
+
+    def __init__(self, node: Node, namespace: str, sessions: CellSessions) -> None:
+        self._node, self._namespace, self._sessions = node, namespace, sessions
+        self._names = {kind: full_name(namespace, topic) for kind, topic in TOPICS.items()}
+        self._subscriptions: Dict[str, Subscription] = {}
+        self._tool: Optional[str] = None
+
+    def check(self) -> None:
+        """Begin and end what the sessions want."""
+        self._keep('frame', self._sessions.wants_frames, self._on_frame)
+        self._keep('background', self._sessions.wants_objects, self._on_background)
+        if self._sessions.tool_topic != self._tool:
+            self._listen_to_tool(self._sessions.tool_topic)
+
+    def on_objects(self, poses: List[Pose]) -> None:
+        """Take the objects of a frame."""
+        if self._sessions.wants_objects:
+            self._sessions.see_objects([(pose.x, pose.y) for pose in poses])
+
+    def close(self) -> None:
+        """End all."""
+        for name in list(self._subscriptions):
+            self._end(name)
+
+    def _keep(self, kind: str, is_wanted: bool, callback: Callable[[Any], None]) -> None:
+        if is_wanted and kind not in self._subscriptions:
+            self._subscriptions[kind] = self._node.create_subscription(
+                CompressedImage, self._names[kind], callback, picture_qos(kind))
+        elif not is_wanted:
+            self._end(kind)
+
+    def _listen_to_tool(self, topic: str) -> None:
+        self._end('tool')
+        self._tool = topic
+        if topic:
+            try:
+                self._subscriptions['tool'] = self._node.create_subscription(
+                    PoseStamped, full_name(self._namespace, topic), self._on_tool, 10)
+            except InvalidTopicNameException:
+                pass  # the session tells that no poses come
+
+    def _end(self, name: str) -> None:
+        subscription = self._subscriptions.pop(name, None)
+        if subscription is not None:
+            self._node.destroy_subscription(subscription)
+
+    def _on_frame(self, message: CompressedImage) -> None:
+        frame = cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
+        if frame is not None:
+            self._sessions.see_frame(frame)
+
+    def _on_background(self, message: CompressedImage) -> None:
+        self._sessions.see_background((message.header.stamp.sec, message.header.stamp.nanosec))
+
+    def _on_tool(self, message: PoseStamped) -> None:
+        place, stamp = message.pose.position, message.header.stamp
+        self._sessions.see_tool(
+            place.x * _CM_PER_M, place.y * _CM_PER_M, message.header.frame_id,
+            stamp.sec + stamp.nanosec / 1e9)

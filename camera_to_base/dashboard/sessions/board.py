@@ -1,0 +1,226 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The surface from a board that a person lays on the table, one placement after the other."""
+
+from typing import Any, Callable, Dict, Mapping, Optional
+
+from camera_to_base.calibration import (
+    calibrate_placements, Calibration, part_values, Placement, SURFACE)
+from camera_to_base.dashboard.sessions.placements import (
+    BoardOptions, BoardWatch, PictureTaker, PlacementList, report_data)
+from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, sentence_of, Worker
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.sources import AUTO, kind_of, lasting_name
+import numpy as np
+
+_GOOD_PLACEMENTS = 4
+_BUSY = 'the last step still goes on: wait for it'
+
+
+class BoardSession:
+    """
+    Guides from one placement of the board to the next, and fits the surface.
+
+    :param values: The cell's parameters.
+    :param worker: Searches and fits.
+    :param on_change: Called when the state has changed.
+    :param on_picture: Called with each newest picture as JPEG, the found corners drawn into it.
+    """
+
+    def __init__(
+        self, values: CellValues, worker: Worker, on_change: Callable[[], None],
+        on_picture: Callable[[bytes], None] = lambda jpeg: None,
+    ) -> None:
+        self._values, self._worker, self._on_change = values, worker, on_change
+        self._options = BoardOptions()
+        self._watch = BoardWatch(worker, on_change, on_picture)
+        self._is_on = False
+        self._taker = PictureTaker(worker)
+        self._busy: Optional[str] = None
+        self._error: Optional[str] = None
+        self._placements = PlacementList()
+        self.calibration: Optional[Calibration] = None
+        self._accepted: Optional[Dict[str, Any]] = None
+        self.accepted_calibration: Optional[Calibration] = None
+
+    @property
+    def wants_frames(self) -> bool:
+        """Whether it looks for a board."""
+        return self._is_on
+
+    @property
+    def options(self) -> BoardOptions:
+        """What is printed."""
+        return self._options
+
+    @property
+    def state(self) -> Dict[str, Any]:
+        """The state as JSON."""
+        return {
+            'step': 'off' if not self._is_on else 'fitted' if self.calibration else 'looking',
+            'hint': self._hint(), 'options': self._options.data, 'look': self._watch.data,
+            'placements': self._placements.data, 'covered': self._placements.covered,
+            'suggestion': self._placements.suggestion if self._is_on else None,
+            'busy': self._busy, 'error': self._error,
+            'report': self.calibration and report_data(self.calibration, len(self._placements)),
+            'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted}
+
+    def start(self, body: Mapping[str, Any]) -> None:
+        """
+        Look for a board from now on.
+
+        :param body: Its options; another board drops the placements.
+        :raises InvalidValueError: If one cannot be used.
+        """
+        options = self._options.changed(body)
+        if options.board != self._options.board:
+            self._forget()
+        self._options, self._is_on, self._error = options, True, None
+        self._watch.start(options.board)
+        self._on_change()
+
+    def cancel(self) -> None:
+        """End, and drop the placements."""
+        self._is_on, self._error = False, None
+        self._watch.start(None)
+        self._forget()
+        self._on_change()
+
+    def see_frame(self, image: np.ndarray) -> None:
+        """
+        Take the newest frame.
+
+        :param image: Shape (h, w, 3), uint8, BGR.
+        """
+        if not self._is_on:
+            return
+        if self._taker.is_taking:
+            self._taker.see(image)
+        else:
+            self._watch.see(image, self._placements.outlines)
+
+    def take(self) -> None:
+        """
+        Take the board's placement.
+
+        :raises InvalidValueError: If that is not possible now.
+        """
+        _refuse_unless(self._is_on, 'start the search for a board first')
+        _refuse_unless(not self._busy, _BUSY)
+        self._begin('Taking the picture …')
+        self._taker.start(self._make_placement)
+        self._on_change()
+
+    def remove(self, body: Mapping[str, Any]) -> None:
+        """
+        Remove a placement.
+
+        :param body: {'number': 1 and up}.
+        :raises InvalidValueError: If there is none.
+        """
+        _refuse_unless(not self._busy, _BUSY)
+        self._placements.remove(self._options.board, body.get('number'))
+        self.calibration = self._accepted = None
+        self._on_change()
+
+    def fit(self) -> None:
+        """
+        Fit the surface to the placements.
+
+        :raises InvalidValueError: If that is not possible now.
+        """
+        _refuse_unless(self._placements, 'take a placement of the board first')
+        _refuse_unless(not self._busy, _BUSY)
+        self._begin('Fitting …')
+        board = self._options.board
+        placements = self._placements.named(f'camera {self._device() or "picture"}')
+        self._worker.run(lambda: calibrate_placements(board, placements), self._take_fit)
+        self._on_change()
+
+    def acceptance(self) -> CellChanges:
+        """
+        Return what is to be set for the running nodes to use the fit.
+
+        :raises InvalidValueError: If there is none.
+        """
+        _refuse_unless(self.calibration, 'fit the surface first')
+        _refuse_unless(self._values.camera, 'camera_publisher does not run: start it')
+        return self._values.with_part(
+            {'calibration.device': self._device(), **part_values(self.calibration)}, SURFACE)
+
+    def set_accepted(self, changes: CellChanges) -> None:
+        """Remember that the nodes use the fit."""
+        self.accepted_calibration = self.calibration
+        sentence = ('The running camera node uses the new surface. Take the board away, and take '
+                    'the background of the empty surface.')
+        if changes.dropped:
+            sentence += (f' No longer valid: {", ".join(changes.dropped)}; it was made for the '
+                         'former surface.')
+        self._accepted = {'sentence': sentence, 'dropped': changes.dropped}
+        self._on_change()
+
+    def _device(self) -> str:
+        source = (self._values.camera or {}).get('source', AUTO.form)
+        return '' if kind_of(source) == AUTO else lasting_name(source)
+
+    def _hint(self) -> str:
+        count = len(self._placements)
+        if not self._is_on:
+            return 'Lay the printed board flat on the table, and start.'
+        if self._accepted:
+            return 'Take the board away, and take the background of the empty surface.'
+        if self.calibration:
+            return 'Look at the report. Accept it, or take further placements and fit again.'
+        if count < _GOOD_PLACEMENTS and count:
+            return (f'{count} of {_GOOD_PLACEMENTS} placements are taken. Lay the board elsewhere '
+                    'without moving the camera, or fit now.')
+        return 'Fit the surface.' if count else 'Take the first placement: it defines x and y.'
+
+    def _make_placement(self, frames: Any) -> None:
+        if isinstance(frames, Exception):
+            self._take_placement(frames)
+            return
+        self._worker.run(
+            self._placements.maker(self._options.board, frames), self._take_placement)
+
+    def _take_placement(self, found: Any) -> None:
+        self._end(found)
+        if isinstance(found, Placement) and self._is_on:
+            self._placements.add(found)
+            self.calibration = self._accepted = None
+        self._on_change()
+
+    def _take_fit(self, found: Any) -> None:
+        self._end(found)
+        if isinstance(found, Calibration) and self._placements:
+            self.calibration, self._accepted = found, None
+        self._on_change()
+
+    def _begin(self, sentence: str) -> None:
+        self._busy, self._error = sentence, None
+
+    def _end(self, found: Any) -> None:
+        self._busy = None
+        self._error = sentence_of(found) if isinstance(found, Exception) else None
+
+    def _forget(self) -> None:
+        self._placements.clear()
+        self.calibration = self._accepted = self._busy = None
+        self._taker.cancel()
+
+
+def _refuse_unless(condition: Any, sentence: str) -> None:
+    if not condition:
+        raise InvalidValueError(sentence)

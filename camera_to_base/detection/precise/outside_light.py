@@ -1,0 +1,200 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Light and shade that come from outside of the picture, and the bands of a lamp that flickers.
+
+They change a part of the picture that reaches its border, smoothly or with an edge, and by about
+one factor for all colours. What is small beside a median filter's window is no such light.
+
+They are taken out of the frame, as exactly as a gain is: whatever follows sees one light.
+"""
+
+from typing import Optional
+
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.light import grey_factors, LINEAR, log_light, Range
+from camera_to_base.detection.precise.piece import channel_extremes
+import cv2
+import numpy as np
+
+_SHRINK, _WINDOW = 4, 25
+# Light that differs by less is no reason for a second look; logarithm of the ratio.
+_LEAST_CHANGE = 0.03
+# Steps per factor e while the ratio is filtered as bytes.
+_STEPS = 64
+# The median rounds the corners of an edge: beside one, either light counts, in shrunk px.
+_EDGE = np.ones((9, 9), np.uint8)
+# Shade takes this much light at most, and colours it little.
+_DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
+_LEAST_MARKED, _LEAST_LIGHT = 0.1, 1e-3
+# Light of a field that changes an object's place, in steps of a factor.
+_LEAST_STEPS = 4
+
+_STEP = 4
+_ROWS = slice(_STEP // 2, None, _STEP)
+# Rows: how far they are apart from one another at least, and from the picture's light at most,
+# logarithms; the part of all rows that must tell their light; how much larger they are than what
+# a smooth curve leaves of them.
+_LEAST_BAND, _STRONGEST_BAND, _LEAST_ROWS = 0.03, 0.45, 0.6
+_SMOOTH = 8
+# Levels that the sensor has cut off tell no light.
+_LIGHTEST, _UNKNOWN = 250, 99.0
+# A parabola through seven rows (Savitzky and Golay): it keeps a wave's height.
+_PARABOLA = np.float32([-2, 3, 6, 7, 6, 3, -2])[:, None] / 21
+
+
+def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray) -> bool:
+    """
+    Tell whether what differs in a part of a frame may be light: of the table's own colours.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :param mask: Shape (h, w), not 0 where they differ.
+    """
+    step = np.s_[::_SHRINK, ::_SHRINK]
+    light, usual = (cv2.LUT(picture[step], LINEAR) for picture in (frame, background))
+    smallest, largest = channel_extremes(light / np.maximum(usual, _LEAST_LIGHT))
+    tint = largest / np.maximum(smallest, _LEAST_LIGHT)
+    marked = (mask[step] > 0) & (np.abs(cv2.log(np.maximum(largest, 1e-3))) > _LEAST_MARKED)
+    is_light = (largest > _DEEPEST) & (largest < _BRIGHTEST) & (tint < _STRONGEST_TINT)
+    return np.count_nonzero(is_light & marked) > _LEAST_SHARE * np.count_nonzero(marked)
+
+
+def in_usual_light(
+    frame: np.ndarray, background: np.ndarray, field: Range
+) -> np.ndarray:
+    """
+    Give a frame as it looks without light that comes from outside of the picture.
+
+    :param field: See :func:`find_field`. Where either of two lights may count, a pixel that looks
+        like the background in one between these does so in the result.
+    """
+    size = frame.shape[1], frame.shape[0]
+    darkest, lightest = (cv2.merge([cv2.resize(factors, size)] * 3) for factors in field)
+    return cv2.max(cv2.divide(frame, lightest, scale=128),
+                   cv2.min(cv2.divide(frame, darkest, scale=128), background))
+
+
+def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
+    """
+    Find light that comes from outside of the picture.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :returns: Factors on the background's grey levels, times 128, each of shape (h / 4, w / 4);
+        None where there is none.
+    """
+    field = _smooth_ratio(frame, background)
+    field[~_reaches_border(np.abs(field) > _LEAST_CHANGE)] = 0
+    if not field.any():
+        return None
+    return Range(grey_factors(cv2.erode(field, _EDGE)), grey_factors(cv2.dilate(field, _EDGE)))
+
+
+def has_light(field: Range, box: Box) -> bool:
+    """Tell whether a field changes what is seen in a part of the picture."""
+    left, top = box.x // _SHRINK, box.y // _SHRINK
+    right, bottom = -(-(box.x + box.width) // _SHRINK), -(-(box.y + box.height) // _SHRINK)
+    part = np.s_[top:bottom, left:right]
+    return (field.darkest[part].min() < 128 - _LEAST_STEPS
+            or field.lightest[part].max() > 128 + _LEAST_STEPS)
+
+
+def _smooth_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    ratio = log_light(_shrunk(frame)) - log_light(_shrunk(background))
+    steps = np.clip(np.rint(128 + _STEPS * ratio), 0, 255).astype(np.uint8)
+    return (cv2.medianBlur(steps, _WINDOW).astype(np.float32) - 128) / _STEPS
+
+
+def _shrunk(picture: np.ndarray) -> np.ndarray:
+    # Halving twice is three times as fast as one step, where it gives the same.
+    height, width = picture.shape[:2]
+    sizes = [(max(width // _SHRINK, 1), max(height // _SHRINK, 1))]
+    if not height % _SHRINK and not width % _SHRINK:
+        sizes.insert(0, (width // 2, height // 2))
+    for size in sizes:
+        picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    return picture
+
+
+def _reaches_border(changed: np.ndarray) -> np.ndarray:
+    _, labels = cv2.connectedComponents(changed.astype(np.uint8))
+    border = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
+    return np.isin(labels, np.unique(border[border > 0]))
+
+
+def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray]:
+    """
+    Find the bands of a lamp that flickers.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :returns: Logarithm of each row's light / the background's, shape (h,), float32; None without
+        bands.
+    """
+    if min(frame.shape[:2]) < 3 * _STEP:
+        return None
+    thirds = _light_of_thirds(_on_grid(frame), _on_grid(background))
+    bands = np.median(thirds, axis=1)
+    # A band goes from side to side; an object or a shadow does not. There, the rows beside count.
+    is_light = (np.abs(bands) < _STRONGEST_BAND) & (np.ptp(thirds, axis=1) < 2 * _LEAST_BAND)
+    if is_light.mean() < _LEAST_ROWS:
+        return None
+    rows = np.arange(len(bands))
+    bands = np.interp(rows, rows[is_light], bands[is_light]).astype(np.float32)
+    smooth = cv2.filter2D(bands[:, None], -1, _PARABOLA, borderType=cv2.BORDER_REPLICATE)[:, 0]
+    # A camera that trembles over a grain changes rows, too, but not smoothly.
+    if np.ptp(smooth) <= max(_LEAST_BAND, _SMOOTH * np.abs(bands - smooth).mean()):
+        return None
+    return np.interp(np.arange(len(frame)), _STEP * rows + _ROWS.start, smooth).astype(np.float32)
+
+
+def without_bands(frame: np.ndarray, background: np.ndarray, bands: np.ndarray) -> np.ndarray:
+    """
+    Give a frame as it looks at one light, see :func:`find_bands`.
+
+    Levels that the sensor has cut off may stand for more light: they look like the background
+    where that is possible.
+    """
+    rows, usual = (picture.reshape(len(frame), -1) for picture in (frame, background))
+    factors = np.repeat(grey_factors(-bands)[:, None], rows.shape[1], axis=1)
+    even = cv2.multiply(rows, factors, scale=1 / 128)
+    cut_off = _above(rows, _LIGHTEST - 1)
+    even = cv2.max(even, cv2.min(cut_off, usual))
+    even = cv2.min(even, cv2.max(usual, cv2.bitwise_not(_above(usual, _LIGHTEST - 1))))
+    return even.reshape(frame.shape)
+
+
+def _above(levels: np.ndarray, limit: int) -> np.ndarray:
+    return cv2.threshold(levels, limit, 255, cv2.THRESH_BINARY)[1]
+
+
+def _on_grid(picture: np.ndarray) -> np.ndarray:
+    # Pixels are copied much faster as one item each than as three bytes.
+    return picture.view('V3')[_ROWS, ::_STEP].copy().view(np.uint8)
+
+
+def _light_of_thirds(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    """Give the median ratio, logarithm, of each row's thirds: shape (rows, 3)."""
+    ratio = log_light(frame) - log_light(background)
+    tells_light = cv2.inRange(cv2.max(frame, background), 0, (_LIGHTEST - 1,) * 3)
+    ratio[tells_light == 0] = _UNKNOWN
+    return np.stack([_median(third) for third in np.array_split(ratio, 3, axis=1)], axis=1)
+
+
+def _median(ratio: np.ndarray) -> np.ndarray:
+    known = (ratio < _UNKNOWN).sum(axis=1, keepdims=True)
+    middle = np.minimum(known // 2, ratio.shape[1] - 1)
+    return np.take_along_axis(np.sort(ratio, axis=1), middle, axis=1)[:, 0]

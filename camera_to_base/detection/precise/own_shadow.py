@@ -1,0 +1,353 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Splits an object's own shadow off its region: which part is the thing, and which its shade.
+
+Shade takes light in all colours alike, is one lump, and lies to one side of its object. A table's
+pattern and a smooth gradient look like two parts, too; so the *frame* must show the step between
+them, and a sharp one.
+
+A shadow takes a part of the table's light, in all colours alike. So a region is an object and its
+shade where it has two parts, of which one can be shade and the other cannot: it is lighter than
+the table, or coloured, or clearly darker than the shade. `thing_and_shade` tests such a pair.
+
+An object may be lighter than its shadow: then the shadow is a crescent, and the object is convex.
+A box seen from the side has a light top and a dark wall, which look the same, but the wall lies
+away from the picture's middle. Such a pair stays together.
+"""
+
+from typing import NamedTuple, Optional, Tuple
+
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, find_highlight, in_clearest_colour, largest_part, Look, look_at, outline_of,
+    Piece, quantile, square, surrounds)
+import cv2
+import numpy as np
+
+# What shade can be: the least and the largest ratio, and the strongest tint.
+_DEEPEST, _FAINTEST, _TINT = 0.2, 0.985, 1.25
+_LEAST_PART, _LEAST_THING, _LEAST_RING = 8, 16, 4
+_LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.15, 0.25
+_LEAST_SHADE, _LEAST_LUMP = 0.8, 0.6
+# The step between two levels is at least this high, is this part of the whole difference, and the
+# object hardly changes on the way to it.
+_LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _STEEPEST = 0.12, 0.4, 0.35, 0.2
+_NEAR, _CLOSE, _FARTHER = (1.5, 4.0), (3.0, 5.0), (6.0, 9.0)
+
+# What shade cannot be: lighter, or of a colour.
+_LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
+# Logarithms of ratios: from where a thing is much lighter than the table, the part of that at
+# which it ends, and what shows at all.
+_MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
+_LEAST_CORE, _LEAST_SHADE_PART = 20, 8
+_SATURATED, _MOST_SATURATED = 0.97, 0.02
+# A highlight on glass lies inside of the rim; an object's rim is free where no shadow lies.
+_LEAST_FREE_RIM_OF_SPOT = 0.45
+_LEAST_DULL, _LEAST_SHADE_BESIDE = 0.6, 0.15
+# Two levels are apart by this much, logarithm.
+_LEVELS_APART = 0.15
+# JPEG and a sensor's colour filter make a step between colours less sharp.
+_STEEPEST_COLOUR = 0.35
+_STEPS, _LOWEST = 80, -3.0
+# Cosine of the angle between a wall and the way out of the picture, and how much more convex an
+# object is than its shadow, where it is lighter.
+_OUTWARD, _MORE_CONVEX = 0.8, 0.2
+_LEAST_LIGHT = 1e-3
+# A thing is of one colour where this part of it has that colour.
+_MOSTLY = 0.7
+# A shadow's median ratio, where it surrounds a light thing.
+_DEEPEST_AROUND = -1.0
+
+
+def is_thing_and_shade(
+    thing: np.ndarray, marked: np.ndarray, piece: Piece, look: Look,
+    steepest: float = _STEEPEST,
+) -> bool:
+    """
+    Tell whether a part of a region may be an object, and the rest its shade.
+
+    :param thing: The part, shape (h, w), uint8, 1 inside.
+    :param marked: What tells it from shade: the part without its holes.
+    :param steepest: How much the object changes on the way to its shade, beside the step there.
+    """
+    mask = piece.mask
+    rest = mask & (1 - cv2.dilate(thing, square(3)))
+    return (cv2.countNonZero(thing) >= least_area(mask)
+            and _is_lump_of_shade(cv2.erode(rest, square(3)), look)
+            and has_free_rim(thing, mask)
+            and _has_sharp_step(thing, marked, rest, piece, steepest))
+
+
+def least_area(mask: np.ndarray) -> float:
+    """Give the least area of an object in a region, in px²."""
+    return max(_LEAST_THING, _LEAST_SHARE_OF_REGION * cv2.countNonZero(mask))
+
+
+def _is_lump_of_shade(rest: np.ndarray, look: Look) -> bool:
+    area = cv2.countNonZero(rest)
+    shade = (look.smallest > _DEEPEST) & (look.largest < _FAINTEST) & (look.tint < _TINT)
+    if area < _LEAST_PART or cv2.countNonZero(
+            rest & shade.astype(np.uint8)) < _LEAST_SHADE * area:
+        return False
+    outlines, _ = cv2.findContours(rest, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    areas = [cv2.contourArea(outline) + len(outline) / 2 for outline in outlines]
+    return max(areas) > _LEAST_LUMP * sum(areas)
+
+
+def has_free_rim(
+    thing: np.ndarray, mask: np.ndarray, least: float = _LEAST_FREE_RIM
+) -> bool:
+    """
+    Tell whether enough of a part's rim is the region's rim.
+
+    A shadow lies to one side of its object; a highlight or a print is surrounded.
+    """
+    rim = thing & (1 - cv2.erode(thing, square(3)))
+    free = rim & (1 - cv2.erode(mask, square(9)))
+    return cv2.countNonZero(free) >= least * cv2.countNonZero(rim)
+
+
+def _has_sharp_step(
+    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece, steepest: float
+) -> bool:
+    sides, light, level, ratio = _sides(thing, marked, rest, piece)
+    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
+    if in_frame is None:
+        return False
+    whole = abs(sides.step(ratio, 0.0, np.inf))
+    is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
+               and abs(in_ratio) >= _OF_WHOLE * whole)
+    return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
+
+
+def has_step(
+    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
+) -> bool:
+    """
+    Tell whether the frame has a step between two parts of a region.
+
+    Where only the ratio has one, the table has it, and nothing ends there.
+    """
+    sides, _, level, ratio = _sides(thing, marked, rest, piece)
+    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
+    return in_frame is None or abs(in_frame) >= _FRAME_STEP * abs(in_ratio)
+
+
+def _sides(
+    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
+) -> Tuple['_Sides', np.ndarray, np.ndarray, np.ndarray]:
+    inner = cv2.erode(piece.mask, square(5))
+    light, usual = in_clearest_colour(piece, thing & marked & inner, rest & inner)
+    level = cv2.log(light)
+    sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
+                   cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
+                   cv2.distanceTransform(1 - thing, cv2.DIST_L2, 3))
+    return sides, light, level, level - cv2.log(usual)
+
+
+class _Sides(NamedTuple):
+    """Both sides of the border between an object and its shade."""
+
+    thing: np.ndarray
+    rest: np.ndarray
+    to_rest: np.ndarray
+    to_thing: np.ndarray
+
+    def step(self, values: np.ndarray, near: float, far: float) -> Optional[float]:
+        """How much higher the median is on the shade's side, between two distances in px."""
+        inside, outside = (_median(values, side, distances, near, far) for side, distances in (
+            (self.thing, self.to_rest), (self.rest, self.to_thing)))
+        return None if inside is None or outside is None else outside - inside
+
+    def slope(self, values: np.ndarray) -> float:
+        """How much the object's own side changes on the way to the border."""
+        near, farther = (_median(values, self.thing, self.to_rest, *distances)
+                         for distances in (_CLOSE, _FARTHER))
+        return 0.0 if near is None or farther is None else abs(near - farther)
+
+
+def _median(
+    values: np.ndarray, side: np.ndarray, distances: np.ndarray, near: float, far: float
+) -> Optional[float]:
+    chosen = values[(side > 0) & (distances > near) & (distances <= far)]
+    return float(quantile(chosen)) if len(chosen) >= _LEAST_RING else None
+
+
+class Thing(NamedTuple):
+    """
+    An object without its shade.
+
+    :param mask: Shape (h, w), uint8, 1 inside.
+    :param is_light: Whether it is much lighter than the table, so that `mask` is all of it.
+    """
+
+    mask: np.ndarray
+    is_light: bool
+
+
+def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Optional[Thing]:
+    """
+    Find the object in a region that is an object and its shade; None for other regions.
+
+    :param outward: From the picture's middle to the region, u and v, in px.
+    """
+    core = cv2.erode(piece.mask, square(5))
+    if cv2.countNonZero(core) < _LEAST_CORE:
+        return None
+    look = look_at(piece)
+    special = _special(look, piece.mask)
+    share = cv2.countNonZero(special & core) / cv2.countNonZero(core)
+    spot = find_highlight(piece)
+    thing = _special_thing(piece, look, core, special) if share > _LEAST_SPECIAL else None
+    if thing is not None and spot is not None and not has_free_rim(
+            thing.mask, piece.mask, _LEAST_FREE_RIM_OF_SPOT):
+        thing = None
+    if thing is None and share < 0.5 and not _is_dazzled(piece):
+        special = special if spot is None else special | spot & piece.mask
+        thing = _darker_thing(piece, look, look.ratio, core, special, outward)
+        if thing is None:
+            # An object as dark as its shadow may have another colour.
+            ratio = _clearest_ratio(piece, core)
+            thing = _darker_thing(piece, look, ratio, core, special, outward)
+        if thing is not None and spot is not None and surrounds(
+                spot, thing.mask, _lighter_side(thing.mask, piece.mask)):
+            thing = None
+    return thing
+
+
+def _clearest_ratio(piece: Piece, core: np.ndarray) -> np.ndarray:
+    ratio = np.log(np.maximum(piece.frame, _LEAST_LIGHT) / np.maximum(piece.table, _LEAST_LIGHT))
+    ratio = cv2.blur(ratio, (5, 5))
+    return ratio[..., int(np.argmax(cv2.meanStdDev(ratio, mask=core)[1]))]
+
+
+def _is_dazzled(piece: Piece) -> bool:
+    # Beside a lamp's mirror image on the table, ratios tell nothing of shade.
+    around = cv2.dilate(piece.mask, square(9))
+    bright = (channel_extremes(piece.table)[1] > _SATURATED).astype(np.uint8)
+    share = cv2.countNonZero(around & bright) / cv2.countNonZero(around)
+    return _MOST_SATURATED < share < 1 - _MOST_SATURATED
+
+
+def _special(look: Look, mask: np.ndarray) -> np.ndarray:
+    special = ((look.largest > _LIGHT) | (look.tint > _COLOURED)).astype(np.uint8)
+    return cv2.morphologyEx(mask & special, cv2.MORPH_OPEN, square(3))
+
+
+def _special_thing(
+    piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
+) -> Optional[Thing]:
+    thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(9)))
+    thing = cv2.dilate(thing, square(3)) & piece.mask
+    ratios = look.ratio[(thing & core) > 0]
+    light = quantile(ratios, 0.75) if len(ratios) else 0.0
+    if light > _MUCH_LIGHTER:
+        return _light_thing(piece, look, _END_OF_LIGHT * light)
+    if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
+        thing = _up_to_half(thing, piece)
+    is_thing = is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
+    return Thing(thing, False) if is_thing else None
+
+
+def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
+    """Move the rim of a coloured thing to where half of its colour is seen."""
+    inside, rest = cv2.erode(thing, square(5)), piece.mask & (1 - cv2.dilate(thing, square(3)))
+    rest = cv2.erode(rest, square(3))
+    if min(cv2.countNonZero(inside), cv2.countNonZero(rest)) < _LEAST_SHADE_PART:
+        return thing
+    ratio = cv2.divide(*in_clearest_colour(piece, inside, rest))
+    ends = [float(quantile(ratio[part > 0])) for part in (inside, rest)]
+    half = sum(ends) / 2
+    like = (ratio > half) if ends[0] > ends[1] else (ratio < half)
+    like = cv2.dilate(thing, square(3)) & piece.mask & like.astype(np.uint8)
+    return largest_part(cv2.morphologyEx(like, cv2.MORPH_CLOSE, square(9))) & piece.mask
+
+
+def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
+    light = piece.mask & (look.ratio > end).astype(np.uint8)
+    thing = largest_part(cv2.morphologyEx(light, cv2.MORPH_CLOSE, square(7))) & piece.mask
+    rest = piece.mask & (1 - cv2.dilate(thing, square(5)))
+    if cv2.countNonZero(rest) < _LEAST_SHADE_PART:
+        return None
+    marked = piece.mask & (np.abs(look.ratio) > _MARKED)
+    dull = ((look.ratio < end) & (look.tint < 2)).astype(np.uint8)
+    shade = (look.ratio < -_MARKED).astype(np.uint8)
+    if (cv2.countNonZero(rest & marked & dull) < _LEAST_DULL * cv2.countNonZero(rest & marked)
+            or cv2.countNonZero(rest & shade) < _LEAST_SHADE_BESIDE * cv2.countNonZero(rest)):
+        return None
+    is_large = cv2.countNonZero(thing) >= least_area(marked)
+    may_surround = quantile(look.ratio[rest > 0]) > _DEEPEST_AROUND
+    if not is_large or not (may_surround or has_free_rim(thing, piece.mask)):
+        return None
+    return Thing(thing, True) if has_step(thing, thing, rest, piece) else None
+
+
+def _darker_thing(
+    piece: Piece, look: Look, ratio: np.ndarray, core: np.ndarray, special: np.ndarray,
+    outward: Tuple[float, float],
+) -> Optional[Thing]:
+    ratios = ratio[(core & (1 - special)) > 0]
+    if len(ratios) < _LEAST_CORE:
+        return None
+    dark = ratios <= _otsu(ratios)
+    if not _LEAST_SHADE_PART < dark.sum() < len(dark) - _LEAST_SHADE_PART:
+        return None
+    low, high = ratios[dark].mean(), ratios[~dark].mean()
+    if high - low < _LEVELS_APART:
+        return None
+    darker = piece.mask & (ratio <= (low + high) / 2).astype(np.uint8)
+    darker |= special
+    gap = 9 if special.any() else 3
+    thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(gap)))
+    rest = _lighter_side(thing, piece.mask)
+    if not special.any() and _solidity(rest) > _solidity(thing) + _MORE_CONVEX:
+        # A shadow is what its object leaves of it, a crescent.
+        if _is_wall(thing, rest, outward):
+            return None
+        thing = darker = rest
+    return Thing(thing, False) if is_thing_and_shade(thing, darker, piece, look) else None
+
+
+def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    # Without the rim, which is lighter on all sides.
+    rest = cv2.erode(mask, square(5)) & (1 - dark)
+    rest = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
+    return cv2.dilate(rest, square(5)) & mask & (1 - dark)
+
+
+def _is_wall(dark: np.ndarray, rest: np.ndarray, outward: Tuple[float, float]) -> bool:
+    away = np.subtract(_centroid(dark), _centroid(rest))
+    length = np.hypot(*away) * np.hypot(*outward)
+    return bool(length == 0 or away @ outward >= _OUTWARD * length)
+
+
+def _centroid(mask: np.ndarray) -> Tuple[float, float]:
+    moments = cv2.moments(mask, binaryImage=True)
+    area = max(moments['m00'], 1.0)
+    return moments['m10'] / area, moments['m01'] / area
+
+
+def _solidity(mask: np.ndarray) -> float:
+    outline = outline_of(mask)
+    if outline is None:
+        return 0.0
+    hull = cv2.contourArea(cv2.convexHull(outline))
+    return cv2.contourArea(outline) / hull if hull else 0.0
+
+
+def _otsu(ratios: np.ndarray) -> float:
+    steps = np.clip(np.rint((ratios - _LOWEST) * _STEPS), 0, 255).astype(np.uint8)
+    level, _ = cv2.threshold(steps.reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
+    return level / _STEPS + _LOWEST

@@ -1,0 +1,286 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Leaves out what belongs to a hand or an arm, what it touches, and what an object left behind."""
+
+from collections import deque
+from functools import reduce
+from typing import Deque, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+
+from camera_to_base.detection import Box, Detection, DetectorSettings, LocatedObject
+from camera_to_base.errors import Level, Reason
+from camera_to_base.pipeline.reaching_in import Changes, covered_share, ReachingIn
+from camera_to_base.pipeline.rims import LeftBehind, Rim, rim_of
+from camera_to_base.pipeline.stage import FrameRecord, Stage
+from camera_to_base.pipeline.standpoint import PerBackground, Standpoint
+import cv2
+import numpy as np
+
+# On a table with a strong pattern, one frame tells less of an old place than the next one does.
+_REMAINS_S = 1.0
+# What is larger than an old place, as a factor on its area, is an object.
+_LARGER = 1.5
+
+# So long what appears where something reached in may still belong to it: a hand that is lifted or
+# drawn back.
+_MEMORY_S = 1.0
+# How far a nudge of the camera moves what is seen, in px.
+_NUDGED_PX = 20
+# An object is at rest, and whole, while its area and centre stay this close, as a share and in px.
+_SAME_AREA, _SAME_CENTRE_PX = 0.05, 2.0
+# So long an object is known though it is not seen: something covers it.
+_KNOWN_S = 10.0
+_MOST_KNOWN = 100
+# What looks the same differs by no more than noise does: in levels, and in its deviations, which
+# are told from whole levels.
+_LEAST_NOISE, _NOISE_DEVIATIONS = 4.0, 8.0
+# Of an object at least this share differs from the background.
+_LEAST_CHANGED = 0.3
+
+_TOUCHED = Reason(
+    'touched', Level.WARN, 'something that reaches in from the edge of the picture touches, '
+    'covers or shades it: take hands and arms out of the view', is_passing=True)
+_WAS_TOUCHED = Reason(
+    'touched', Level.WARN, 'it appeared where something reached in less than a second ago',
+    is_passing=True)
+_LEFT = Reason(
+    'taken_away', Level.WARN, 'it cannot be told from the place that an object of the background '
+    'has left: clear the surface, and call ~/capture_background', is_passing=True)
+_WAS_LEFT = Reason(
+    'taken_away', Level.WARN, 'it appeared where an object of the background has left less than a '
+    'second ago', is_passing=True)
+
+
+# Where something reaches in; None for nowhere.
+_Mask = Optional[np.ndarray]
+
+
+class Remains:
+    """
+    Tells which objects appear where an old place was told less than a second ago.
+
+    What is told by this memory alone is not remembered: an object that is laid there is left out
+    for a second at most.
+    """
+
+    def __init__(self) -> None:
+        self._places: Deque[Tuple[float, Detection]] = deque()
+
+    def note(self, told: Iterable[Detection], taken_at: float) -> None:
+        """
+        Remember what a frame shows of old places.
+
+        :param taken_at: In s.
+        """
+        while self._places and not 0 <= taken_at - self._places[0][0] <= _REMAINS_S:
+            self._places.popleft()
+        self._places.extend((taken_at, one) for one in told)
+
+    def may_be_part(self, one: Detection) -> bool:
+        """Tell whether an object overlaps a place that is remembered, and is not much larger."""
+        return any(one.area <= _LARGER * place.area and _overlap(one.box, place.box)
+                   for _, place in self._places)
+
+
+def _overlap(one: Box, other: Box) -> bool:
+    return (one.x < other.x + other.width and other.x < one.x + one.width
+            and one.y < other.y + other.height and other.y < one.y + one.height)
+
+
+class _Known(NamedTuple):
+    found: LocatedObject
+    rim: Rim
+    seen_at: float
+
+
+class ArmStage(Stage):
+    """
+    Leaves out objects that are not free, by an :class:`ArmCheck` for each background.
+
+    :param settings: The detector's settings.
+    """
+
+    sees_held_back = True
+
+    def __init__(self, settings: DetectorSettings) -> None:
+        self._settings = settings
+        self._checks: PerBackground[ArmCheck] = PerBackground(
+            lambda background: ArmCheck(background.picture, background.unknown))
+        self._standpoint: Optional[Standpoint] = None
+
+    def configure(self, settings: DetectorSettings) -> None:
+        """Use other settings from the next frame on."""
+        if settings != self._settings:
+            self._settings = settings
+            for check in self._checks.made():
+                check.forget_objects()
+
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Leave out objects that are not free; of a frame held back, note where the camera is."""
+        if record.standpoint is not self._standpoint and record.standpoint.background is not None:
+            self._stand_at(record.standpoint)
+        if (record.reason is not None or not record.motion.is_in_place
+                or not _leaves_out_cut_off(self._settings)):
+            return record
+        return self._checks.of(record.standpoint.background).judge(record)
+
+    def _stand_at(self, standpoint: Standpoint) -> None:
+        before, self._standpoint = self._standpoint, standpoint
+        check = self._checks.of(standpoint.background)
+        check.forget_objects()
+        if (before is not None and standpoint.background is not before.background
+                and standpoint.follows is before.background):
+            check.remember(self._checks.of(before.background))
+        self._checks.keep(standpoint)
+
+
+class ArmCheck:
+    """
+    Tells free objects from what reaches in, what that touches, and what it leaves behind.
+
+    :param background: Shape (h, w, 3), uint8, BGR.
+    :param unknown: Where it shows nothing, see :class:`ReachingIn`.
+    """
+
+    def __init__(self, background: np.ndarray, unknown: Optional[np.ndarray] = None) -> None:
+        self._reaching_in = ReachingIn(background, unknown)
+        self._left_behind, self._remains = LeftBehind(background), Remains()
+        self._fills: Deque[Tuple[float, np.ndarray]] = deque()
+        self._known: List[_Known] = []
+        self._most_noise = max(_LEAST_NOISE, _NOISE_DEVIATIONS * self._reaching_in.noise)
+
+    def forget_objects(self) -> None:
+        """Forget which objects are known: their positions were those of other settings."""
+        self._known = []
+
+    def remember(self, before: 'ArmCheck') -> None:
+        """Remember where something has reached in, before the camera was nudged."""
+        reach = 2 * -(-_NUDGED_PX // self._reaching_in.scale) + 1
+        grown = np.ones((reach, reach), np.uint8)
+        self._fills = deque((at, cv2.dilate(fill, grown)) for at, fill in before._fills)
+
+    def judge(self, record: FrameRecord) -> FrameRecord:
+        """Leave out what is not free, and add known objects that are only shaded."""
+        if not record.objects and not record.left_out and not self._fills:
+            self._known = []
+            return record
+        frame, taken_at = record.aligned, record.now
+        doubtful = [one for one in record.objects if not self._is_unchanged(one, frame)]
+        changes = self._reaching_in.find(
+            frame, record.motion.shift_px, [one.detection.outline for one in doubtful])
+        record = self._without_left(record, doubtful, changes)
+        fill = changes.reaching_in if changes.any_reaching_in else None
+        if taken_at is None:
+            return record.without([_TOUCHED if self._is_covered(one, fill) else None
+                                   for one in record.objects])
+        record = self._without_remains(record)
+        recent = self._recent(fill, taken_at)
+        record = record.without([
+            self._reason(one, _is_among(one, doubtful), frame, fill, recent, taken_at)
+            for one in record.objects])
+        return _with(record, self._shaded(frame, recent, taken_at))
+
+    def _is_unchanged(self, one: LocatedObject, frame: np.ndarray) -> bool:
+        # Whether it rests, and all around it looks as when it was found to be free.
+        known = self._known_as(one)
+        return known is not None and known.rim.is_unchanged(frame, self._most_noise)
+
+    def _without_left(self, record: FrameRecord, doubtful: Sequence[LocatedObject],
+                      changes: Changes) -> FrameRecord:
+        left = [one for one in doubtful
+                if self._is_left(one.detection.outline, record.aligned, changes)]
+        return record.without([
+            _LEFT if _is_among(one, left) else None for one in record.objects])
+
+    def _is_left(self, outline: np.ndarray, frame: np.ndarray, changes: Changes) -> bool:
+        return (self._share(outline, changes.differs) < _LEAST_CHANGED
+                or self._left_behind.is_part_of(frame, outline, changes.gain))
+
+    def _without_remains(self, record: FrameRecord) -> FrameRecord:
+        self._remains.note(
+            (left.detection for left in record.left_out if left.reason is _LEFT), record.now)
+        return record.without([
+            _WAS_LEFT if self._remains.may_be_part(one.detection) and self._known_as(one) is None
+            else None for one in record.objects])
+
+    def _recent(self, fill: _Mask, taken_at: float) -> _Mask:
+        while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
+            self._fills.popleft()
+        if fill is not None:
+            self._fills.append((taken_at, fill))
+        recent = reduce(cv2.max, (mask for _, mask in self._fills)) if self._fills else None
+        self._known = [known for known in self._known
+                       if 0 <= taken_at - known.seen_at <= _KNOWN_S]
+        return recent
+
+    def _reason(self, one: LocatedObject, is_doubtful: bool, frame: np.ndarray, fill: _Mask,
+                recent: _Mask, taken_at: float) -> Optional[Reason]:
+        known = self._known_as(one)
+        if not self._is_covered(one, recent):
+            # An unchanged rim is kept, so that slow changes add up.
+            rim = (rim_of(frame, one.detection.outline) if known is None or is_doubtful
+                   else known.rim)
+            self._know(known, _Known(one, rim, taken_at))
+            return None
+        if known is not None:
+            # What it looked like when it was free stays the measure.
+            self._know(known, known._replace(seen_at=taken_at))
+            return None
+        return _TOUCHED if self._is_covered(one, fill) else _WAS_TOUCHED
+
+    def _shaded(self, frame: np.ndarray, recent: _Mask,
+                taken_at: float) -> List[LocatedObject]:
+        # Known objects that the detector does not tell from an arm and its shadow.
+        shaded = [known for known in self._known if known.seen_at != taken_at
+                  and self._is_covered(known.found, recent) and known.rim.is_in(frame)]
+        for known in shaded:
+            self._know(known, known._replace(seen_at=taken_at))
+        # What is not seen though nothing covers it has gone.
+        self._known = [known for known in self._known if known.seen_at == taken_at
+                       or self._is_covered(known.found, recent)]
+        return [known.found for known in shaded]
+
+    def _known_as(self, one: LocatedObject) -> Optional[_Known]:
+        return next((known for known in self._known if _is_same(
+            known.found.detection, one.detection)), None)
+
+    def _know(self, before: Optional[_Known], now: _Known) -> None:
+        others = [other for other in self._known if other is not before]
+        self._known = [now, *others][:_MOST_KNOWN]
+
+    def _is_covered(self, one: LocatedObject, mask: _Mask) -> bool:
+        return mask is not None and self._share(one.detection.outline, mask) > 0
+
+    def _share(self, outline: np.ndarray, mask: np.ndarray) -> float:
+        return covered_share(mask, outline, self._reaching_in.scale)
+
+
+def _is_same(one: Detection, other: Detection) -> bool:
+    moved = max(abs(one.centre.u - other.centre.u), abs(one.centre.v - other.centre.v))
+    return (moved <= _SAME_CENTRE_PX
+            and abs(one.area - other.area) <= _SAME_AREA * one.area)
+
+
+def _is_among(one: LocatedObject, others: Sequence[LocatedObject]) -> bool:
+    return any(one is other for other in others)
+
+
+def _with(record: FrameRecord, more: Sequence[LocatedObject]) -> FrameRecord:
+    objects = sorted([*record.objects, *more], key=lambda one: -one.detection.area)
+    return record._replace(objects=objects) if more else record
+
+
+def _leaves_out_cut_off(settings: DetectorSettings) -> bool:
+    # An arm that reaches in is a cut-off object; it is an object if these are published.
+    return settings.method == 'precise' and not settings.publish_cut_off

@@ -1,0 +1,267 @@
+# Copyright 2026 The camera_to_base authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Surfaces made of a calibrated one: for raised objects, and for a camera that was nudged."""
+
+from typing import Optional, Sequence, Tuple
+
+from camera_to_base.checks import DEFAULT_IMAGE_SIZE, finite_numbers, ImageSize
+from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.surface.distortion import RadialDistortion
+from camera_to_base.surface.models import homogeneous, HomographySurface, Surface
+import cv2
+import numpy as np
+
+# Maps of whole pictures are computed on a grid, in px, and linearly between its places.
+_STEP = 16
+
+# Surfaces are compared at so many places of the picture, and are the same to this many cm.
+_PLACES, _SAME_CM = 5, 1e-4
+# Where the picture shows the horizon, the places lie closer to its centre, by halves.
+_SHARES = 1.0, 0.5, 0.25, 0.125
+
+
+class RaisedSurface:
+    """
+    Maps a pixel that shows a point above the surface to the point of the surface below it.
+
+    The camera is at height H above its foot point. Its ray through a point at height h meets the
+    surface at `seen`. When the ray passes the point, it has covered (H - h) / H of its way down,
+    and the same share of its way along the surface:
+
+        point = foot + (seen - foot) * (1 - h / H)
+
+    Without this correction, a point 10 cm from the foot is 7 mm off for h = 4 cm and H = 60 cm.
+
+    An object's outline is that of its top face if only this face differs from the surface. If the
+    side faces differ too, the outline reaches down to the surface, and its centre corresponds to
+    about 0.6 of the height: 0.53 to 0.77 for discs and boxes 1.5 to 5 cm wide and 1 to 4 cm high,
+    5 to 15 cm from the foot point of a camera at 60 cm.
+
+    :param surface: Maps pixels to the work surface.
+    :param object_height_cm: Height of the visible face above the surface, in cm.
+    :param camera_height_cm: How far above the surface the camera is, in cm.
+    :param camera_foot_cm: The point of the surface below the camera, x and y, in cm, in the camera
+        frame; None for what the picture's centre looks at, as with a parallel camera.
+    :param image_size: Width and height of the pictures, in px.
+    :raises InvalidValueError: If the camera is not above the objects.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        object_height_cm: float,
+        camera_height_cm: float,
+        camera_foot_cm: Optional[Sequence[float]] = None,
+        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
+    ) -> None:
+        self._surface, self.distortion = surface, surface.distortion
+        self._object_height_cm = object_height_cm
+        self._camera_height_cm = camera_height_cm
+        if not object_height_cm < camera_height_cm:
+            raise InvalidValueError(
+                f"object_height_cm must be below the camera's height, {camera_height_cm:g} cm, "
+                f'got {object_height_cm:g}')
+        self.height_share = object_height_cm / camera_height_cm
+        self._given_foot_cm = camera_foot_cm
+        if camera_foot_cm is None:
+            centre = np.subtract(image_size, 1) / 2
+            camera_foot_cm = surface.locate([centre])[0]
+        self._foot_cm = finite_numbers('camera_foot_cm', camera_foot_cm, 2)
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the surface below what they show, see :meth:`Surface.locate`."""
+        seen = self._surface.locate(pixels)
+        return self._foot_cm + (seen - self._foot_cm) * (1 - self.height_share)
+
+    @property
+    def foot_cm(self) -> np.ndarray:
+        """The point of the surface below the camera, shape (2,)."""
+        return self._foot_cm
+
+    @property
+    def flat(self) -> Surface:
+        """The work surface itself."""
+        return self._surface
+
+    def for_image_size(self, image_size: ImageSize) -> 'RaisedSurface':
+        """Give the model for pictures of a size, see :meth:`Surface.for_image_size`."""
+        return RaisedSurface(
+            self._surface.for_image_size(image_size), self._object_height_cm,
+            self._camera_height_cm, self._given_foot_cm, image_size)
+
+
+def flat_surface(surface: Surface) -> Surface:
+    """Give the work surface itself: the calibration, whatever the height of the objects is."""
+    return getattr(surface, 'flat', surface)
+
+
+class PictureMap:
+    """
+    Maps pixels of one picture of a plane to those of another, taken with the same lens.
+
+    The pictures of a plane differ by a homography, once the lens's distortion is removed.
+
+    :param matrix: Shape (3, 3), from undistorted px to undistorted px.
+    :param lens: The distortion of both pictures; None for none.
+    """
+
+    def __init__(self, matrix: np.ndarray, lens: Optional[RadialDistortion] = None) -> None:
+        self.matrix = np.asarray(matrix, float) / matrix[2, 2]
+        self.lens = lens
+
+    @property
+    def inverse(self) -> 'PictureMap':
+        """The map back."""
+        return PictureMap(np.linalg.inv(self.matrix), self.lens)
+
+    def after(self, other: 'PictureMap') -> 'PictureMap':
+        """Give the map that first maps by another one of the same lens."""
+        return PictureMap(self.matrix @ other.matrix, self.lens)
+
+    def pixels(self, pixels: np.ndarray) -> np.ndarray:
+        """
+        Map pixels.
+
+        :param pixels: Shape (n, 2), columns u and v, in px, as the lens shows them.
+        :returns: Shape (n, 2); NaN for a pixel that the other picture cannot show.
+        """
+        pixels = np.asarray(pixels, float)
+        if self.lens is not None:
+            pixels = self.lens.undistort(pixels)
+        with np.errstate(invalid='ignore', divide='ignore', over='ignore'):
+            scaled = homogeneous(self.matrix, pixels)
+            depth = np.where(scaled[:, 2:] > 0, scaled[:, 2:], np.nan)
+            pixels = scaled[:, :2] / depth
+        return pixels if self.lens is None else self.lens.distort(pixels)
+
+    def grid(self, size: ImageSize, scale: float = 1.0) -> np.ndarray:
+        """
+        Map every pixel of a picture.
+
+        :param size: The picture's width and height, in px.
+        :param scale: By how much it is smaller than the pictures of the map.
+        :returns: Shape (h, w, 2), float32, in px of a picture that is as much smaller.
+        """
+        width, height = size
+        columns, rows = (_STEP * np.arange(-1, length // _STEP + 3) + (_STEP - 1) / 2
+                         for length in (width, height))
+        places = np.stack(np.meshgrid(columns, rows), axis=2).reshape(-1, 2)
+        there = (self.pixels((places + 0.5) * scale - 0.5) + 0.5) / scale - 0.5
+        there = there.reshape(len(rows), len(columns), 2).astype(np.float32)
+        whole = cv2.resize(there, None, fx=_STEP, fy=_STEP, interpolation=cv2.INTER_LINEAR)
+        return np.ascontiguousarray(whole[_STEP:_STEP + height, _STEP:_STEP + width])
+
+
+class NudgedSurface:
+    """
+    A calibrated surface, seen by its camera after a nudge.
+
+    :param surface: As calibrated.
+    :param calibrated_from_frame: Maps the nudged camera's pixels to those of the calibration.
+    :param image_size: Width and height of the pictures that the map was measured on, in px.
+    """
+
+    def __init__(
+        self, surface: Surface, calibrated_from_frame: PictureMap, image_size: ImageSize
+    ) -> None:
+        self._surface, self._map = surface, calibrated_from_frame
+        self._image_size = tuple(image_size)
+
+    @property
+    def distortion(self) -> Optional[RadialDistortion]:
+        """The lens's distortion; None for none."""
+        return self._surface.distortion
+
+    @property
+    def height_share(self) -> float:
+        """The height of the objects as a share of the camera's."""
+        return self._surface.height_share
+
+    @property
+    def flat(self) -> 'NudgedSurface':
+        """The work surface itself."""
+        return NudgedSurface(flat_surface(self._surface), self._map, self._image_size)
+
+    def locate(self, pixels: np.ndarray) -> np.ndarray:
+        """Map pixels to the work surface, see :meth:`Surface.locate`."""
+        pixels = finite_numbers('pixels', pixels, -1, 2)
+        there = self._map.pixels(pixels)
+        unseen = ~np.isfinite(there).all(axis=1)
+        if unseen.any():
+            u, v = pixels[unseen][0]
+            raise HorizonError(f'pixel ({u:g}, {v:g}) does not look at the work surface')
+        return self._surface.locate(there)
+
+    def for_image_size(self, image_size: ImageSize) -> 'NudgedSurface':
+        """Give the model for pictures of a size, see :meth:`Surface.for_image_size`."""
+        if tuple(image_size) != self._image_size:
+            raise FrameSizeError(
+                f'the frame is {image_size[0]} x {image_size[1]} px, but a nudge of the camera '
+                f'was corrected for {self._image_size[0]} x {self._image_size[1]} px: set the '
+                'camera to that size, or start the node again')
+        return NudgedSurface(
+            self._surface.for_image_size(image_size), self._map, self._image_size)
+
+
+def as_homography(surface: Surface, size: ImageSize) -> Optional[HomographySurface]:
+    """
+    Give a surface as a homography with the surface's lens.
+
+    :param surface: For objects without a height.
+    :param size: Width and height of the pictures, in px.
+    :returns: None where it is none, as the polynomial.
+    :raises FrameSizeError: If the surface does not hold for that size.
+    """
+    surface = surface.for_image_size(size)
+    pixels, points = _located(surface, size)
+    lens = surface.distortion or RadialDistortion.of_picture(size)
+    if not len(pixels):
+        return None
+    matrix, _ = cv2.findHomography(lens.undistort(pixels), points)
+    if matrix is None:
+        return None
+    found = HomographySurface(matrix, size, lens)
+    return found if _agree(found.locate(pixels), points) else None
+
+
+def is_same_surface(one: Surface, other: Surface, size: ImageSize) -> bool:
+    """
+    Tell whether two surfaces give the same points.
+
+    :param size: Width and height of the pictures, in px.
+    :raises FrameSizeError: If one does not hold for that size.
+    """
+    pixels, points = _located(one.for_image_size(size), size)
+    try:
+        return len(pixels) > 0 and _agree(other.for_image_size(size).locate(pixels), points)
+    except HorizonError:
+        return False
+
+
+def _located(surface: Surface, size: ImageSize) -> Tuple[np.ndarray, np.ndarray]:
+    # Places of the picture that show the surface, and their points; none where none do.
+    centre = (np.array(size, float) - 1) / 2
+    lines = np.linspace(-1, 1, _PLACES)
+    offsets = np.stack(np.meshgrid(lines, lines), axis=2).reshape(-1, 2) * centre
+    for share in _SHARES:
+        try:
+            return centre + share * offsets, surface.locate(centre + share * offsets)
+        except HorizonError:
+            continue
+    return np.empty((0, 2)), np.empty((0, 2))
+
+
+def _agree(points: np.ndarray, others: np.ndarray) -> bool:
+    return bool(np.abs(points - others).max() <= _SAME_CM)
