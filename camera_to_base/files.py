@@ -97,6 +97,33 @@ def check_folder(path: str, kind: str) -> None:
         raise InvalidValueError(f"cannot write {kind} '{path}': there is no folder '{folder}'")
 
 
+def check_background_path(path: str) -> str:
+    """
+    Check that a file keeps a background without loss.
+
+    :returns: The path, with the home folder for a `~` at its beginning.
+    :raises InvalidValueError: If it is not an ordinary .png file, or its folder does not exist.
+    """
+    path = os.path.expanduser(path)
+    if path:
+        if not path.lower().endswith('.png'):
+            raise InvalidValueError(f"background_file must end in .png, got '{path}'")
+        check_folder(path, 'background_file')
+        refuse_no_file(path)
+    return path
+
+
+def refuse_no_file(path: str) -> None:
+    """
+    Refuse what a background cannot be read from.
+
+    :raises InvalidValueError: If the path is that of a pipe or a device.
+    """
+    # Reading a pipe, or a device, would never end.
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
+        raise InvalidValueError(f"background_file '{path}' is no ordinary file: name another")
+
+
 def refuse_existing(paths: Iterable[str]) -> None:
     """
     Refuse to overwrite files.

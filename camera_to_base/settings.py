@@ -22,12 +22,12 @@ import os
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from camera_to_base.checks import frame_id, ImageSize
+from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import (
     AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, read_areas)
-from camera_to_base.drawing import (
-    AreaOverlay, base_label, camera_label, check_background_path, Label)
 from camera_to_base.errors import FrameSourceError, InvalidValueError
-from camera_to_base.markers import MarkedSurface, MARKER_SPECS
+from camera_to_base.files import check_background_path
+from camera_to_base.markers import MarkedSurface, MARKER_SPECS, paper_corners
 from camera_to_base.parameters import (
     all_names, calibration_date, calibration_summary, CAMERA_FRAME_SPEC, checked_values,
     file_warnings, grouped, name_warnings, node_namespaces, OWN_CAMERA_SPECS, ParameterSpec,
@@ -124,6 +124,7 @@ class CameraSettings:
     """
     The settings of `camera_publisher`.
 
+    :param label_conversion: To the coordinates of labels on pictures; None for the camera frame's.
     :param is_configured: Whether a parameter of the set-up differs from its default, so that an
         arm may follow the positions.
     :param is_calibrated: Whether a calibration of the surface is on record, or the surface differs
@@ -145,8 +146,7 @@ class CameraSettings:
     hull: Optional[Hull]
     uncertainty: PositionUncertainty
     simulated: SimulationSettings
-    debug_label: Label
-    area_overlay: AreaOverlay
+    label_conversion: Optional[CameraToRobotBaseConversion]
     calibrated_for: CalibratedFor
     markers: Optional[MarkerSettings]
     is_configured: bool
@@ -188,7 +188,7 @@ def camera_settings(values: Values) -> CameraSettings:
     areas = read_areas(values['work_area'], values['ignored_areas'])
     marked = MarkedSurface.of(values)
     if marked is not None:
-        areas = areas.without_markers(list(marked.corners.values()))
+        areas = areas.without(map(paper_corners, marked.corners.values()))
     return CameraSettings(
         source=values['source'],
         period=values['period'],
@@ -207,8 +207,7 @@ def camera_settings(values: Values) -> CameraSettings:
         hull=hull,
         uncertainty=position_uncertainty(values, surface),
         simulated=_simulation(values),
-        debug_label=_debug_label(values),
-        area_overlay=AreaOverlay(surface, areas),
+        label_conversion=_label_conversion(values),
         calibrated_for=_calibrated_for(values),
         markers=None if marked is None else MarkerSettings(
             marked, values['background_retake'] == 'auto', values['background_frames']),
@@ -237,10 +236,8 @@ def _other_than_default(values: Values) -> List[str]:
     return [spec.name for spec in CAMERA_SPECS if values[spec.name] != spec.default]
 
 
-def _debug_label(values: Values) -> Label:
-    if values['debug_image.coordinates'] == 'camera':
-        return camera_label
-    return base_label(transform_settings(values))
+def _label_conversion(values: Values) -> Optional[CameraToRobotBaseConversion]:
+    return None if values['debug_image.coordinates'] == 'camera' else transform_settings(values)
 
 
 class NamedSource(NamedTuple):

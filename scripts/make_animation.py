@@ -26,7 +26,7 @@ from camera_to_base.coordinate_transform import (
     CameraToRobotBaseConversion, TUTORIAL_DISPLACEMENT_CM, TUTORIAL_ROTATION_DEG,
     TUTORIAL_WIDTH_CM)
 from camera_to_base.detection import LocatedObject, Point
-from camera_to_base.drawing import base_label, draw_left_out, draw_objects
+from camera_to_base.drawing import draw_left_out, draw_objects, object_label
 from camera_to_base.pipeline import CameraPipeline
 from camera_to_base.simulation import CameraMove, Scene, SimulatedBoard
 from camera_to_base.simulation.view import WOOD
@@ -104,7 +104,7 @@ def shots(count: int, base: CameraToRobotBaseConversion) -> Iterator[Shot]:
         frame = board.read()
         sighting = pipeline.process(frame, now)
         objects = [] if sighting.reason else sighting.objects
-        picture = draw_left_out(draw_objects(frame, objects, base_label(base)),
+        picture = draw_left_out(draw_objects(frame, objects, object_label(base)),
                                 sighting.left_out)
         truth = [np.array(true.point) for true in board.true_objects]
         errors = [min(math.dist(one.point, point) for point in truth) for one in objects]

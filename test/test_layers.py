@@ -6,13 +6,14 @@
 # is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
-"""The order of the rooms, and what each of them may import."""
+"""The arrows between the rooms, and what each of them may import."""
 
 import ast
 import graphlib
 import importlib
 import os
 from pathlib import Path
+import re
 import subprocess
 import sys
 
@@ -20,19 +21,10 @@ import camera_to_base
 import pytest
 
 PACKAGE = Path(camera_to_base.__file__).parent
-# A module imports from its own room and from the faces of the rooms before it. The ground floor is
-# the modules beside the rooms.
-GROUND = 'ground'
-ROOMS = [GROUND, 'parameters', 'uncertainty', 'surface', 'markers', 'sources', 'simulation',
-         'detection', 'trust', 'drawing', 'calibration', 'settings', 'cell', 'ros', 'nodes',
-         'commands', 'dashboard', 'launching']
+CONTRIBUTING = Path(__file__).parents[1] / 'CONTRIBUTING.md'
 WITH_ROS = {'ros', 'nodes', 'dashboard'}
-NUMPY_AND_OPENCV_ALONE = ['surface', 'markers', 'simulation', 'detection', 'trust']
-NEITHER_LOG_NOR_PRINT = ROOMS[:ROOMS.index('ros')]
-# Their inner rooms are not yet entered through the faces alone.
-INNER_ROOMS_ARE_OPEN = {'detection', 'trust'}
-# Names of two classes each, which are still to be renamed.
-NOT_YET_UNIQUE = {'Found', 'Limits'}
+NUMPY_AND_OPENCV_ALONE = {'surface', 'markers', 'simulation', 'detection', 'pipeline'}
+MAY_LOG_AND_PRINT = {'ros', 'nodes', 'commands', 'dashboard', 'launching', 'executables'}
 # Each is imported within the functions that need it.
 HEAVY = {'matplotlib', 'rosbags', 'scipy', 'tqdm'}
 ROS = {'rclpy', 'std_msgs', 'rcl_interfaces', 'sensor_msgs', 'geometry_msgs', 'diagnostic_msgs',
@@ -62,12 +54,24 @@ def run_python(*arguments):
                           text=True, timeout=120)
 
 
+def declared_arrows():
+    """Read the picture of the house: which rooms everybody may use, and each room's arrows."""
+    picture = CONTRIBUTING.read_text().split('## The house')[1].split('## ')[0]
+    everybody = re.search(r'^ {4}everybody +→ (.*)$', picture, re.MULTILINE).group(1)
+    arrows = dict(re.findall(r'^ {4}(?!everybody)(\w+) +→ (.*)$', picture, re.MULTILINE))
+    return set(everybody.split(', ')), {
+        room: set(targets.split(', ')) - {'nothing else'} for room, targets in arrows.items()}
+
+
+EVERYBODY, ARROWS = declared_arrows()
+
+
 class Module:
 
     def __init__(self, path):
         self.path = path
         parts = path.relative_to(PACKAGE).with_suffix('').parts
-        self.room = parts[0] if len(parts) > 1 or parts[0] in ROOMS else GROUND
+        self.room = parts[0]
         self.name = '.'.join(['camera_to_base', *parts]).removesuffix('.__init__')
         self.tree = ast.parse(path.read_text())
 
@@ -88,34 +92,44 @@ class Module:
 
 MODULES = [Module(path) for path in sorted(PACKAGE.rglob('*.py'))
            if path != PACKAGE / '__init__.py']
-FACES = {f'camera_to_base.{room}': room for room in ROOMS[1:]}
+FACES = {module.name: module.room for module in MODULES
+         if module.name == f'camera_to_base.{module.room}' and module.path.name == '__init__.py'}
 # A large room has rooms of its own.
 INNER_ROOMS = [module.name for module in MODULES
                if module.path.name == '__init__.py' and module.name not in FACES]
 
 
 def room_of(name):
-    parts = name.split('.')
-    return parts[1] if parts[1] in ROOMS else GROUND
+    return name.split('.')[1]
 
 
 def of_rooms(rooms):
     return [module for module in MODULES if module.room in rooms]
 
 
-def test_every_folder_is_a_room_of_the_order():
-    assert {module.room for module in MODULES} == set(ROOMS)
+def used_rooms(room):
+    return {room_of(name) for module in of_rooms({room}) for name in module.own()} - {room}
 
 
-def test_a_module_imports_nothing_from_a_room_after_its_own():
-    wrong = [(module.name, name) for module in MODULES for name in module.own()
-             if ROOMS.index(room_of(name)) > ROOMS.index(module.room)]
-    assert wrong == []
+def test_picture_of_the_house_shows_every_room():
+    assert {module.room for module in MODULES} == {*ARROWS, *EVERYBODY}
+
+
+@pytest.mark.parametrize('room', sorted(ARROWS))
+def test_a_room_imports_where_its_arrows_lead(room):
+    assert used_rooms(room) - EVERYBODY == ARROWS[room]
+
+
+@pytest.mark.parametrize('room', sorted(EVERYBODY))
+def test_what_everybody_uses_uses_nothing_else(room):
+    assert used_rooms(room) <= EVERYBODY
 
 
 def test_other_rooms_are_entered_through_their_faces():
+    faces = {*FACES, *(f'camera_to_base.{room}' for room in {*ARROWS, *EVERYBODY})}
     wrong = [(module.name, name) for module in MODULES for name in module.own()
-             if room_of(name) not in (GROUND, module.room) and name not in FACES]
+             if room_of(name) != module.room and name not in faces
+             and module.room != 'executables']
     assert wrong == []
 
 
@@ -128,14 +142,6 @@ def test_imports_never_go_in_a_circle():
     names = {module.name for module in MODULES}
     imports = {module.name: module.own() & names for module in MODULES}
     assert len(list(graphlib.TopologicalSorter(imports).static_order())) == len(MODULES)
-
-
-def test_inner_rooms_are_entered_through_their_faces_where_these_name_something():
-    faces = [name for name in INNER_ROOMS if importlib.import_module(name).__all__]
-    others = [module for module in MODULES if module.room not in INNER_ROOMS_ARE_OPEN]
-    wrong = [(module.name, name) for module in others for face in faces for name in module.own()
-             if name.startswith(f'{face}.') and not f'{module.name}.'.startswith(f'{face}.')]
-    assert wrong == []
 
 
 @pytest.mark.parametrize('room', [*FACES, *INNER_ROOMS])
@@ -193,7 +199,7 @@ def test_the_transform_node_starts_without_opencv():
 def test_no_two_classes_have_one_name():
     names = [node.name for module in MODULES for node in module.tree.body
              if isinstance(node, ast.ClassDef)]
-    assert {name for name in names if names.count(name) > 1} <= NOT_YET_UNIQUE
+    assert {name for name in names if names.count(name) > 1} == set()
 
 
 def test_the_face_for_python_loads_opencv_only_where_it_is_asked_for():
@@ -205,7 +211,9 @@ def test_the_face_for_python_loads_opencv_only_where_it_is_asked_for():
 
 
 def test_the_core_neither_logs_nor_prints():
-    for module in of_rooms(NEITHER_LOG_NOR_PRINT):
+    for module in MODULES:
+        if module.room in MAY_LOG_AND_PRINT:
+            continue
         functions = [node for node in module.tree.body
                      if not (isinstance(node, ast.FunctionDef) and node.name == 'main')]
         called = {node.func.id for function in functions for node in ast.walk(function)

@@ -21,7 +21,8 @@ from camera_to_base.commands.calibrate.options import CommandParser, drop_output
 from camera_to_base.commands.positions import (
     COLUMNS, csv_cells, positions, SightingCounter, table_header, table_line)
 from camera_to_base.drawing import (
-    AnnotatedVideo, check_video_path, draw_ellipses, draw_note, draw_objects)
+    AnnotatedVideo, AreaOverlay, check_video_path, draw_ellipses, draw_note, draw_objects, Label,
+    object_label)
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import Interrupt, refuse_existing, refuse_same_file, serve_signals
 from camera_to_base.parameters import read_parameter_file
@@ -170,16 +171,17 @@ def _locate(
     transform = uncertain_transform(settings.transform)
     with ExitStack() as files:
         rows = _csv_writer(files, options.csv) if options.csv else None
-        video = None
+        video, areas = None, AreaOverlay(settings.camera.surface, settings.camera.detector.areas)
         if options.annotated:
             video = AnnotatedVideo(options.annotated, recording.kind.frame_rate / options.every)
             files.callback(video.release)
         _say(table_header(), rows, [column.name for column in COLUMNS])
+        label = object_label(settings.camera.label_conversion)
         for timed in frames:
             sighting = counter.see(timed)
             beyond_reach += _tell(timed, sighting, transform, counter, rows)
             if video is not None:
-                _annotate(video, timed, sighting, settings.camera, counter)
+                _annotate(video, timed, sighting, label, areas, counter)
     counter.check_any_used()
     print(with_full_commands('\n'.join(counter.summary())), file=sys.stderr)
     if beyond_reach:
@@ -235,15 +237,15 @@ def _say(line: str, rows: Any, cells: List[str]) -> None:
 
 
 def _annotate(
-    video: AnnotatedVideo, timed: TimedFrame, sighting: Sighting, settings: CameraSettings,
-    counter: SightingCounter,
+    video: AnnotatedVideo, timed: TimedFrame, sighting: Sighting, label: Label,
+    areas: AreaOverlay, counter: SightingCounter,
 ) -> None:
     try:
-        picture = draw_objects(timed.frame, sighting.objects, settings.debug_label)
+        picture = draw_objects(timed.frame, sighting.objects, label)
         uncertainty = counter.uncertainty(timed.frame)
         draw_ellipses(picture, [(found.detection.centre, uncertainty.in_picture(found))
                                 for found in sighting.objects])
-        settings.area_overlay.draw(picture)
+        areas.draw(picture)
     except CameraToBaseError:
         return  # the frame cannot be decoded
     reason = '' if sighting.reason is None else f', {sighting.reason.sentence}'

@@ -10,14 +10,13 @@
 """The detector's parameters: the method, which objects count, and where on the surface."""
 
 from dataclasses import dataclass
-from typing import Any, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Tuple
+from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Tuple
 
 from camera_to_base.detection.detection import Detection
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import STRONG_DEVIATIONS
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.markers import paper_corners
 from camera_to_base.parameters import default_values, grouped, ParameterSpec
 from camera_to_base.surface import Hull
 import cv2
@@ -134,13 +133,13 @@ class Areas(NamedTuple):
     work: Optional[Area] = None
     ignored: Tuple[Area, ...] = ()
 
-    def without_markers(self, markers: Sequence[np.ndarray]) -> 'Areas':
+    def without(self, polygons: Iterable[np.ndarray]) -> 'Areas':
         """
-        Ignore the areas of markers, too.
+        Ignore further areas, too.
 
-        :param markers: Each of shape (4, 2), the corners of its black square, in cm.
+        :param polygons: Each of shape (n, 2), its corners, in cm.
         """
-        return self._replace(ignored=(*self.ignored, *map(Area, map(paper_corners, markers))))
+        return self._replace(ignored=(*self.ignored, *map(Area, polygons)))
 
 
 def read_areas(work_area: Sequence[float], ignored_areas: str) -> Areas:

@@ -13,17 +13,17 @@ Drawing: pictures of the objects found, and picture files.
 In: frames, located objects and labels. Out: annotated pictures and videos, masks, and the file
 with the background for the next start.
 
-Callers: `settings`, `nodes` and `commands`.
+Callers: `nodes` and `commands`.
 """
 
 from camera_to_base.drawing.files import (
-    AnnotatedVideo, BackgroundFile, check_background_path, check_video_path)
+    AnnotatedVideo, BackgroundFile, check_video_path)
 from camera_to_base.drawing.pictures import (
-    AreaOverlay, base_label, camera_label, check_picture_path, draw_ellipses, draw_left_out,
-    draw_note, draw_objects, encoded_picture, Label, object_mask)
+    AreaOverlay, check_picture_path, draw_ellipses, draw_left_out, draw_note, draw_objects,
+    encoded_picture, Label, object_label, object_mask)
 
 __all__ = [
-    'AnnotatedVideo', 'AreaOverlay', 'BackgroundFile', 'base_label', 'camera_label',
-    'check_background_path', 'check_picture_path', 'check_video_path', 'draw_ellipses',
-    'draw_left_out', 'draw_note', 'draw_objects', 'encoded_picture', 'Label', 'object_mask',
+    'AnnotatedVideo', 'AreaOverlay', 'BackgroundFile', 'check_picture_path', 'check_video_path',
+    'draw_ellipses', 'draw_left_out', 'draw_note', 'draw_objects', 'encoded_picture', 'Label',
+    'object_label', 'object_mask',
 ]

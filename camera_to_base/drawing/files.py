@@ -15,7 +15,7 @@ from typing import NamedTuple, Optional
 
 from camera_to_base.checks import ImageSize
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.files import check_folder, write_files
+from camera_to_base.files import check_folder, refuse_no_file, write_files
 from camera_to_base.sources import decode_compressed
 import cv2
 import numpy as np
@@ -62,7 +62,7 @@ class BackgroundFile:
         """
         if not os.path.exists(self._path):
             return None
-        _refuse_no_file(self._path)
+        refuse_no_file(self._path)
         try:
             with open(self._path, 'rb') as file:
                 content = file.read()
@@ -91,22 +91,6 @@ class BackgroundFile:
         return f"cannot read background_file '{self._path}': {reason}"
 
 
-def check_background_path(path: str) -> str:
-    """
-    Check that a file keeps a background without loss.
-
-    :returns: The path, with the home folder for a `~` at its beginning.
-    :raises InvalidValueError: If it is not an ordinary .png file, or its folder does not exist.
-    """
-    path = os.path.expanduser(path)
-    if path:
-        if not path.lower().endswith('.png'):
-            raise InvalidValueError(f"background_file must end in .png, got '{path}'")
-        check_folder(path, 'background_file')
-        _refuse_no_file(path)
-    return path
-
-
 def _content(picture: np.ndarray, unknown: Optional[np.ndarray]) -> bytes:
     if unknown is not None:
         picture = np.dstack([picture, cv2.bitwise_not(unknown)])
@@ -119,12 +103,6 @@ def _transparent(content: bytes) -> Optional[np.ndarray]:
     picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     has_alpha = picture.ndim == 3 and picture.shape[2] == 4
     return cv2.bitwise_not(picture[:, :, 3]) if has_alpha else None
-
-
-def _refuse_no_file(path: str) -> None:
-    # Reading a pipe, or a device, would never end.
-    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
-        raise InvalidValueError(f"background_file '{path}' is no ordinary file: name another")
 
 
 class AnnotatedVideo:

@@ -278,6 +278,11 @@ def base_label(conversion: CameraToRobotBaseConversion) -> Label:
     return label
 
 
+def object_label(conversion: Optional[CameraToRobotBaseConversion]) -> Label:
+    """Make a label with the position in the base frame; in the camera frame for None."""
+    return camera_label if conversion is None else base_label(conversion)
+
+
 def draw_objects(
     frame: np.ndarray, objects: Sequence[LocatedObject], label: Label = camera_label
 ) -> np.ndarray:

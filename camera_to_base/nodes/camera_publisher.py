@@ -17,6 +17,7 @@ from typing import List, Optional
 from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.detection import locate_pixel, Pixel
+from camera_to_base.drawing import AreaOverlay, object_label
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.nodes.feeds import Feed, FeedCallbacks, start_feed
 from camera_to_base.nodes.outputs import CameraPictures, DebugImages, PublishedPositions
@@ -61,6 +62,7 @@ class CameraPublisher(Node):
             self._pipeline = settings.pipeline(self._source.name, self._source.kind)
             self._positions = PublishedPositions(self, self._source)
             self._debug_images = DebugImages(self)
+            self._areas = AreaOverlay(settings.surface, settings.detector.areas)
             self._pictures = CameraPictures(self)
             self._background_keeper = BackgroundFileKeeper(
                 self, self._pipeline, settings, self._source.kind)
@@ -115,10 +117,10 @@ class CameraPublisher(Node):
         in_force = self._pipeline.standpoint.surface
         self._positions.publish_sighting(
             header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty)
-        settings.area_overlay.use_surface(in_force.surface)
+        self._areas.use_surface(in_force.surface)
         self._debug_images.publish(
-            header, frame, sighting, self._note(sighting), settings.debug_label,
-            settings.area_overlay, uncertainty)
+            header, frame, sighting, self._note(sighting),
+            object_label(settings.label_conversion), self._areas, uncertainty)
         self._pictures.publish(header, frame, sighting, self._pipeline.background)
         self._background_keeper.keep()
         self._background_service.notice_frame()
@@ -159,6 +161,7 @@ class CameraPublisher(Node):
         self._pipeline.configure(
             settings.surface, settings.detector, settings.limits, settings.markers,
             None if is_same else calibrated.own_camera(self._source.name))
+        self._areas = AreaOverlay(settings.surface, settings.detector.areas)
         self._warn_of_settings_without_effect()
         if not is_same:
             self._calibrated_for = calibrated

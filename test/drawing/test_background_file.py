@@ -10,8 +10,9 @@
 import os
 import time
 
-from camera_to_base.drawing.files import BackgroundFile, check_background_path
+from camera_to_base.drawing.files import BackgroundFile
 from camera_to_base.errors import InvalidValueError
+from camera_to_base.files import check_background_path
 import numpy as np
 import pytest
 

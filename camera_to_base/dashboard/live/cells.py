@@ -16,7 +16,7 @@ from rclpy.node import Node
 CAMERA, TRANSFORM = 'camera_publisher', 'robot_base_publisher'
 
 
-class Cell(NamedTuple):
+class GraphCell(NamedTuple):
     """
     One cell.
 
@@ -46,14 +46,14 @@ class CellFinder:
         self._node = node
         self._seen: Set[str] = set()
 
-    def find(self) -> List[Cell]:
+    def find(self) -> List[GraphCell]:
         """Return all cells; '/' without nodes if there is none."""
         running = {full_name(namespace, name)
                    for name, namespace in self._node.get_node_names_and_namespaces()
                    if name in (CAMERA, TRANSFORM)}
         self._seen |= {_namespace(name) for name in running}
-        return [Cell(namespace, *(_if_running(full_name(namespace, name), running)
-                                  for name in (CAMERA, TRANSFORM)))
+        return [GraphCell(namespace, *(_if_running(full_name(namespace, name), running)
+                                       for name in (CAMERA, TRANSFORM)))
                 for namespace in sorted(self._seen or {'/'})]
 
 

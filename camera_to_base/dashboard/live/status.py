@@ -15,7 +15,7 @@ import time
 from typing import Any, Collection, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.dashboard.live.cells import Cell
+from camera_to_base.dashboard.live.cells import GraphCell
 from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.positions import CellPositions, SeenFrame
 from camera_to_base.ros import UncertainPose
@@ -261,7 +261,7 @@ class State(NamedTuple):
     :param transform: The transform node's.
     """
 
-    cell: Cell
+    cell: GraphCell
     was_seen: bool
     silent_s: float
     camera: Optional[Report]
@@ -307,7 +307,7 @@ def _no_camera_node(state: State) -> Dict[str, Any]:
         + _start('camera_publisher', state.cell)))
 
 
-def _start(node: str, cell: Cell) -> str:
+def _start(node: str, cell: GraphCell) -> str:
     in_cell = '' if cell.namespace == '/' else f' -r __ns:={cell.namespace}'
     return f'start it, for example with: ros2 run camera_to_base {node}' + (
         f' --ros-args{in_cell}' if in_cell else '')
@@ -335,7 +335,7 @@ class CellStatus:
         self._charts = Charts()
         self._was_seen = False
 
-    def watch_data(self, cell: Cell, geometry: Optional[Geometry]) -> Dict[str, Any]:
+    def watch_data(self, cell: GraphCell, geometry: Optional[Geometry]) -> Dict[str, Any]:
         """
         Return the part `watch` as JSON.
 

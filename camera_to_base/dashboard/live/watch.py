@@ -11,7 +11,7 @@
 
 from typing import Any, Callable, Dict, Iterable, Optional
 
-from camera_to_base.dashboard.live.cells import CAMERA, Cell, CellFinder, full_name, TRANSFORM
+from camera_to_base.dashboard.live.cells import CAMERA, CellFinder, full_name, GraphCell, TRANSFORM
 from camera_to_base.dashboard.live.feeds import OnPicture, PictureTopics, SessionFeed
 from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.parameters import RemoteParameters
@@ -53,7 +53,7 @@ class CellWatch:
         self._node, self._namespace, self._cells = node, namespace, cells
         self._on_part = on_part
         self._sent: Dict[str, Any] = {}
-        self._cell = Cell(namespace, None, None)
+        self._cell = GraphCell(namespace, None, None)
         self._beats = 0
         names = {name: full_name(namespace, name) for name in (CAMERA, TRANSFORM)}
         self.camera = RemoteParameters(

@@ -21,7 +21,7 @@ from itertools import groupby
 from typing import Iterable, List, Sequence, Set, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import Limits
+from camera_to_base.detection.precise.light import LevelLimits
 import cv2
 import numpy as np
 
@@ -48,7 +48,7 @@ class Strips:
         self._numbers = range(-(-shape[0] // self._step))
         self._last: Set[int] = set()
 
-    def changed(self, frame: np.ndarray, lit: np.ndarray, limits: Limits) -> List[slice]:
+    def changed(self, frame: np.ndarray, lit: np.ndarray, limits: LevelLimits) -> List[slice]:
         """
         Find the rows in which a frame differs, or the last one did.
 
@@ -77,7 +77,7 @@ class Strips:
             part.y // self._step, (part.y + part.height - 1) // self._step + 1)}
 
     def _is_calm(
-        self, numbers: Sequence[int], frame: np.ndarray, lit: np.ndarray, limits: Limits
+        self, numbers: Sequence[int], frame: np.ndarray, lit: np.ndarray, limits: LevelLimits
     ) -> bool:
         rows = self._rows(numbers)
         return cv2.norm(frame[rows], lit[rows], cv2.NORM_INF) <= limits.least
@@ -98,7 +98,7 @@ def _joined(numbers: Iterable[int]) -> List[List[int]]:
 
 
 def is_all_changed(
-    frame: np.ndarray, lit: np.ndarray, strips: List[slice], limits: Limits
+    frame: np.ndarray, lit: np.ndarray, strips: List[slice], limits: LevelLimits
 ) -> bool:
     """
     Tell whether hardly anything of the background is seen: a covered lens, another scene.
@@ -114,7 +114,7 @@ def is_all_changed(
 
 
 def changed_parts(
-    frame: np.ndarray, lit: np.ndarray, strips: List[slice], limits: Limits
+    frame: np.ndarray, lit: np.ndarray, strips: List[slice], limits: LevelLimits
 ) -> List[Box]:
     """
     Find the parts of a frame in which it differs from the background.
@@ -154,7 +154,7 @@ def _part(x: int, y: int, across: int, down: int, shape: Tuple[int, ...]) -> Box
 
 
 def _changed_tiles(
-    frame: np.ndarray, lit: np.ndarray, strips: List[slice], limits: Limits
+    frame: np.ndarray, lit: np.ndarray, strips: List[slice], limits: LevelLimits
 ) -> np.ndarray:
     """Tell which tiles have changed: one row for each row of tiles in the strips."""
     places = _cut(strips, frame.shape[1])

@@ -49,7 +49,7 @@ from camera_to_base.detection.precise.piece import channel_extremes, outline_of,
 from camera_to_base.detection.precise.placer import Placer, unplaced
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, slices
-from camera_to_base.detection.precise.search import Found, parts_of, search
+from camera_to_base.detection.precise.search import Candidates, parts_of, search
 import cv2
 import numpy as np
 
@@ -185,7 +185,7 @@ class PreciseDifferenceDetector:
             found = search(found.frame, parts, self._reference, self._min_area)
         return ranked(self._placed(found), found.frame, self._reference.lit)
 
-    def _placed(self, found: Found) -> List[Detection]:
+    def _placed(self, found: Candidates) -> List[Detection]:
         placed = [detection for one in found.plain for detection in self._placer.place_plain(one)]
         for index, region in enumerate(found.regions):
             placed += (self._placer.place_region(found.frame, region, self._reference)
@@ -217,7 +217,7 @@ class PreciseDifferenceDetector:
         is_other_light = self._reference.follow(frame)
         return self._forget_ghosts(frame) or is_other_light
 
-    def _notice_ghosts(self, found: Found) -> bool:
+    def _notice_ghosts(self, found: Candidates) -> bool:
         frame = found.frame
         ghosts = [find_ghost(frame, self._reference.lit, region)
                   for region in found.regions[:_MOST_GHOSTS]

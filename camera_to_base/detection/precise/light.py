@@ -177,7 +177,7 @@ class Range(NamedTuple):
         return cv2.bitwise_not(cv2.inRange(frame, self.darkest, self.lightest))
 
 
-class Limits:
+class LevelLimits:
     """
     The background's own range of levels, at some light and with some noise.
 

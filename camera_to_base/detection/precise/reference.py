@@ -11,7 +11,8 @@
 
 from typing import Optional
 
-from camera_to_base.detection.precise.light import Gain, GainMeter, Limits, measure_noise, NO_GAIN
+from camera_to_base.detection.precise.light import (
+    Gain, GainMeter, LevelLimits, measure_noise, NO_GAIN)
 import cv2
 import numpy as np
 
@@ -29,7 +30,7 @@ class Reference:
 
     def __init__(self, picture: np.ndarray, faintest: float) -> None:
         self.picture = picture
-        self.limits = Limits(picture, faintest)
+        self.limits = LevelLimits(picture, faintest)
         self.noise: Optional[np.ndarray] = None
         self.mean_noise: Optional[float] = None
         self._faintest = faintest

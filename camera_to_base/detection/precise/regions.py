@@ -27,7 +27,7 @@ these is taken for an object.
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import Limits
+from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
     channel_of_most_contrast, enclosed, has_holes, Look, look_at, outlines_in, Piece, quantile,
     smooth_channel, square)
@@ -69,7 +69,7 @@ class Region(NamedTuple):
 
 
 def find_regions(
-    frame: np.ndarray, parts: Iterable[Box], limits: Limits, min_area: float
+    frame: np.ndarray, parts: Iterable[Box], limits: LevelLimits, min_area: float
 ) -> List[Region]:
     """
     Find the regions of a frame.
@@ -115,7 +115,7 @@ def grown(box: Box, margin: int, picture: np.ndarray) -> Box:
 
 
 def _regions_around(
-    frame: np.ndarray, part: Box, limits: Limits, min_area: float
+    frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float
 ) -> Tuple[Box, List[Region]]:
     # A region that reaches the window's border is looked at again in a larger window.
     window, margin = part, _FARTHER
@@ -127,7 +127,7 @@ def _regions_around(
 
 
 def _regions_in(
-    frame: np.ndarray, window: Box, limits: Limits, min_area: float
+    frame: np.ndarray, window: Box, limits: LevelLimits, min_area: float
 ) -> List[Region]:
     part = slices(window)
     levels = frame[part]

@@ -18,7 +18,7 @@ from typing import List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
-from camera_to_base.detection.precise.light import Limits
+from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
 from camera_to_base.detection.precise.plain import find_plain, Plain
@@ -40,7 +40,7 @@ _MOSTLY = 0.4
 _MOST_SPECK = 1200
 
 
-class Found(NamedTuple):
+class Candidates(NamedTuple):
     """
     What may be an object on a frame.
 
@@ -56,7 +56,7 @@ class Found(NamedTuple):
 
 def search(
     frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
-) -> Found:
+) -> Candidates:
     """
     Find what may be objects in the parts of a frame that have changed.
 
@@ -77,7 +77,7 @@ def search(
 
 def _search(
     frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
-) -> Found:
+) -> Candidates:
     plain, others = [], []
     for part in parts:
         if _is_speck(frame, part, reference.limits, min_area):
@@ -89,7 +89,7 @@ def _search(
             plain.append(one)
     regions = find_regions(frame, others, reference.limits, min_area)
     # A window that grew may hold a plain object of another part.
-    return Found(frame, plain, [region for region in regions if not any(
+    return Candidates(frame, plain, [region for region in regions if not any(
         region.box.is_inside(one.window) for one in plain)])
 
 
@@ -103,7 +103,7 @@ def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
 
 def _without_bands(
     frame: np.ndarray, reference: Reference, min_area: float
-) -> Optional[Found]:
+) -> Optional[Candidates]:
     # What is found where the bands were taken out; None without bands.
     bands = find_bands(frame, reference.lit)
     if bands is None:
@@ -112,7 +112,7 @@ def _without_bands(
     return _search(even, parts_of(even, reference), reference, min_area)
 
 
-def _without_foreign_light(found: Found, reference: Reference, min_area: float) -> Found:
+def _without_foreign_light(found: Candidates, reference: Reference, min_area: float) -> Candidates:
     frame, lit = found.frame, reference.lit
     if not any(_may_be_light(frame, region, lit) for region in found.regions):
         return found
@@ -121,13 +121,13 @@ def _without_foreign_light(found: Found, reference: Reference, min_area: float) 
         return found
     usual = in_usual_light(frame, lit, field)
     regions = find_regions(usual, parts_of(usual, reference), reference.limits, min_area)
-    return Found(frame, [], [
+    return Candidates(frame, [], [
         region._replace(in_other_light=has_light(field, region.box)) for region in regions
         if touches_edge(region.box, frame)
         or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)])
 
 
-def _is_speck(frame: np.ndarray, part: Box, limits: Limits, min_area: float) -> bool:
+def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float) -> bool:
     # Salt makes many small parts: those that show no object are left out at once.
     if part.width * part.height > _MOST_SPECK:
         return False
