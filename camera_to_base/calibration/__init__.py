@@ -11,8 +11,8 @@
 Calibration: from measured points to parameters and a report.
 
 In: pictures of a chessboard, tables of points, or pairs of points in both frames. Out: the values
-of `surface.*` or of the transform, their errors in mm, and a picture of them. Rooms within:
-`boards`, `markers`, `fits`, `checks` and `touches`.
+of `surface.*` or of the transform, their errors in mm, and a picture of them. The room
+`boards` within finds and draws what is printed.
 
 Callers: `commands` and `dashboard`. The nodes do not import it.
 """

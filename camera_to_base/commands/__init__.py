@@ -8,7 +8,7 @@
 # the License.
 
 """
-The commands `calibrate` and `locate`, a folder each, and what both need: parser and output.
+The commands: `calibrate`, a folder with a module for each group of steps, and `locate`.
 
 In: a command line. Out: files, tables, an exit code, and one sentence per error.
 

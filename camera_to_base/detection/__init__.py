@@ -13,8 +13,8 @@ Detection: finds the objects on a frame, and their positions on the surface.
 In: a frame, a background picture of the same size and the parameters `detector.*`. Out: detections
 in px, and located objects in cm, the largest first.
 
-Callers: `trust` and the rooms below. It imports only numpy and OpenCV; `trust` decides whether a
-position may be published.
+Callers: `pipeline` and the rooms that use its results. It imports only numpy and OpenCV;
+`pipeline` decides whether a position may be published.
 """
 
 from camera_to_base.checks import check_frame, check_same_size

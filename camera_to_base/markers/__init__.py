@@ -13,8 +13,8 @@ Markers: square markers (ArUco) that lie on the work surface.
 In: a picture, the parameters `markers.*` and `surface.*`. Out: markers in px, the surface computed
 anew where the camera was moved, with its covariance, and which markers were moved.
 
-Callers: all rooms below. It imports numpy and OpenCV alone; where OpenCV was built without the
-module aruco, everything else works.
+Callers: see the arrows in CONTRIBUTING. It imports numpy and OpenCV alone; where OpenCV was built
+without the module aruco, everything else works.
 """
 
 from camera_to_base.markers.find import (

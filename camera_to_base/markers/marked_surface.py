@@ -112,7 +112,7 @@ def new_covariance(
     :param fit: The new surface.
     :param calibrated: The flat surface that the markers' corners were learned with.
     :param calibrated_covariance: Of the calibrated picture's warp, shape (14, 14).
-    :returns: Of the new picture's warp, shape (14, 14), see `uncertainty.picture_warp`.
+    :returns: Of the new picture's warp, shape (14, 14), see `uncertainty.terms`.
     """
     there = calibrated.pixels(fit.points)
     old = warp_design(there, image_size, calibrated.distortion)

@@ -11,7 +11,7 @@
 The two nodes, and the modules that only they use.
 
 In: parameters and topics. Out: topics, services and diagnostics; docs lists their names. A node
-only wires; the code that it calls is in the rooms above.
+only wires; the code that it calls is in the other rooms.
 
 Callers: only the installed executables, so there is no `__all__`.
 """

@@ -9,6 +9,7 @@
 
 """What the camera node publishes of a frame: positions, and pictures if there are subscribers."""
 
+from array import array
 import time
 from typing import Callable, List, Optional, Sequence
 
@@ -18,13 +19,12 @@ from camera_to_base.drawing import (
     AreaOverlay, draw_ellipses, draw_left_out, draw_note, draw_objects, Label, object_mask)
 from camera_to_base.nodes.simulated import TruePositions
 from camera_to_base.pipeline import FrameUncertainty, Sighting
-from camera_to_base.ros import (
-    image_message, jpeg_message, left_out_markers, NO_EVENTS, png_message, PositionTopics,
-    UncertainPose)
+from camera_to_base.ros import left_out_markers, NO_EVENTS, PositionTopics, UncertainPose
 from camera_to_base.settings import NamedSource
 from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.surface import Hull
 from camera_to_base.uncertainty import PositionCovariance
+import cv2
 import numpy as np
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -239,3 +239,37 @@ class DebugImages:
 def _publish(publisher: Publisher, make_message: Callable[[], object]) -> None:
     if _has_listener(publisher):
         publisher.publish(make_message())
+
+
+def image_message(header: Header, picture: np.ndarray) -> Image:
+    """
+    Make an image message.
+
+    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
+    """
+    height, width = picture.shape[:2]
+    colour = picture.ndim == 3
+    # rclpy copies any other type than array.array byte by byte, which is slow.
+    return Image(header=header, height=height, width=width,
+                 encoding='bgr8' if colour else 'mono8',
+                 step=width * (3 if colour else 1), data=array('B', picture.tobytes()))
+
+
+def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
+    """
+    Make a message with a JPEG picture, of OpenCV's usual quality of 95.
+
+    :param picture: Shape (h, w, 3), uint8, BGR.
+    """
+    jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
+    return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
+
+
+def png_message(header: Header, picture: np.ndarray) -> CompressedImage:
+    """
+    Make a message with a PNG picture, which loses nothing.
+
+    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
+    """
+    png = cv2.imencode('.png', picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes()
+    return CompressedImage(header=header, format='png', data=array('B', png))

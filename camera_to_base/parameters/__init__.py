@@ -14,7 +14,8 @@ In: lists of `ParameterSpec`, which each room has for its own parameters, and va
 YAML file or the command line. Out: checked values by name, the text of a parameter file, warnings
 of misspelt names, and the settings of the transform, which has no room of its own.
 
-Callers: all rooms below. It does not import OpenCV: the transform node starts without it.
+Callers: see the arrows in CONTRIBUTING. It does not import OpenCV: the transform node starts
+without it.
 """
 
 from camera_to_base.parameters.command_line import (

@@ -8,7 +8,7 @@
 # the License.
 
 """
-Trust: decides whether the positions of a frame may be published.
+The pipeline: decides whether the positions of a frame may be published.
 
 In: frames. Out: one sighting for each frame, with its objects, or with the reason why none of them
 may be published. There are checks for damage, a moved view, objects that reach in from the edge,

@@ -44,8 +44,7 @@ _BLACK = 8.0
 _SIZE = (64, 48)
 # What noise and flicker do to the mean of a block, in grey levels.
 _LARGEST_CHANGE = 8.0
-# Corners at rest are seen to 0.02 to 0.1 px from frame to frame, see
-# `calibration.markers.learning`.
+# Corners at rest are seen to 0.02 to 0.1 px from frame to frame.
 _LARGEST_MOVE_PX = 0.5
 
 # Kinds of reasons that say that the view is not that of the background.

@@ -21,18 +21,18 @@ from camera_to_base.ros.diagnostics import (
     Diagnostics, Health, Heartbeat, NameCheck, qos_mismatch, real_time_timer)
 from camera_to_base.ros.listeners import CorrectionListener, ObjectListener, ToolListener
 from camera_to_base.ros.messages import (
-    image_message, jpeg_message, left_out_markers, png_message, point_from_message,
-    poses_from_message, poses_message, poses_of_markers, position_from_message, position_message,
-    tool_message, uncertain_pose_from_message, UncertainPose)
+    left_out_markers, point_from_message, poses_from_message, poses_message, poses_of_markers,
+    position_from_message, position_message, tool_message, uncertain_pose_from_message,
+    UncertainPose)
 from camera_to_base.ros.parameters import NodeParameters
 from camera_to_base.ros.position_topics import NO_EVENTS, PositionTopics
 from camera_to_base.ros.process import keep_freed_memory, run, use_picture_memory, whole_or_gone
 
 __all__ = [
-    'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat', 'image_message', 'jpeg_message',
-    'keep_freed_memory', 'left_out_markers', 'NameCheck', 'NO_EVENTS', 'NodeParameters',
-    'ObjectListener', 'png_message', 'point_from_message', 'poses_from_message', 'poses_message',
-    'poses_of_markers', 'position_from_message', 'position_message', 'PositionTopics',
-    'qos_mismatch', 'real_time_timer', 'run', 'tool_message', 'ToolListener',
-    'uncertain_pose_from_message', 'UncertainPose', 'use_picture_memory', 'whole_or_gone',
+    'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat', 'keep_freed_memory',
+    'left_out_markers', 'NameCheck', 'NO_EVENTS', 'NodeParameters', 'ObjectListener',
+    'point_from_message', 'poses_from_message', 'poses_message', 'poses_of_markers',
+    'position_from_message', 'position_message', 'PositionTopics', 'qos_mismatch',
+    'real_time_timer', 'run', 'tool_message', 'ToolListener', 'uncertain_pose_from_message',
+    'UncertainPose', 'use_picture_memory', 'whole_or_gone',
 ]

@@ -8,12 +8,12 @@
 # the License.
 
 """
-Conversion between ROS messages and numbers, poses, markers and pictures, in this module alone.
+Conversion between ROS messages and numbers, poses and markers, in this module alone.
 
-Pictures are in `nodes.image_messages`: a process without pictures does not load OpenCV.
+Pictures are elsewhere, as a process without pictures does not load OpenCV: `sources.decoding`
+reads their messages, `nodes.outputs` makes them.
 """
 
-from array import array
 import math
 import textwrap
 from typing import Iterable, List, NamedTuple, Sequence, Tuple
@@ -21,12 +21,10 @@ from typing import Iterable, List, NamedTuple, Sequence, Tuple
 from camera_to_base.coordinate_transform import axis_angle, Pose
 from camera_to_base.errors import InvalidValueError, Reason
 from camera_to_base.uncertainty import Ellipse, ellipse_covariance, error_ellipse
-import cv2
 from geometry_msgs.msg import (
     Point, PointStamped, Pose as PoseMessage, PoseArray, PoseStamped, PoseWithCovariance,
     PoseWithCovarianceStamped, Quaternion, Vector3)
 import numpy as np
-from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import ColorRGBA, Float64MultiArray, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -261,37 +259,3 @@ def left_out_markers(
             scale=Vector3(z=_LETTER_M),
             text='\n'.join(textwrap.wrap(reason.sentence, _LETTERS_PER_LINE))))
     return MarkerArray(markers=markers)
-
-
-def image_message(header: Header, picture: np.ndarray) -> Image:
-    """
-    Make an image message.
-
-    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
-    """
-    height, width = picture.shape[:2]
-    colour = picture.ndim == 3
-    # rclpy copies any other type than array.array byte by byte, which is slow.
-    return Image(header=header, height=height, width=width,
-                 encoding='bgr8' if colour else 'mono8',
-                 step=width * (3 if colour else 1), data=array('B', picture.tobytes()))
-
-
-def jpeg_message(header: Header, picture: np.ndarray) -> CompressedImage:
-    """
-    Make a message with a JPEG picture, of OpenCV's usual quality of 95.
-
-    :param picture: Shape (h, w, 3), uint8, BGR.
-    """
-    jpeg = cv2.imencode('.jpg', picture)[1].tobytes()
-    return CompressedImage(header=header, format='jpeg', data=array('B', jpeg))
-
-
-def png_message(header: Header, picture: np.ndarray) -> CompressedImage:
-    """
-    Make a message with a PNG picture, which loses nothing.
-
-    :param picture: Shape (h, w, 3), BGR, or (h, w); uint8.
-    """
-    png = cv2.imencode('.png', picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes()
-    return CompressedImage(header=header, format='png', data=array('B', png))

@@ -13,7 +13,7 @@ Sources of frames: cameras, streams, video files and bags.
 In: the name of a device, a stream, a file or a bag. Out: frames of shape (h, w, 3), uint8, BGR,
 each with its capture time, and the status of a source that gives no frames.
 
-Callers: `drawing`, `calibration` and the rooms below them. Nothing here detects or judges objects.
+Callers: see the arrows in CONTRIBUTING. Nothing here detects or judges objects.
 """
 
 from camera_to_base.sources.cameras import Camera, first_camera, FirstCamera

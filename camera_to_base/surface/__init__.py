@@ -14,7 +14,7 @@ In: pixels of shape (n, 2), in px, and the parameters `surface.*`. Out: points o
 cm, on the surface or below the tops of raised objects. Models, lens distortion, the hull of a
 calibration, the camera's pose and the view from above are here.
 
-Callers: all rooms below. It imports numpy and OpenCV alone.
+Callers: see the arrows in CONTRIBUTING. It imports numpy and OpenCV alone.
 """
 
 from camera_to_base.checks import ImageSize

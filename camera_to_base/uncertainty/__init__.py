@@ -13,10 +13,11 @@ Uncertainty: how far a position may be off, as a covariance.
 In: shapes of detected objects in px, a calibration with its covariance, pairs of points.
 Out: covariances of positions, in cm and rad, in the camera frame and in the base frame; ellipses.
 
-Each term has a module of its own: `centre` (detection), `surface_fit` with `picture_warp`, `base`,
-`height`, `view`.
+The terms of the picture are in `terms`, those of the calibration in `fit_error`; `position` adds
+them up.
 
-Callers: all rooms below. It imports numpy alone: the transform node starts without OpenCV.
+Callers: see the arrows in CONTRIBUTING. It imports numpy alone: the transform node starts without
+OpenCV.
 """
 
 from camera_to_base.uncertainty.covariance import (

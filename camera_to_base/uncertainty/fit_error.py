@@ -69,7 +69,7 @@ class FitError(NamedTuple):
     """
     How uncertain a fitted surface is.
 
-    :param covariance: Of the picture's warp, shape (14, 14), see `picture_warp`.
+    :param covariance: Of the picture's warp, shape (14, 14), see `terms`.
     :param point_px: Standard deviation of a point's coordinate, in px.
     """
 

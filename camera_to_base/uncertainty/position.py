@@ -61,9 +61,9 @@ class PositionUncertainty:
     How uncertain positions are in the camera frame.
 
     :param surface: Maps pixels to the surface below the objects' tops.
-    :param warp_covariance: Of the calibration, shape (14, 14), see `picture_warp`.
+    :param warp_covariance: Of the calibration, shape (14, 14), see `terms`.
     :param camera: Where the camera is, above the objects' tops; None where it is not known.
-    :param centre_floor_px: What light does to a centre, see `centre`.
+    :param centre_floor_px: What light does to a centre, see `terms`.
     :param height_tolerance_cm: Standard deviation of the objects' height.
     :param is_tutorial: Whether the detector is the tutorial's.
     """

@@ -12,7 +12,7 @@
 import math
 
 from camera_to_base.nodes.camera_publisher import CameraPublisher
-from camera_to_base.ros.messages import image_message, jpeg_message
+from camera_to_base.nodes.outputs import image_message, jpeg_message
 import cv2
 import damaged_frames
 import numpy as np

@@ -7,7 +7,7 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-from camera_to_base.ros.messages import image_message, jpeg_message
+from camera_to_base.nodes.outputs import image_message, jpeg_message
 import cv2
 import numpy as np
 import pytest

@@ -16,9 +16,9 @@ from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.nodes.camera_publisher import CameraPublisher
+from camera_to_base.nodes.outputs import image_message, jpeg_message
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
-from camera_to_base.ros.messages import (
-    image_message, jpeg_message, poses_from_message, poses_message)
+from camera_to_base.ros.messages import poses_from_message, poses_message
 import cv2
 from geometry_msgs.msg import Point, PointStamped, PoseArray
 import numpy as np

@@ -8,12 +8,12 @@
 # the License.
 
 """
-The command `calibrate`: one module for each of its steps that asks, measures or computes.
+The command `calibrate`: its options, steps, files and questions.
 
 In: its options, tables, pictures, and what a person types. Out: parameter files, and the report
 that the command prints.
 
-Caller: `commands.executables`, by `command.main`, so there is no `__all__`.
+Caller: `executables`, by `command.main`, so there is no `__all__`.
 """
 
 __all__ = []

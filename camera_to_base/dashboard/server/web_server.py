@@ -177,8 +177,8 @@ class WebServer:
     Serves the page until it is closed.
 
     :param settings: Where it listens.
-    :param backend: Carries out what pages ask for, see `actions`; its `look_at` and so on are
-        called when pages come and go.
+    :param backend: Carries out what pages ask for, see the actions above; its `look_at` and so on
+        are called when pages come and go.
     :raises InvalidValueError: If the address cannot be used.
     """
 

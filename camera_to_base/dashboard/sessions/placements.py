@@ -63,7 +63,7 @@ class BoardOptions(NamedTuple):
         """
         Return the options with some changed.
 
-        :param body: As in `data`.
+        :param body: As a page sends it; names as those of the fields.
         :raises InvalidValueError: If one cannot be used.
         """
         wanted = {**self._asdict(), **{name: body[name] for name in self._fields if name in body}}

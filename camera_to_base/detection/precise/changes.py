@@ -119,7 +119,7 @@ def changed_parts(
     """
     Find the parts of a frame in which it differs from the background.
 
-    :param strips: The rows that differ, see `strips`.
+    :param strips: The rows that differ, see :class:`Strips`.
     :returns: Boxes around changes that are connected, a little larger than these.
     """
     if not strips:

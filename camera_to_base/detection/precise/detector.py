@@ -16,20 +16,19 @@ rim is soft. A grey object is neither.
 
 Each step is a module of its own:
 
-- `reference`, `light`, `noise`, `limits`: the background at the frame's light, and from which
-  levels on a pixel shows something else, in any colour.
-- `strips`, `tiles`: where on the frame there are such pixels at all, in bytes.
+- `reference`, `light`: the background at the frame's light, and from which levels on a pixel
+  shows something else, in any colour.
+- `changes`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
-- `search`, `regions`: where such pixels are connected, for the long way.
-- `bands`: a lamp that flickers.
-- `foreign_light`: shade from outside of the picture, which is no object.
+- `search`, `regions`: where such pixels are connected, for the long way, and what lies in the
+  shade of an arm.
+- `outside_light`: shade from outside of the picture and a lamp that flickers: both no objects.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
-- `shadow`, `thing_and_shade`, `highlight`: what of a region is its object's shade, and what its
-  gloss.
-- `shaded`: what lies in the shade of an arm.
+- `own_shadow`, `piece`: what of a region is its object's shade, and what its gloss.
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.
-- `ranking`: the largest first, but no shadow alone before an object.
+
+The largest detection is the first, but no shadow alone comes before an object.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
 object of the background has left, for as long as it is away. Noise and that apart, a frame gives

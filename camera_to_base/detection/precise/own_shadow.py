@@ -16,7 +16,7 @@ them, and a sharp one.
 
 A shadow takes a part of the table's light, in all colours alike. So a region is an object and its
 shade where it has two parts, of which one can be shade and the other cannot: it is lighter than
-the table, or coloured, or clearly darker than the shade. `thing_and_shade` tests such a pair.
+the table, or coloured, or clearly darker than the shade. each such pair is tested.
 
 An object may be lighter than its shadow: then the shadow is a crescent, and the object is convex.
 A box seen from the side has a light top and a dark wall, which look the same, but the wall lies

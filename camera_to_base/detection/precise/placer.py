@@ -148,7 +148,7 @@ class _Window:
         return make_piece(self.frame[part], self._reference.light(part), self.mask)
 
     def reduced(self, most: int) -> Tuple[Piece, int]:
-        """Give its light with few pixels, see :func:`reduced.reduced`."""
+        """Give its light with few pixels, see :func:`piece.reduced`."""
         return reduced(self.piece, most)
 
     def around(self, mask: np.ndarray) -> '_Window':

@@ -66,7 +66,7 @@ def find_plain(
     Find a plain object.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
-    :param part: What has changed, see `tiles`.
+    :param part: What has changed, see `changes`.
     :param reference: The background at the frame's light.
     :param min_area: What shows less is noise, in px².
     :returns: None where there is something else than one plain object.

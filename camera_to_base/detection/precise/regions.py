@@ -14,7 +14,7 @@ A region is where pixels beyond the weak limit are connected, and enough of them
 strong one (hysteresis): noise stays below the strong limit, and the rim of an object is still seen
 by the weak one. Holes belong to their region.
 
-All of this is done in windows around the parts that have changed, see `tiles`. Most windows show
+All of this is done in windows around the parts that have changed, see `changes`. Most windows show
 one region without a hole; there a few steps are enough, and the others are left out.
 
 An arm, its shadow and what lies in the shadow are one region. A part of it is an object of its own

@@ -61,7 +61,7 @@ def search(
     Find what may be objects in the parts of a frame that have changed.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
-    :param parts: See :func:`tiles.changed_parts`.
+    :param parts: See :func:`changes.changed_parts`.
     :param min_area: What shows less is noise, in px².
     """
     are_bands_likely = _are_bands_likely(frame, parts)

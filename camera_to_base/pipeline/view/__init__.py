@@ -14,7 +14,7 @@ In: the background, and frames of the same size. Out: how far the view has moved
 that cannot be told. `quick_look` looks at every frame, `view_check` compares all of a frame, and
 `view_watch` decides between them; `view_stage` also follows a camera that is nudged.
 
-Caller: `trust.pipeline`.
+Caller: `pipeline.pipeline`.
 """
 
 from camera_to_base.pipeline.view.quick_look import QuickLook

@@ -172,7 +172,7 @@ def is_repeated(here: np.ndarray, there: np.ndarray) -> bool:
     """
     Tell whether a picture agrees with another one at more than one shift.
 
-    :param here: Shape (h, w), uint8, an even picture, see `corners`.
+    :param here: Shape (h, w), uint8, an even picture.
     :param there: Of the same shape; it shows the same, not shifted.
     """
     scale = min(1.0, _LONGEST_REPEATED / max(here.shape))
@@ -192,7 +192,7 @@ class WarpFit(NamedTuple):
     """
     A small warp of a picture.
 
-    :param numbers: Shape (8,), see the room `uncertainty`, its `picture_warp`.
+    :param numbers: Shape (8,), see `uncertainty.terms`.
     :param covariance: Of the numbers, shape (8, 8).
     :param agrees: Shape (n,), which corners agree.
     """

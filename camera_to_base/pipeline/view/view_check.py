@@ -14,7 +14,7 @@ This is a yes or no for every frame that the quick look has not cleared, with a 
 a surface that shows little: 16 corners that agree on a shift, a rotation and a scale are enough,
 found on an evened picture of 640 px at most. Where none agree, the share of the structure that is
 still in its place decides. It knows no lens, and its shift is right to about a pixel: enough for a
-limit of some px, not for a correction. That is measured by `correction.nudge_meter`, which in
+limit of some px, not for a correction. That is measured by `nudge`, which in
 return refuses most frames that this module can judge.
 """
 
