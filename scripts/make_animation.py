@@ -28,7 +28,7 @@ from camera_to_base.coordinate_transform import (
 from camera_to_base.detection import LocatedObject, Point
 from camera_to_base.drawing import draw_left_out, draw_objects, object_label
 from camera_to_base.pipeline import CameraPipeline
-from camera_to_base.simulation import CameraMove, Scene, SimulatedBoard
+from camera_to_base.simulation import CameraMove, SimulatedBoard, SimulatedScene
 from camera_to_base.simulation.view import WOOD
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface import HomographySurface
@@ -87,19 +87,19 @@ def main(args: Optional[List[str]] = None) -> int:
 def shots(count: int, base: CameraToRobotBaseConversion) -> Iterator[Shot]:
     """Run the simulated camera through the package's own pipeline."""
     board = SimulatedBoard(
-        image_size=SIZE, frame_rate=1 / TABLE_S_PER_FRAME, scene=Scene(table=WOOD),
+        image_size=SIZE, frame_rate=1 / TABLE_S_PER_FRAME, scene=SimulatedScene(table=WOOD),
         diameters_cm=[LENGTH_CM, 0.9 * LENGTH_CM, 0.8 * LENGTH_CM], elongation=ELONGATION,
         hands=3)
     surface = HomographySurface(board.surface_from_pixel, SIZE)
     pipeline, now = CameraPipeline(surface, kind=DEVICE), time.monotonic() + 3600
     # The first frames show the empty table: they are the background.
-    empty = Scene(shows='empty', table=WOOD)
+    empty = SimulatedScene(shows='empty', table=WOOD)
     board.arrange(empty)
     for _ in range(5):
         now += 1 / FRAMES_PER_S
         pipeline.process(board.read(), now)
     for number in range(count):
-        board.arrange(Scene(table=WOOD, move=BUMP if number >= BUMP_AT else CameraMove()))
+        board.arrange(SimulatedScene(table=WOOD, move=BUMP if number >= BUMP_AT else CameraMove()))
         now += 1 / FRAMES_PER_S
         frame = board.read()
         sighting = pipeline.process(frame, now)

@@ -91,12 +91,12 @@ def test_random_positions_are_marked_in_each_line(tmp_path):
 
 def test_terminal_updates_one_line_below_those_that_stay(monkeypatch):
     screen = Screen()
-    monkeypatch.setenv('COLUMNS', '32')
+    monkeypatch.setenv('COLUMNS', '40')
     terminal = Terminal(screen)
     terminal.update(['camera (1.00, 2.00)', 'base (3.00, 4.00)'])
     terminal.say('a message')
     terminal.update(['camera (1.00, 2.00)', 'base (5.00, 6.00)', 'error 0.10 mm'])
-    assert screen.lines() == ['a message', 'base (5.00, 6.00)  error 0.10 mm'[:31]]
+    assert screen.lines() == ['a message', 'base (5.00, 6.00)  error 0.10 mm']
     terminal.settle()
     terminal.frame(['an address'])
     assert screen.lines()[-4:-1] == ['+------------+', '| an address |', '+------------+']

@@ -22,14 +22,14 @@ from camera_to_base.markers.find import (
     see_markers, SeenMarkers, TABLE_MARKERS)
 from camera_to_base.markers.fit import (
     Corners, judge_markers, known_markers, LEAST_MARKERS, MARKER_SPECS, marker_values, MarkerFit,
-    refuse_polynomial, Verdict)
+    MarkerVerdict, refuse_polynomial)
 from camera_to_base.markers.marked_surface import (
     lens_of_values, MarkedSurface, marker_surface, MarkerLook, new_surface_values, NewSurface)
 
 __all__ = [
     'CELLS', 'Corners', 'find_markers', 'has_markers', 'judge_markers', 'known_markers',
     'LEAST_MARKERS', 'lens_of_values', 'MarkedSurface', 'marker_cells', 'MARKER_COUNT',
-    'MARKER_SPECS', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook',
+    'MARKER_SPECS', 'marker_surface', 'marker_values', 'MarkerFit', 'MarkerLook', 'MarkerVerdict',
     'new_surface_values', 'NewSurface', 'NO_ARUCO', 'paper_corners', 'refuse_polynomial',
-    'see_markers', 'SeenMarkers', 'TABLE_MARKERS', 'Verdict',
+    'see_markers', 'SeenMarkers', 'TABLE_MARKERS',
 ]

@@ -245,7 +245,7 @@ def _place(surface: HomographySurface, focal_px: float) -> np.ndarray:
                      abs(normal @ displacement)])
 
 
-class Verdict(NamedTuple):
+class MarkerVerdict(NamedTuple):
     """
     What the markers of a picture say.
 
@@ -265,7 +265,7 @@ class Verdict(NamedTuple):
 def judge_markers(
     known: Corners, shown: Corners, seen: Corners, image_size: ImageSize,
     lens: RadialDistortion, *, tolerance_px: float = 0.0,
-) -> Verdict:
+) -> MarkerVerdict:
     """
     Compare the markers of a picture with the surface in use.
 
@@ -276,7 +276,7 @@ def judge_markers(
     """
     seen = {number: corners for number, corners in seen.items() if number in known}
     if not seen:
-        return Verdict(trouble='no marker is seen')
+        return MarkerVerdict(trouble='no marker is seen')
     near, limit_px = [], _IN_PLACE_PX * scale_of(image_size) + tolerance_px
     for number, corners in seen.items():
         shift = corners.mean(axis=0) - shown[number].mean(axis=0)
@@ -284,10 +284,10 @@ def judge_markers(
             near.append(number)
     away = tuple(sorted(set(seen) - set(near)))
     if not away or len(near) >= LEAST_MARKERS:
-        return Verdict(tuple(sorted(near)), away)
+        return MarkerVerdict(tuple(sorted(near)), away)
     if len(seen) < LEAST_MARKERS or len(seen) == LEAST_MARKERS == len(near) + 1:
         verb = 'is' if len(away) == 1 else 'are'
-        return Verdict(tuple(sorted(near)), trouble=(
+        return MarkerVerdict(tuple(sorted(near)), trouble=(
             f'{names_of(away)} {verb} not where the calibration has it, and only {len(seen)} of '
             f'{len(known)} markers are seen'))
     return _fitted(known, seen, image_size, lens)
@@ -295,7 +295,7 @@ def judge_markers(
 
 def _fitted(
     known: Corners, seen: Corners, image_size: ImageSize, lens: RadialDistortion
-) -> Verdict:
+) -> MarkerVerdict:
     limit_px = _FIT_PX * scale_of(image_size)
     try:
         everything = fit_markers(known, seen, image_size, lens)
@@ -304,12 +304,12 @@ def _fitted(
             number, = set(seen) - set(others.numbers)
             has_moved = _shift_cm(known, seen, number, others) >= _LEAST_MOVE_CM
             if has_moved and others.rms_px <= limit_px:
-                return Verdict(moved=(number,), fit=others)
+                return MarkerVerdict(moved=(number,), fit=others)
     except CameraToBaseError as error:
-        return Verdict(trouble=str(error))
+        return MarkerVerdict(trouble=str(error))
     if everything.rms_px <= limit_px:
-        return Verdict(fit=everything)
-    return Verdict(trouble=(
+        return MarkerVerdict(fit=everything)
+    return MarkerVerdict(trouble=(
         f'{names_of(everything.numbers)} do not lie to each other as they did, by '
         f'{everything.rms_px:.1f} px: one was moved, or the paper is not flat'))
 

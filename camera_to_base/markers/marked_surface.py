@@ -22,7 +22,7 @@ from camera_to_base.checks import ImageSize
 from camera_to_base.errors import CalibrationError
 from camera_to_base.markers.find import see_markers
 from camera_to_base.markers.fit import (
-    Corners, judge_markers, known_markers, MarkerFit, moved_place, names_of, Verdict)
+    Corners, judge_markers, known_markers, MarkerFit, MarkerVerdict, moved_place, names_of)
 from camera_to_base.parameters import Values
 from camera_to_base.surface import (
     HomographySurface, Hull, make_hull, make_surface, PictureMap, RadialDistortion, Surface,
@@ -137,7 +137,7 @@ class MarkerLook(NamedTuple):
     """
 
     seen: Corners
-    verdict: Verdict
+    verdict: MarkerVerdict
 
 
 class NewSurface(NamedTuple):
@@ -198,7 +198,7 @@ class MarkedSurface:
     def judge(
         self, seen: Corners, frame_from_calibrated: Optional[PictureMap] = None,
         tolerance_px: float = 0.0,
-    ) -> Verdict:
+    ) -> MarkerVerdict:
         """Compare seen markers with a surface, see :meth:`look`."""
         flat = marker_surface(self.values)
         shown = {number: flat.pixels(corners) for number, corners in self.corners.items()}
@@ -229,7 +229,7 @@ class MarkedSurface:
         return NewSurface(make_surface({**self.values, **values}), covariance,
                           PictureMap(matrix, self._lens), values)
 
-    def _if_exact(self, verdict: Verdict) -> Verdict:
+    def _if_exact(self, verdict: MarkerVerdict) -> MarkerVerdict:
         """Give the verdict if positions between the markers would be exact enough."""
         if not self.values[SURFACE_COVARIANCE]:
             return verdict  # How exact the calibration is, is not known.
@@ -242,9 +242,9 @@ class MarkedSurface:
         if error_mm <= _LARGEST_ERROR_MM:
             return verdict
         unseen = sorted(set(self.corners) - set(fit.numbers))
-        return Verdict(trouble=f'by {names_of(fit.numbers)}, positions are exact to '
-                       f'{error_mm:.1f} mm only' + (f' ({names_of(unseen)} not used)'
-                                                    if unseen else ''))
+        return MarkerVerdict(trouble=(
+            f'by {names_of(fit.numbers)}, positions are exact to {error_mm:.1f} mm only'
+            + (f' ({names_of(unseen)} not used)' if unseen else '')))
 
     @property
     def _lens(self) -> RadialDistortion:

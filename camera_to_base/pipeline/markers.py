@@ -16,8 +16,8 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection import Area, LeftOut, LocatedObject, Pixel
 from camera_to_base.errors import CameraToBaseError, Level, Reason
 from camera_to_base.markers import (
-    Corners, has_markers, LEAST_MARKERS, MarkedSurface, MarkerLook, NO_ARUCO, paper_corners,
-    Verdict)
+    Corners, has_markers, LEAST_MARKERS, MarkedSurface, MarkerLook, MarkerVerdict, NO_ARUCO,
+    paper_corners)
 from camera_to_base.pipeline.place import SeenBackground, SurfaceInForce
 from camera_to_base.pipeline.stage import FrameRecord, Stage
 from camera_to_base.pipeline.standpoint import Background, Standpoint
@@ -347,7 +347,7 @@ class MarkerWatch(Stage):
         self._places = MarkerPlaces(look.seen)
         return look
 
-    def _surface(self, seen: Corners, verdict: Verdict) -> SurfaceInForce:
+    def _surface(self, seen: Corners, verdict: MarkerVerdict) -> SurfaceInForce:
         """Return the calibrated surface where the camera is back in its place, or a new one."""
         marked = self._settings.marked
         as_calibrated = marked.judge(seen)
@@ -363,7 +363,7 @@ class MarkerWatch(Stage):
         self._reason = reason
         return record.held(reason)
 
-    def _tell_moved(self, verdict: Verdict) -> None:
+    def _tell_moved(self, verdict: MarkerVerdict) -> None:
         self.doubt = marker_moved(verdict.moved) if verdict.moved else None
 
     def _without_markers(self, record: FrameRecord) -> FrameRecord:

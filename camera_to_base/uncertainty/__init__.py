@@ -13,20 +13,20 @@ Uncertainty: how far a position may be off, as a covariance.
 In: shapes of detected objects in px, a calibration with its covariance, pairs of points.
 Out: covariances of positions, in cm and rad, in the camera frame and in the base frame; ellipses.
 
-The terms of the picture are in `terms`, those of the calibration in `fit_error`; `position` adds
-them up.
+The terms of the picture are in `terms`, those of the calibration in `calibration_error`;
+`position` adds them up.
 
 Callers: see the arrows in CONTRIBUTING. It imports numpy alone: the transform node starts without
 OpenCV.
 """
 
+from camera_to_base.uncertainty.calibration_error import (
+    base_covariance, base_error, fit_error, FitError, LENS_DEVIATIONS, pooled_variance,
+    pose_design, POSE_NUMBERS, UNKNOWN_BASE)
 from camera_to_base.uncertainty.covariance import (
     CENTRE_FLOOR, checked_covariance, FrameState, HEIGHT_TOLERANCE, PositionCovariance,
     SURFACE_COVARIANCE, surface_covariance, symmetric, triangle_length, triangle_of,
     UNCERTAINTY_SPECS)
-from camera_to_base.uncertainty.fit_error import (
-    base_covariance, base_error, fit_error, FitError, LENS_DEVIATIONS, pooled_variance,
-    pose_design, POSE_NUMBERS, UNKNOWN_BASE)
 from camera_to_base.uncertainty.position import (
     position_uncertainty, PositionUncertainty, scales_at)
 from camera_to_base.uncertainty.terms import (

@@ -14,8 +14,9 @@ import math
 from typing import NamedTuple, Sequence
 
 from camera_to_base.parameters import transform_node_settings, TransformSettings, Values
+from camera_to_base.uncertainty.calibration_error import (
+    base_covariance, POSE_NUMBERS, UNKNOWN_BASE)
 from camera_to_base.uncertainty.covariance import checked_covariance
-from camera_to_base.uncertainty.fit_error import base_covariance, POSE_NUMBERS, UNKNOWN_BASE
 import numpy as np
 
 

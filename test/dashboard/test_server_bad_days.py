@@ -36,7 +36,7 @@ def test_a_node_that_was_never_started_is_named_with_its_command(ros, dashboard)
     page.look()
     sentence = silence_comes(ros, page, 'not_running')
     assert 'ros2 run camera_to_base camera_publisher' in sentence
-    assert page.parts['cells'] == [{'cell': '/', 'camera': None, 'transform': None}]
+    assert page.parts['cells'] == [{'cell': '/'}]
     status, answer = page.post(
         '/api/parameters?cell=/', {'node': 'camera', 'values': {'detector.threshold': 70}})
     assert status == 409 and 'does not run' in answer['error']

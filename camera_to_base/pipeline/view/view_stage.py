@@ -119,15 +119,16 @@ class ViewStage(Stage):
             may_be_corrected=self._may_correct and self._corrector.may_correct(
                 watch.view.shift_px, self._limits))
         record = record._replace(standpoint=standpoint, motion=watch.motion)
-        reason = self._explained(record.now, watch.view.shift_px)
+        reason = self._explained(record.now, watch)
         return record if reason is None else record.held(reason)
 
-    def _explained(self, now: Optional[float], shift_px: float) -> Optional[Reason]:
+    def _explained(self, now: Optional[float], watch: ViewWatch) -> Optional[Reason]:
         """Say of a moved view whether it is being measured, or why it is not corrected."""
         if not self._may_correct or self.reason is None or self.reason.kind != 'view_moved':
             self._moved_since = None
             return self.reason
-        return self._while_measured(now, shift_px) or self._corrector.explained(self.reason)
+        return (self._while_measured(now, watch.view.shift_px)
+                or self._corrector.explained(self.reason))
 
     def _while_measured(self, now: Optional[float], shift_px: float) -> Optional[Reason]:
         # Until a movement could have been corrected, nobody has to do anything.

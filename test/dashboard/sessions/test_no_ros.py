@@ -16,7 +16,8 @@ import camera_to_base.dashboard.sessions as sessions
 
 ROOM = Path(sessions.__file__).parent
 ALLOWED = ('camera_to_base.dashboard.sessions.', 'camera_to_base.calibration',
-           'camera_to_base.checks', 'camera_to_base.detection', 'camera_to_base.errors',
+           'camera_to_base.checks', 'camera_to_base.coordinate_transform',
+           'camera_to_base.detection', 'camera_to_base.errors',
            'camera_to_base.files', 'camera_to_base.markers', 'camera_to_base.parameters',
            'camera_to_base.settings', 'camera_to_base.sources', 'camera_to_base.surface', 'cv2',
            'numpy')
