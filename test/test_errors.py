@@ -21,7 +21,7 @@ FAMILY = {name: one for name, one in inspect.getmembers(errors, inspect.isclass)
 # What the dashboard answers to a page, and what a node has answered to the dashboard.
 ANSWERS = {'Refused', 'RefusedError'}
 # What the type of an option raises; argparse makes the command's one sentence of it.
-TO_ARGPARSE = {'argparse.ArgumentTypeError'}
+TO_ARGPARSE = {'argparse.ArgumentError', 'argparse.ArgumentTypeError'}
 # The package's own `__getattr__` raises AttributeError, as Python asks for.
 SOURCES = sorted({*Path(camera_to_base.__file__).parent.rglob('*.py')}
                  - {Path(camera_to_base.__file__)})

@@ -22,7 +22,7 @@ import cv2
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[3] / 'benchmarks'))
+sys.path.insert(0, str(Path(__file__).parents[2] / 'benchmarks'))
 import attack_scenes as scenes  # noqa: E402, I100
 
 COIN = (200, 150)

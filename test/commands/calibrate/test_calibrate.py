@@ -413,7 +413,7 @@ BAD_INPUTS = {
     'sheet of no format': (lambda: ('sheet', '-o', 'a.doc'), 'must end in .pdf, .svg or .png'),
     'sheet that is too small': (lambda: ('sheet', '--square-mm', 40, '-o', 'a.pdf'),
                                 'does not fit on A4: squares of 25 mm do'),
-    'no such subcommand': (lambda: ('bored',), "there is no 'bored', did you mean board"),
+    'no such subcommand': (lambda: ('bord',), "there is no 'bord', did you mean board"),
 }
 
 

@@ -16,18 +16,17 @@ import camera_to_base.dashboard.sessions as sessions
 
 ROOM = Path(sessions.__file__).parent
 ALLOWED = ('camera_to_base.dashboard.sessions.', 'camera_to_base.calibration',
-           'camera_to_base.checks', 'camera_to_base.coordinate_transform',
-           'camera_to_base.detection', 'camera_to_base.errors',
+           'camera_to_base.checks', 'camera_to_base.detection', 'camera_to_base.errors',
            'camera_to_base.files', 'camera_to_base.markers', 'camera_to_base.parameters',
            'camera_to_base.settings', 'camera_to_base.sources', 'camera_to_base.surface', 'cv2',
            'numpy')
 STANDARD = {'collections', 'concurrent.futures', 'datetime', 'itertools', 'os', 're', 'threading',
-            'time', 'typing'}
+            'time', 'traceback', 'typing'}
 
 
 def test_sessions_import_what_calibrate_imports_and_nothing_of_ros_or_the_server():
     modules = list(ROOM.rglob('*.py'))
-    assert len(modules) > 10
+    assert len(modules) > 5
     for path in modules:
         for node in ast.walk(ast.parse(path.read_text())):
             names = [node.module] if isinstance(node, ast.ImportFrom) else [
