@@ -16,11 +16,12 @@ from camera_to_base.calibration import (
     BASE, calibrate_base, calibrate_touches, Calibration, MARKERS, parts_of, point_pairs,
     read_pairs, Report, SURFACE, TouchedPair)
 from camera_to_base.commands.calibrate.files import (
-    base_outputs, check_outputs, Outputs, read_cell_file, tell, until_it_fits, write_part)
+    base_outputs, check_outputs, Outputs, read_cell_file, write_part)
 from camera_to_base.commands.calibrate.live import (
     collect, KeptPairs, measure_again, open_positions, open_robot, Positions, Robot,
     touch_elsewhere)
 from camera_to_base.commands.calibrate.live_camera import display_text
+from camera_to_base.commands.calibrate.prompts import tell, until_it_fits
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.markers import known_markers, MARKER_SPECS
 from camera_to_base.parameters import checked_values

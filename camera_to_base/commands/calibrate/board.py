@@ -16,9 +16,9 @@ from camera_to_base.calibration import (
     calibrate_placements, make_placement, map_lines, Placement, PrintedBoard, read_camera_info,
     refuse_unlike, Report, shares_of, SURFACE, uncovered)
 from camera_to_base.checks import DEFAULT_IMAGE_SIZE
-from camera_to_base.commands.calibrate.files import (
-    ask, camera_values, check_outputs, tell, until_right, write_part)
+from camera_to_base.commands.calibrate.files import camera_values, check_outputs, write_part
 from camera_to_base.commands.calibrate.live_camera import FreshFrames
+from camera_to_base.commands.calibrate.prompts import ask, tell, until_right
 from camera_to_base.errors import CameraToBaseError, InputEndedError, InvalidValueError
 from camera_to_base.parameters import ParameterFile, Values
 from camera_to_base.simulation import CameraMove, move_parameters, SimulatedChessboard

@@ -22,11 +22,11 @@ from camera_to_base.checks import DEFAULT_IMAGE_SIZE
 from camera_to_base.commands.calibrate.base import run_base
 from camera_to_base.commands.calibrate.board import run_board
 from camera_to_base.commands.calibrate.files import (
-    check_outputs, next_command, read_cell_file, run_keep, run_status, sheet_output, tell,
-    write_part)
+    check_outputs, next_command, read_cell_file, run_keep, run_status, sheet_output, write_part)
 from camera_to_base.commands.calibrate.markers import run_markers
 from camera_to_base.commands.calibrate.options import (
     BOLD, drop_output, GREEN, parse, RED, styled, YELLOW)
+from camera_to_base.commands.calibrate.prompts import tell
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import serve_signals, write_files
 from camera_to_base.shell_commands import full_command, with_full_commands

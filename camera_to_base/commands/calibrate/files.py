@@ -7,30 +7,25 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""The files that `calibrate` writes, questions at the terminal, and `calibrate keep`."""
+"""The files that `calibrate` writes, and what they say next; `calibrate keep` and `status`."""
 
 import argparse
 from datetime import datetime
 import os
 import shlex
-import sys
-import termios
-from typing import Any, Callable, Collection, Dict, Mapping, NamedTuple, Optional, TypeVar
+from typing import Any, Dict, Mapping, NamedTuple, Optional
 
 from camera_to_base.calibration import (
     BASE, Calibration, cell_text, corrected_file_text, file_status, grown, MARKERS, next_step,
-    OfferedCorrection, part_values, parts_of, parts_to_lose, Report, report_lines, Suggestion,
-    SURFACE, TITLE, without_report)
+    OfferedCorrection, part_values, parts_of, parts_to_lose, Report, report_lines, SURFACE, TITLE,
+    without_report)
 from camera_to_base.drawing import check_picture_path, encoded_picture
-from camera_to_base.errors import (
-    CalibrationError, CameraToBaseError, InputEndedError, InvalidValueError)
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import (
     check_folder, refuse_existing, refuse_same_file, regular_target, write_files)
 from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections
 from camera_to_base.shell_commands import full_command, run_command
 from camera_to_base.sources import DEVICE, kind_of, lasting_name
-
-T = TypeVar('T')
 
 # Name of a part, and the step that gives it.
 _EARLIER = {SURFACE: ('surface', 'calibrate board --camera {} --placements 4 -o {}'),
@@ -38,87 +33,6 @@ _EARLIER = {SURFACE: ('surface', 'calibrate board --camera {} --placements 4 -o 
 
 # A hand that crosses the view, or a picture that comes late, does not end the command.
 _PATIENCE_S = 2.0
-
-
-def ask(question: str) -> str:
-    """
-    Print a question, and return the line that is typed.
-
-    Questions go to standard error: standard output carries the report alone. What was typed into
-    a terminal before the question is dropped: it answers another one.
-
-    :raises InputEndedError: If the input has ended.
-    """
-    _drop_typed_ahead()
-    print(question, end=' ', file=sys.stderr, flush=True)
-    line = sys.stdin.readline()
-    if not line:
-        print(file=sys.stderr)
-        raise InputEndedError(
-            'the input has ended before all questions were answered: run it in a terminal')
-    return line.strip()
-
-
-def _drop_typed_ahead() -> None:
-    try:
-        number = sys.stdin.fileno()
-        if os.isatty(number):
-            termios.tcflush(number, termios.TCIFLUSH)
-    except (OSError, ValueError, termios.error):
-        pass  # no file, or a terminal that is gone: reading it tells
-
-
-def tell(text: str) -> None:
-    """Print a line for the person."""
-    print(text, file=sys.stderr, flush=True)
-
-
-def until_right(step: Callable[[], T], again: str) -> T:
-    """
-    Repeat a step until it raises no error that the person can mend; print each error.
-
-    :param again: The question after an error; 'q' as its answer raises the error.
-    """
-    while True:
-        try:
-            return step()
-        except InputEndedError:
-            raise
-        except CameraToBaseError as error:
-            tell(f'  {error}')
-            if ask(again).lower() == 'q':
-                raise
-
-
-def until_it_fits(
-    fit: Callable[[], T], touches: str, again: str, numbers: Collection[int],
-    repeat: Callable[[int], None],
-) -> T:
-    """
-    Repeat a fit until it raises no error; after each error a single touch may be repeated.
-
-    :param touches: What does not fit, in the line that tells the error.
-    :param again: How a touch is repeated, as in 'a pair to measure it again'.
-    :param numbers: The touches' numbers.
-    :param repeat: Repeats the touch of a number.
-    :raises CalibrationError: The fit's, if the answer is 'q'.
-    """
-    while True:
-        try:
-            return fit()
-        except CalibrationError as error:
-            tell(f'The {touches} do not fit: {error}')
-            answer = ask(f'Type the number of {again}, or q to stop without a file:')
-            if answer.lower() == 'q':
-                raise
-            if answer.isdecimal() and int(answer) in numbers:
-                repeat(int(answer))
-
-
-def ask_for_object(suggestion: Suggestion) -> None:
-    """Ask the person to put the object to a place."""
-    ask(f'  Put one object near the {suggestion.name} of the calibrated area, as the picture '
-        'shows it. Take your hand and the robot out of the picture, and press Enter:')
 
 
 class Outputs(NamedTuple):

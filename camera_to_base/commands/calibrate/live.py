@@ -18,8 +18,8 @@ from typing import Any, Iterator, List, Optional, Protocol, Sequence, Tuple
 from camera_to_base.calibration import (
     FRAMES, measured_place, pairs_text, read_kept_pairs, read_typed_position, same_touch,
     suggested_places, Suggestion, TouchedPair)
-from camera_to_base.commands.calibrate.files import ask, ask_for_object, tell, until_right
 from camera_to_base.commands.calibrate.live_camera import CameraPositions, SimulatedPositions
+from camera_to_base.commands.calibrate.prompts import ask, ask_for_object, tell, until_right
 from camera_to_base.errors import InputEndedError, InvalidValueError
 from camera_to_base.files import refuse_same_file, regular_target, write_files
 from camera_to_base.parameters import read_parameter_file

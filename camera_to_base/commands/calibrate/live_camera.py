@@ -13,7 +13,7 @@ import time
 from typing import Callable, Iterator, List, Optional, Tuple
 
 from camera_to_base.calibration import FRAMES, suggested_places, Suggestion
-from camera_to_base.commands.calibrate.files import ask, ask_for_object, tell
+from camera_to_base.commands.calibrate.prompts import ask, ask_for_object, tell
 from camera_to_base.errors import CalibrationError, FrameSourceError, Reason
 from camera_to_base.pipeline import DamageCheck
 from camera_to_base.settings import CameraSettings, NamedSource
