@@ -98,9 +98,8 @@ class Page:
 
 def calibration_of(source):
     """Return the parameter file of the simulated camera; None for other sources."""
-    from ament_index_python.packages import get_package_share_directory
-    return os.path.join(get_package_share_directory('camera_to_base'), 'config',
-                        'simulated_camera.yaml') if source == 'simulated' else None
+    config = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', 'config')
+    return os.path.join(config, 'simulated_camera.yaml') if source == 'simulated' else None
 
 
 def parse(arguments):

@@ -50,6 +50,7 @@ def test_value_that_cannot_be_used_is_a_value_error_too():
         raise InvalidValueError('what failed')
 
 
+@pytest.mark.slow
 def test_modules_raise_errors_of_the_family_with_a_text():
     for source in SOURCES:
         for call in raised_calls(source):

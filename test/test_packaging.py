@@ -132,6 +132,7 @@ def imported():
     return names - sys.stdlib_module_names - {'camera_to_base'}
 
 
+@pytest.mark.slow
 @needs_wheel
 def test_wheel_requires_what_is_imported_and_nothing_else(wheel):
     required = requirements(wheel)

@@ -76,11 +76,13 @@ def done_at_any_start(name, ros):
     return done
 
 
+@pytest.mark.slow
 @each_node
 def test_policy_allows_all_that_the_node_does(ros, name):
     assert done_at_any_start(name, ros) - allowed(name) == set()
 
 
+@pytest.mark.slow
 @each_node
 def test_policy_allows_nothing_that_the_node_never_does(ros, name):
     assert allowed(name) - done_at_any_start(name, ros) == set()

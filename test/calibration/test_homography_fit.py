@@ -114,6 +114,7 @@ def test_the_coefficient_is_hardly_worse_where_the_lens_has_none():
     assert np.mean(chosen) < 1.15 * np.mean(plain)
 
 
+@pytest.mark.slow
 def test_clicked_points_are_located_to_a_quarter_of_a_millimetre():
     homography = pixel_from_surface(20, away_cm=40, middle=(15, 9.4))
     board, errors = 1.5 * GRID, []

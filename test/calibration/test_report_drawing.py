@@ -38,6 +38,7 @@ def test_squares_are_square_and_not_mirrored_from_above(corner):
     np.testing.assert_allclose(sides[0].mean(), sides[1].mean(), rtol=0.005)
 
 
+@pytest.mark.slow
 def test_a_bad_fit_looks_bad():
     image, matched, surface = fitted()
     lattice = matched.points.reshape(6, 9, 2)

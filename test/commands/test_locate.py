@@ -161,6 +161,7 @@ def test_annotated_video_shows_each_used_frame_with_its_objects(run):
     assert np.ptp(pictures[0][40:]) < 30 < np.ptp(pictures[0][:40])
 
 
+@pytest.mark.slow
 def test_simulated_source_is_a_minute_of_the_board(run):
     file = parameters('simulated: {frame_rate: 0.5}')
     code, output, error = run('simulated', '--params-file', file)

@@ -139,6 +139,7 @@ def test_pictures_come_as_they_are_asked_for(ros, dashboard, cell, kind, flag):
     assert picture.shape[:2] == (480, 640)
 
 
+@pytest.mark.slow
 def test_log_and_health_of_both_nodes_are_shown(ros, dashboard):
     ros.add(CameraPublisher, *SIMULATED, *SIMULATED_CELL)
     ros.add(RobotBasePublisher)
@@ -169,6 +170,7 @@ def test_a_cell_in_a_namespace_is_found_and_kept_apart(ros, dashboard):
     assert '__ns:=/left' in watch['silence']['sentence']
 
 
+@pytest.mark.slow
 def test_nothing_costs_anything_while_nobody_looks(ros, dashboard, cell):
     topics = ['/objects_in_cam_frame', '/objects_in_cam_frame/ellipses', '/debug_image/compressed',
               '/frame/compressed', '/rosout']

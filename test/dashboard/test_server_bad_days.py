@@ -31,6 +31,7 @@ def has_reported(page):
     return any('camera_publisher' in one['name'] and one['reason'] != 'no_report' for one in nodes)
 
 
+@pytest.mark.slow
 def test_a_node_that_was_never_started_is_named_with_its_command(ros, dashboard):
     page = dashboard()
     page.look()
@@ -65,6 +66,7 @@ def test_a_node_that_dies_is_told_and_one_that_comes_back_is_found(ros, start, d
         for one in page.parts['parameters']['camera']))
 
 
+@pytest.mark.slow
 def test_a_node_that_ends_is_told(ros, dashboard):
     camera = ros.add(CameraPublisher, *SIMULATED)
     page = dashboard()
@@ -77,6 +79,7 @@ def test_a_node_that_ends_is_told(ros, dashboard):
     ros.spin_until(lambda: page.parts['parameters']['camera'] == [])
 
 
+@pytest.mark.slow
 def test_a_camera_that_is_not_there_is_told_in_the_words_of_its_node(ros, dashboard):
     ros.add(CameraPublisher, '-p', 'source:=/dev/video99')
     page = dashboard()
@@ -94,6 +97,7 @@ def test_without_the_transform_node_camera_positions_are_shown_alone(ros, dashbo
     assert page.parts['watch']['objects'][0]['base'] is None
 
 
+@pytest.mark.slow
 def test_random_positions_are_shown_with_a_warning(ros, dashboard):
     ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=0.2')
     ros.add(RobotBasePublisher)
@@ -104,6 +108,7 @@ def test_random_positions_are_shown_with_a_warning(ros, dashboard):
     assert 'RANDOM' in page.parts['watch']['warning']['sentence']
 
 
+@pytest.mark.slow
 def test_a_page_that_does_not_read_gets_the_newest_picture_when_it_does(ros, dashboard):
     ros.add(CameraPublisher, *SIMULATED)
     page = dashboard()

@@ -60,6 +60,7 @@ def test_an_area_that_crosses_itself_is_refused_and_nothing_is_set(page, cell):
     assert list(cell[0].get_parameter('work_area').value) == []
 
 
+@pytest.mark.slow
 @pytest.mark.flaky(reruns=2, only_rerun=['NotInTime'])
 def test_a_board_is_looked_for_and_drawn_while_a_page_is_open_and_found_after_a_reload(
         ros, dashboard, page):

@@ -107,6 +107,7 @@ def test_hands_that_pass_do_not_keep_a_background_from_being_taken_within_10_s(c
         assert taken_by(BackgroundTaker(count), (board.read() for _ in range(100)))[0]
 
 
+@pytest.mark.slow
 def test_gathered_frames_take_no_more_than_200_mb():
     frame, taker, count = np.full((2160, 3840, 3), 150, np.uint8), BackgroundTaker(1000), 0
     background = None

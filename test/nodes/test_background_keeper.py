@@ -75,6 +75,7 @@ def test_camera_that_was_nudged_meanwhile_publishes_nothing(ros, file):
     assert positions == []
 
 
+@pytest.mark.slow
 def test_file_of_another_picture_size_publishes_nothing_until_it_is_taken_anew(ros, file):
     keep_empty_table(file, lambda table: cv2.resize(table, (320, 240)))
     positions, statuses = ros.listen(CAMERA_TOPIC), ros.listen_to_diagnostics('/camera_publisher')
@@ -112,6 +113,7 @@ def test_file_that_cannot_be_written_is_said_once_and_positions_come(ros, start,
     assert node.output.count('the background is not kept') == 1
 
 
+@pytest.mark.slow
 def test_source_that_is_no_camera_keeps_nothing_and_says_so(ros, start, file):
     positions = ros.listen(CAMERA_TOPIC)
     node = start('camera_publisher', *arguments('simulated', file))

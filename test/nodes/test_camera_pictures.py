@@ -36,6 +36,7 @@ def test_nothing_is_encoded_while_nobody_looks(ros, monkeypatch):
     assert encoded == []
 
 
+@pytest.mark.slow
 def test_the_frame_has_nothing_drawn_on_it_and_comes_ten_times_a_second_at_most(ros):
     frames = ros.listen_to(CompressedImage, '/frame/compressed')
     drawn = ros.listen_to(Image, '/debug_image')
@@ -62,6 +63,7 @@ def test_the_mask_is_white_where_objects_are(ros):
     assert 1000 < np.count_nonzero(mask) < 2000  # a coin of 2.4 cm is 43 px wide
 
 
+@pytest.mark.slow
 def test_who_comes_late_gets_the_background_and_then_each_new_one(ros):
     positions = ros.listen(CAMERA_TOPIC)
     node = ros.add(CameraPublisher, *SIMULATED)
@@ -112,6 +114,7 @@ def test_what_is_left_out_is_drawn_with_a_label_but_without_a_box(ros, least_cm2
     assert all(has(green, one) != is_labelled for one in images[5:])
 
 
+@pytest.mark.slow
 def test_a_calibration_that_is_set_while_the_node_runs_is_followed(ros):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     node = ros.add(CameraPublisher, *SIMULATED)

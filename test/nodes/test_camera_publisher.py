@@ -113,6 +113,7 @@ def test_nothing_is_published_for_a_frame_without_an_object(ros, play):
     assert received == []
 
 
+@pytest.mark.slow
 def test_frame_of_another_size_gives_no_position_and_the_node_lives(ros, play):
     received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
     small = table_with_disc(100, 100, 320, 240)
@@ -128,6 +129,7 @@ def test_camera_that_gives_no_frame_publishes_nothing_and_is_read_again(ros, pla
     assert ros.spin_until(lambda: received, 3.0)
 
 
+@pytest.mark.slow
 def test_error_that_nobody_foresaw_in_the_camera_is_said_and_the_camera_is_read_again(ros, play):
     received, lines = listen_for_camera(ros), ros.listen_to_log('camera_publisher')
     statuses = ros.listen_to_diagnostics('/camera_publisher')
@@ -151,10 +153,12 @@ def test_homography_refuses_pictures_that_it_was_not_made_for(ros, play):
     assert received == []
 
 
+@pytest.mark.slow
 def test_precise_method_puts_the_simulated_coin_within_a_tenth_of_a_mm(ros):
     assert max(distances_to_the_truth_cm(ros, '-p', 'detector.method:=precise')) < 0.01
 
 
+@pytest.mark.slow
 def test_random_pixels_come_from_the_tutorials_range(ros):
     received = listen_for_camera(ros)
     ros.add(CameraPublisher, '-p', 'source:=random', '-p', 'period:=0.01')
@@ -301,6 +305,7 @@ def test_height_of_the_objects_can_be_told_while_the_node_runs(ros, play):
     assert ros.spin_until(lambda: received[-1] == pytest.approx([shifted, 13.5], abs=0.12))
 
 
+@pytest.mark.slow
 def test_background_is_captured_anew_by_a_service(ros, play):
     received = listen_for_camera(ros)
     play([*[table()] * 5, table_with_disc(320, 240)], '-p', 'background_frames:=3')
@@ -357,6 +362,7 @@ class NudgedCamera(GivenFrames):
         return super().read()
 
 
+@pytest.mark.slow
 def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ros, monkeypatch):
     camera = NudgedCamera()
     monkeypatch.setattr(named_source, 'open_frame_source', lambda name: camera)
@@ -379,6 +385,7 @@ def test_nudged_camera_publishes_nothing_says_why_and_goes_on_when_it_is_back(ro
     assert ros.spin_until(lambda: statuses[-1].level == 0, 3.0)
 
 
+@pytest.mark.slow
 def test_surface_without_structure_is_said_to_be_no_help_against_a_nudge(ros, play):
     lines = ros.listen_to_log('camera_publisher')
     statuses = ros.listen_to_diagnostics('/camera_publisher')
@@ -391,6 +398,7 @@ def test_surface_without_structure_is_said_to_be_no_help_against_a_nudge(ros, pl
     assert sum('put marks into' in line.text for line in lines) == 1
 
 
+@pytest.mark.slow
 def test_movement_along_the_only_lines_of_a_surface_is_said_to_be_no_movement_to_the_view(
         ros, play):
     lined = table()
@@ -404,6 +412,7 @@ def test_movement_along_the_only_lines_of_a_surface_is_said_to_be_no_movement_to
     assert ros.spin_until(lambda: any('along it; put marks' in line.text for line in lines), 5.0)
 
 
+@pytest.mark.slow
 def test_objects_beyond_the_horizon_only_are_a_warning_for_as_long_as_nothing_else_is_seen(
         ros, play):
     def seen(*places):
@@ -442,6 +451,7 @@ def test_picture_size_can_be_changed_for_the_next_time_that_a_device_is_opened(r
         cv2.CAP_PROP_FRAME_WIDTH: 320, cv2.CAP_PROP_FRAME_HEIGHT: 240})
 
 
+@pytest.mark.slow
 def test_change_is_on_the_diagnostics_at_once(ros, play):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     lines = ros.listen_to_log('camera_publisher')
@@ -452,6 +462,7 @@ def test_change_is_on_the_diagnostics_at_once(ros, play):
     assert abs(first.received_at - lines[-1].received_at) < 0.25
 
 
+@pytest.mark.slow
 def test_diagnostics_come_once_a_second_with_what_a_user_should_know(ros, play):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     play([table()])
@@ -507,6 +518,7 @@ def test_node_that_was_not_set_up_has_the_tutorials_random_pixels(ros, monkeypat
     assert ros.spin_until(lambda: len(received) >= 3)
 
 
+@pytest.mark.slow
 def test_surface_that_is_the_tutorials_is_told_once_and_a_warning_until_it_is_calibrated(
         ros, monkeypatch):
     monkeypatch.setattr(named_source, 'open_frame_source', lambda name: GivenFrames([table()]))

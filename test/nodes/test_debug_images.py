@@ -54,6 +54,7 @@ def test_only_what_somebody_looks_at_is_encoded(ros, drawn):
     assert jpeg.shape == (480, 640, 3)
 
 
+@pytest.mark.slow
 def test_drawing_ends_when_the_last_one_looks_away(ros, drawn):
     received = ros.listen_to(Image, '/debug_image')
     ros.add(CameraPublisher, *SIMULATED)

@@ -117,6 +117,7 @@ def test_damaged_first_jpegs_of_a_topic_do_not_become_the_background(ros, name):
     check_coin_is_found_and_nothing_else(positions, send, jpeg_message)
 
 
+@pytest.mark.slow
 def test_camera_that_stays_black_is_told(ros):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     send = play(ros, image_message, '-p', 'source:=topic')

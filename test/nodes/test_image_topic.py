@@ -116,6 +116,7 @@ def test_driver_may_be_reliable(ros):
     assert send_until(ros, publisher, image(random_picture()), lambda: received.frames)
 
 
+@pytest.mark.slow
 def test_slow_consumer_gets_the_newest_picture_and_the_rest_is_counted_as_replaced(ros):
     received = Received(ros, pause=0.3)
     publisher, sent_at = driver(ros), {}
@@ -197,6 +198,7 @@ def test_stamps_are_compared_with_the_simulations_clock_where_there_is_one(ros):
     assert time.monotonic() - taken_at == pytest.approx(0.1, abs=0.05)
 
 
+@pytest.mark.slow
 def test_unknown_encoding_is_an_error_that_names_it_until_a_good_picture_comes(ros):
     received, publisher = Received(ros), driver(ros)
     lines = ros.listen_to_log('camera')
@@ -222,6 +224,7 @@ def test_single_bad_picture_does_not_lose_the_driver(ros):
     assert 'step' in received.topic.snapshot().last_damage.sentence
 
 
+@pytest.mark.slow
 def test_publisher_whose_reliability_cannot_match_is_an_error_with_the_cure(ros):
     lines = ros.listen_to_log('camera')
     publisher = driver(ros)
@@ -235,6 +238,7 @@ def test_publisher_whose_reliability_cannot_match_is_an_error_with_the_cure(ros)
     assert received.frames == []
 
 
+@pytest.mark.slow
 def test_topic_without_a_publisher_asks_for_the_driver_after_a_second(ros):
     received = Received(ros)
     assert received.topic.error is None and received.topic.state is ReaderState.WAITING
@@ -243,6 +247,7 @@ def test_topic_without_a_publisher_asks_for_the_driver_after_a_second(ros):
     assert str(received.topic.error) == 'no picture on /image: is the camera driver running?'
 
 
+@pytest.mark.slow
 def test_driver_that_gives_no_picture_is_told_from_one_that_is_not_there(ros):
     driver(ros)
     received = Received(ros)
@@ -250,6 +255,7 @@ def test_driver_that_gives_no_picture_is_told_from_one_that_is_not_there(ros):
         lambda: received.has_failed and 'camera plugged in' in str(received.topic.error))
 
 
+@pytest.mark.slow
 def test_topic_that_carries_something_else_is_named(ros):
     other = Ros()
     try:
@@ -291,6 +297,7 @@ def test_slow_but_regular_topic_is_not_lost_between_its_pictures(ros):
     assert received.topic.reason.kind == 'camera_lost'
 
 
+@pytest.mark.slow
 def test_driver_that_ends_is_lost_and_found_when_it_is_back(ros):
     received, publisher = Received(ros), driver(ros)
     assert send_until(ros, publisher, image(random_picture()), lambda: received.frames)

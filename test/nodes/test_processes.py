@@ -153,6 +153,7 @@ def test_video_is_published_frame_for_frame_as_by_the_tutorial_and_ends_with_0(
     assert base == [pytest.approx([x - 17.8, 24.4 - y]) for x, y in expected]
 
 
+@pytest.mark.slow
 def test_bad_messages_do_not_stop_the_transform_node(ros, start):
     node = start('robot_base_publisher')
     received, publisher = ros.listen(BASE_TOPIC), ros.talk(CAMERA_TOPIC)
@@ -193,6 +194,7 @@ def test_signal_ends_a_node_that_waits_for_a_simulated_clock(ros, start, executa
     assert node.end(number) == 0
 
 
+@pytest.mark.slow
 def test_interrupt_ends_a_node_that_a_shell_has_started_in_its_background(ros):
     path = os.path.join(
         get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', 'robot_base_publisher')

@@ -160,6 +160,7 @@ def test_namespace_and_remap_move_the_topics(ros):
     assert ros.spin_until(lambda: node.count_subscribers('/cell/seen') == 1)
 
 
+@pytest.mark.slow
 def test_publisher_of_a_remapped_topic_is_not_missed(ros):
     statuses = ros.listen_to_diagnostics('/robot_base_publisher')
     ros.add(RobotBasePublisher, '-r', 'pos_in_cam_frame:=seen')
@@ -168,6 +169,7 @@ def test_publisher_of_a_remapped_topic_is_not_missed(ros):
     assert ros.spin_until(lambda: statuses[-1].level == 0, 6.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('topic', [CAMERA_TOPIC, f'{CAMERA_TOPIC}/point', OBJECTS])
 def test_publisher_whose_quality_of_service_does_not_match_is_told_once(ros, topic):
     statuses = ros.listen_to_diagnostics('/robot_base_publisher')
@@ -207,6 +209,7 @@ def test_reach_can_be_changed_while_the_node_runs(ros):
     assert len(received) == 1
 
 
+@pytest.mark.slow
 def test_diagnostics_count_what_came_and_what_was_dropped_and_why(ros):
     statuses = ros.listen_to_diagnostics('/robot_base_publisher')
     _, publisher, _ = connect(ros)

@@ -55,6 +55,7 @@ def test_five_still_objects_are_published_where_they_are(ros):
         assert min(math.dist(point, other) for other in points(true[-1])) < 0.02
 
 
+@pytest.mark.slow
 def test_robot_touches_the_objects_in_the_order_in_which_they_are_published(ros):
     found, tool = ros.listen_to(PoseArray, OBJECTS_TOPIC), ros.listen_to(PoseStamped, TOOL_TOPIC)
     node = start(ros, 'simulated.shows:=still_objects')
@@ -77,6 +78,7 @@ def test_robot_touches_the_objects_in_the_order_in_which_they_are_published(ros)
     assert len(tool) == count
 
 
+@pytest.mark.slow
 def test_bump_is_told_and_makes_no_wrong_position(ros):
     found, true = ros.listen_to(PoseArray, OBJECTS_TOPIC), ros.listen_to(
         PoseArray, TRUE_OBJECTS_TOPIC)

@@ -97,6 +97,7 @@ def test_names_of_the_frames_are_parameters(ros):
     assert seen[0].header.frame_id == 'table'
 
 
+@pytest.mark.slow
 def test_messages_in_another_frame_are_dropped_and_counted(ros):
     node, point_talker, object_talker, points, objects = connect(ros)
     statuses = ros.listen_to_diagnostics('/robot_base_publisher')
@@ -261,6 +262,7 @@ def test_pictures_without_any_noise_are_taken_for_repeated_but_in_a_simulation(
     assert bool(told) != is_simulation
 
 
+@pytest.mark.slow
 def test_camera_driver_that_is_not_there_is_said_in_the_diagnostics(ros):
     statuses = ros.listen_to_diagnostics('/camera_publisher')
     ros.add(CameraPublisher, '-p', 'source:=topic')
@@ -269,6 +271,7 @@ def test_camera_driver_that_is_not_there_is_said_in_the_diagnostics(ros):
     assert statuses[-1].values['source'] == '/image'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('yaw_deg', [15.0, -60.0, 85.0])
 @pytest.mark.parametrize('arguments', [
     (), ('-p', 'simulated.tilt_deg:=30.0', '--params-file', TILTED)])

@@ -122,6 +122,7 @@ def test_a_covariance_that_is_none_is_dropped(ros, place, value):
     assert all(np.isfinite(matrix(one)).all() for one in received)
 
 
+@pytest.mark.slow
 def test_every_object_has_an_ellipse_in_both_frames(ros):
     markers, base_markers = (ros.listen_to(MarkerArray, topic)
                              for topic in (CAMERA_ELLIPSES, BASE_ELLIPSES))
@@ -138,6 +139,7 @@ def test_every_object_has_an_ellipse_in_both_frames(ros):
             assert 0 < marker.scale.y <= marker.scale.x < 1 and marker.color.a > 0
 
 
+@pytest.mark.slow
 def test_ellipses_stop_where_nobody_looks(ros):
     node = ros.add(RobotBasePublisher)
     talker = ros.node.create_publisher(MarkerArray, CAMERA_ELLIPSES, 10)

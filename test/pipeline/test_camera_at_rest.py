@@ -54,6 +54,7 @@ def test_bump_while_the_background_is_taken_leaves_the_view_checked():
     assert taking.see(40) == 'view_moved'
 
 
+@pytest.mark.slow
 def test_camera_that_swings_gives_no_background_until_it_stands_still():
     taking = Taking()
     swing = [9 * 0.9 ** n * np.cos(2 * n) for n in range(30)]

@@ -36,6 +36,7 @@ def test_coin_is_published_where_it_is_after_a_nudge(watched, scene):
     assert watched.pipeline.view.shift_px < 0.5
 
 
+@pytest.mark.slow
 def test_movement_that_may_be_corrected_is_a_warning_for_two_seconds_and_then_an_error(watched):
     reason = watched.see(nudge(6, 2), [COIN]).reason
     assert reason.kind == 'view_moved' and reason.level is Level.WARN
@@ -71,6 +72,7 @@ def test_camera_that_is_put_back_is_not_corrected_any_more(watched):
     assert watched.pipeline.doubt is None and watched.pipeline.standpoint.correction is None
 
 
+@pytest.mark.slow
 def test_slow_drift_below_the_limit_is_corrected(watched):
     for number in range(30):
         watched.see(nudge(0.08 * number, 0, 0.05 * number), [COIN])
@@ -121,6 +123,7 @@ def test_zero_px_never_corrects():
     assert reason.kind == 'view_moved' and 'corrected' not in reason.sentence
 
 
+@pytest.mark.slow
 def test_camera_in_motion_gives_no_wrong_point(watched):
     watched.see(None, [COIN], 3)
     for number in range(24):

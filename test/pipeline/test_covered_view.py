@@ -93,12 +93,14 @@ def test_positions_come_back_with_the_second_frame_after_the_cover_is_gone(watch
         assert watched.pipeline.reason is None
 
 
+@pytest.mark.slow
 def test_view_that_is_free_in_part_comes_back_within_half_a_second(watched):
     watched.play(2.0, board)
     seen = watched.play(0.6, third_of_a_sheet)
     assert any(one.reason is None for one in seen)
 
 
+@pytest.mark.slow
 def test_camera_that_was_bumped_below_a_cover_is_noticed_and_gives_no_point(watched):
     watched.play(1.0, sheet)
     seen = watched.play(1.0, matrix=nudge(25, 14))
@@ -107,6 +109,7 @@ def test_camera_that_was_bumped_below_a_cover_is_noticed_and_gives_no_point(watc
     assert 'view.correct_up_to_px is 20' in seen[-1].reason.sentence
 
 
+@pytest.mark.slow
 def test_small_nudge_below_a_cover_is_corrected_within_a_second(watched):
     watched.play(1.0, sheet)
     seen = watched.play(1.0, matrix=nudge(7, -5, 3))

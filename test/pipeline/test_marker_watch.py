@@ -105,6 +105,7 @@ def test_camera_that_was_moved_before_the_start_gives_right_positions():
     assert cell.pipeline.doubt.kind == 'surface_by_markers'
 
 
+@pytest.mark.slow
 def test_moved_camera_waits_for_its_background():
     cell = Cell()
     cell.start()
@@ -117,6 +118,7 @@ def test_moved_camera_waits_for_its_background():
     assert_at_the_coin(published(cell.look(THERE, WITH_COIN, 4)))
 
 
+@pytest.mark.slow
 def test_moved_camera_takes_its_background_where_that_is_allowed():
     cell = Cell(background_retake='auto')
     cell.start()
@@ -134,6 +136,7 @@ def test_background_is_not_taken_while_something_moves():
     assert cell.pipeline.counts['frames held back: background_missing'] <= 2
 
 
+@pytest.mark.slow
 def test_background_is_not_taken_while_a_marker_is_covered():
     cell = Cell(background_retake='auto')
     cell.start()
@@ -142,6 +145,7 @@ def test_background_is_not_taken_while_a_marker_is_covered():
     assert cell.pipeline.counts['frames held back: background_missing'] <= 2
 
 
+@pytest.mark.slow
 def test_background_is_not_taken_while_an_object_lies_there():
     cell = Cell(background_retake='auto')
     cell.start()
@@ -152,6 +156,7 @@ def test_background_is_not_taken_while_an_object_lies_there():
     assert_at_the_coin(published(cell.look(THERE, WITH_COIN, 4)))
 
 
+@pytest.mark.slow
 def test_camera_that_is_put_back_has_its_calibrated_surface_again():
     cell = Cell(background_retake='auto')
     cell.start(THERE)
@@ -169,6 +174,7 @@ def test_nothing_is_published_where_no_marker_is_seen():
     assert 'no marker is seen' in sightings[-1].reason.sentence
 
 
+@pytest.mark.slow
 def test_marker_that_was_moved_is_named_and_never_an_object():
     cell = Cell()
     cell.start()

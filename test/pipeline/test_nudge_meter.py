@@ -53,6 +53,7 @@ def test_nudge_is_a_homography_of_undistorted_pixels():
     assert isinstance(wrong, str) or np.hypot(*errors_px(wrong, matrix, lens).T).max() > 0.5
 
 
+@pytest.mark.slow
 def test_covariance_describes_the_errors():
     squares = []
     for seed in range(12):

@@ -51,6 +51,7 @@ def test_level_of_a_reason_is_that_of_the_message(ros, level, constant):
     assert received[0].status[0].level == constant
 
 
+@pytest.mark.slow
 def test_heartbeat_keeps_the_ratio_of_the_periods(ros):
     heartbeat, calls = Heartbeat(ros.node), []
     heartbeat.every(0.6, lambda: calls.append('slow'))

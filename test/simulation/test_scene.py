@@ -111,6 +111,7 @@ def test_camera_that_is_put_back_sees_the_first_picture_again():
     np.testing.assert_array_equal(board.read(), first)
 
 
+@pytest.mark.slow
 def test_bumps_are_a_few_px_each_another_one_and_the_same_for_a_seed():
     board = SimulatedBoard()
     random, again = np.random.default_rng(5), np.random.default_rng(5)
@@ -154,6 +155,7 @@ def test_whole_board_is_seen_at_each_placement(number, tilt_deg):
     assert shows_board(frame)
 
 
+@pytest.mark.slow
 def test_placements_together_cover_the_picture():
     covered = np.zeros((480, 640), bool)
     for number in range(1, PLACEMENT_COUNT + 1):

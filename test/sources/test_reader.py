@@ -117,6 +117,7 @@ def test_only_the_readers_thread_touches_the_camera(read):
     assert camera.threads == {'frame reader'}
 
 
+@pytest.mark.slow
 def test_states_are_waiting_running_and_lost(read):
     camera = Numbers(FrameSourceError('not there'), None, None, FrameSourceError('unplugged'))
     reader = read(camera)
@@ -127,6 +128,7 @@ def test_states_are_waiting_running_and_lost(read):
         ReaderState.WAITING, ReaderState.RUNNING, ReaderState.LOST, ReaderState.RUNNING]
 
 
+@pytest.mark.slow
 def test_camera_that_hangs_is_lost_though_its_read_has_not_returned(read):
     camera = Numbers()
     reader = read(camera)
@@ -135,6 +137,7 @@ def test_camera_that_hangs_is_lost_though_its_read_has_not_returned(read):
     assert wait_until(lambda: reader.state is ReaderState.LOST, 1.4)
 
 
+@pytest.mark.slow
 def test_pauses_between_attempts_grow_from_half_a_second(read):
     camera = Numbers(*[FrameSourceError('away')] * 4, wait=0.0)
     reader = read(camera)
@@ -167,6 +170,7 @@ def test_error_that_nobody_foresaw_ends_the_wait_for_the_first_attempt(read):
         reader.wait_for_first_attempt()
 
 
+@pytest.mark.slow
 def test_camera_whose_every_frame_makes_an_error_is_never_said_to_run(read):
     def fail(frame):
         raise ValueError('odd')
@@ -195,6 +199,7 @@ def test_consumer_is_told_of_each_frame(read):
     assert reader.counts.read >= 5
 
 
+@pytest.mark.slow
 @both_servers
 def test_reader_drains_a_stream_and_its_frames_are_new(server_class):
     with server_class(scenes.Clock(has_disc=True), 20.0) as server:

@@ -44,7 +44,7 @@ def _drop_typed_ahead() -> None:
         number = sys.stdin.fileno()
         if os.isatty(number):
             termios.tcflush(number, termios.TCIFLUSH)
-    except (OSError, ValueError, termios.error):
+    except (AttributeError, OSError, ValueError, termios.error):
         pass  # no file, or a terminal that is gone: reading it tells
 
 

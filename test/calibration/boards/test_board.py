@@ -72,6 +72,7 @@ def test_other_counts_are_refused_with_the_right_ones(columns, rows):
         find_board(render(pixel_from_surface()), columns, rows)
 
 
+@pytest.mark.slow
 def test_a_picture_without_a_board_is_refused_with_advice():
     noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3), np.uint8)
     for image in (np.full((240, 320, 3), 128, np.uint8), noise):
@@ -131,6 +132,7 @@ def test_a_frame_that_makes_no_sense_is_refused(options):
         board_points(9, 6, **options)
 
 
+@pytest.mark.slow
 def test_noise_of_an_empty_table_is_given_up_soon():
     noise = np.random.default_rng(0).normal(128, 4, (480, 640, 3)).clip(0, 255).astype(np.uint8)
     begun = time.process_time()
@@ -140,6 +142,7 @@ def test_noise_of_an_empty_table_is_given_up_soon():
     assert time.process_time() - begun < 8
 
 
+@pytest.mark.slow
 def test_search_begins_nothing_after_its_time():
     begun, large = time.monotonic(), np.full((3000, 4000), 128, np.uint8)
     assert search(large, 9, 6, until=begun) is None

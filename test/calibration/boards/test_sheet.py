@@ -21,6 +21,7 @@ import pytest
 DOTS_PER_MM = 300 / 25.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('paper, columns, rows, square_mm', [
     ('A4', 9, 6, 25),
     pytest.param('Letter', 9, 6, 25, marks=pytest.mark.slow),

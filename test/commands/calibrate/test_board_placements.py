@@ -113,6 +113,7 @@ def test_pictures_that_do_not_belong_together_are_refused(run, spoil, said):
     assert not Path('cell.yaml').exists()
 
 
+@pytest.mark.slow
 def test_q_ends_with_the_placements_so_far(run, monkeypatch):
     video = cv2.VideoWriter('a.avi', cv2.VideoWriter_fourcc(*'MJPG'), 10.0, IMAGE_SIZE)
     for number in range(40):

@@ -92,6 +92,7 @@ def settings_of(file):
     return camera_settings(values), transform_settings(values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tilt, look, tolerance_cm', [
     (30, {}, 0.02), (45, {'coefficient': -0.2, 'noise': 2}, 0.04),
     (20, {'coefficient': -0.1, 'noise': 4, 'blur': 1.5}, 0.06), (0, {'noise': 2}, 0.02)])
@@ -117,6 +118,7 @@ def test_file_carries_source_date_and_figures_as_comments(run):
     assert '20' in comments and 'T' in comments
 
 
+@pytest.mark.slow
 def test_report_in_json_has_the_figures_of_the_one_for_a_person(report, run):
     found = report('board', board_picture(noise=2), *BOARD, '-o', 'surface.yaml')
     assert found['model'] == 'homography' and found['points'] == 54
@@ -129,6 +131,7 @@ def test_report_in_json_has_the_figures_of_the_one_for_a_person(report, run):
     assert f'rms {found["rms_mm"]:.2f} mm' in output
 
 
+@pytest.mark.slow
 def test_report_picture_is_beside_the_file_or_where_it_is_wanted(report):
     report('board', board_picture(), *BOARD, '-o', 'surface.yaml')
     report('points', table(), '-o', 'points.yaml', '--picture', 'elsewhere.png')
@@ -138,6 +141,7 @@ def test_report_picture_is_beside_the_file_or_where_it_is_wanted(report):
     assert not Path('points_report.png').exists()
 
 
+@pytest.mark.slow
 def test_origin_can_be_another_corner_a_place_beside_it_and_turned(report):
     picture, homography = board_picture(), pixel_from_surface()
     corners = project(homography, [[0, 0], [20, 0], [20, 12.5], [0, 12.5], [5, 2.5]])
@@ -181,6 +185,7 @@ def test_photograph_is_used_as_it_is_stored_with_a_warning(report, orientation, 
     assert ['EXIF orientation' in text for text in found['warnings']] == [True] * is_turned
 
 
+@pytest.mark.slow
 def test_video_is_used_by_the_median_of_its_frames(report):
     writer = cv2.VideoWriter('board.avi', cv2.VideoWriter_fourcc(*'MJPG'), 10.0, IMAGE_SIZE)
     for seed in range(9):
@@ -194,6 +199,7 @@ def test_video_is_used_by_the_median_of_its_frames(report):
     assert found['source'].endswith('in camera board.avi')
 
 
+@pytest.mark.slow
 def test_simulated_camera_is_calibrated_with_the_tilt_that_the_file_then_sets(report):
     report('board', '--camera', 'simulated', '--simulated-tilt-deg', 20, *BOARD, '-o', 'a.yaml')
     settings, _ = settings_of('a.yaml')
@@ -576,11 +582,13 @@ def test_points_of_a_stamp_or_a_hall_are_refused(run, factor, said):
     assert not Path('surface.yaml').exists()
 
 
+@pytest.mark.slow
 def test_blurred_board_is_doubted(report):
     found = report('board', board_picture(blur=12), *BOARD, '-o', 'surface.yaml')
     assert any('is the picture blurred, or the board bent' in text for text in found['warnings'])
 
 
+@pytest.mark.slow
 def test_sheet_is_drawn_for_the_command_that_it_names(report, run):
     found = report('sheet', '-o', 'board.png')
     assert found['warnings'] == [] and found['corners'] == [9, 6]
@@ -646,6 +654,7 @@ def test_foot_point_is_in_the_camera_frame_that_was_asked_for(report):
     assert found['camera_height_cm'] == pytest.approx(height, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('tilt', [0, 30])
 def test_simulated_camera_is_found_60_cm_from_the_pictures_centre(report, tilt):
     # The origin is put where the simulated board has its own; see BoardView for the place.
@@ -698,6 +707,7 @@ def test_word_that_is_nearly_a_command_gets_a_suggestion_and_paper_any_case(run)
     assert code == 0 and 'on A4' in output
 
 
+@pytest.mark.slow
 def test_board_ends_with_a_verdict_and_the_next_command_and_the_map_is_for_the_verbose(run):
     picture = board_picture()
     code, output, _ = run('board', picture, *BOARD, '-o', 'cell.yaml')

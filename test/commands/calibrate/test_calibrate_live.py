@@ -119,6 +119,7 @@ def test_giving_up_writes_nothing(run, simulated_surface):
         Path('cell_touched_pairs.csv').unlink()
 
 
+@pytest.mark.slow
 def test_position_of_another_place_is_refused_at_once(run):
     surface(run)
     code, output, asked = live(run, answers={0: '-6.70 15.20\n', 1: '-6.70, 15.20\n'})
@@ -128,6 +129,7 @@ def test_position_of_another_place_is_refused_at_once(run):
     assert tip_errors_mm().max() < 2.0
 
 
+@pytest.mark.slow
 def test_interrupted_calibration_goes_on_with_its_pairs(run):
     surface(run)
     code, _, asked = live(run, answers={2: ''})
@@ -140,6 +142,7 @@ def test_interrupted_calibration_goes_on_with_its_pairs(run):
     assert tip_errors_mm().max() < 0.8 and not Path('cell_touched_pairs.csv').exists()
 
 
+@pytest.mark.slow
 def test_pairs_of_another_surface_are_not_used(run):
     surface(run)
     live(run, answers={2: ''})
@@ -149,6 +152,7 @@ def test_pairs_of_another_surface_are_not_used(run):
     assert 'were measured with another surface: they are not used' in asked
 
 
+@pytest.mark.slow
 def test_file_that_holds_no_kept_pairs_is_not_overwritten(run):
     surface(run)
     Path('cell_touched_pairs.csv').write_text('mine\n')
@@ -157,6 +161,7 @@ def test_file_that_holds_no_kept_pairs_is_not_overwritten(run):
     assert Path('cell_touched_pairs.csv').read_text() == 'mine\n'
 
 
+@pytest.mark.slow
 def test_another_camera_is_told_and_strict_writes_nothing(run, simulated_surface):
     text = simulated_surface.replace('device: simulated', 'device: /dev/video7')
     Path('cell.yaml').write_text(text.replace('{device:', '{strict: true, device:'))
@@ -196,6 +201,7 @@ def test_new_surface_drops_the_base_frame_with_a_word_and_keeps_other_parameters
     assert 'rotation_deg' in read_parameter_file('cell.yaml.bak').values
 
 
+@pytest.mark.slow
 def test_parameters_of_ones_own_are_kept_without_force(run):
     Path('cell.yaml').write_text('/**:\n  ros__parameters: {reach_cm: 80.0}\n')
     surface(run)
@@ -236,6 +242,7 @@ def test_what_cannot_be_done_is_one_sentence(run, arguments, said, simulated_sur
     assert {path: path.read_bytes() for path in Path().iterdir()} == before
 
 
+@pytest.mark.slow
 def test_report_names_what_the_board_did_not_cover(run):
     code, output, _ = run('board', '--camera', 'simulated', '--json', '-o', 'cell.yaml')
     report = json.loads(output)

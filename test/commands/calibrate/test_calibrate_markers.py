@@ -96,6 +96,7 @@ def test_status_names_the_markers(cell, run_main):
     assert f'next: {full_command("calibrate", "base", "--markers", cell)}' in output
 
 
+@pytest.mark.slow
 def test_new_surface_drops_the_markers(cell, run_main):
     code, output, _ = run_main(main, 'board', '--camera', 'simulated', '-o', cell, '--force')
     assert code == 0
@@ -103,6 +104,7 @@ def test_new_surface_drops_the_markers(cell, run_main):
     assert MARKERS not in parts_of(read_parameter_file(cell).values)
 
 
+@pytest.mark.slow
 def test_markers_beside_the_board_are_learned_with_it(run_main):
     camera = Camera(lens=(0.0, 0.0))
     picture = camera.frame(board_on(Table()), np.random.default_rng(0))
@@ -144,6 +146,7 @@ def test_wrong_input_is_one_sentence(cell, run_main, arguments, told):
     assert read_parameter_file(cell).values == before
 
 
+@pytest.mark.slow
 def test_base_needs_markers(run_main):
     run_main(main, 'board', '--camera', 'simulated', '-o', 'plain.yaml')
     code, _, error = run_main(main, 'base', '--markers', 'plain.yaml')

@@ -57,6 +57,7 @@ def test_the_picture_shows_the_corners(cell):
     assert (around[:, :, 1] - around[:, :, 2]).max() > 60
 
 
+@pytest.mark.slow
 def test_placements_cover_the_picture_and_the_next_one_is_suggested(cell):
     cell.do('board', 'start')
     state = cell.take()
@@ -94,6 +95,7 @@ def test_the_fit_is_that_of_the_command(cell):
     assert accepted['calibration.thumbnail']
 
 
+@pytest.mark.slow
 def test_report_has_pictures_and_text(cell):
     report = cell.calibrate_board()['report']
     assert [cv2.imdecode(np.frombuffer(cell.sessions.report(name), np.uint8), 1).ndim
@@ -104,6 +106,7 @@ def test_report_has_pictures_and_text(cell):
         cell.sessions.report('../../etc/passwd')
 
 
+@pytest.mark.slow
 def test_a_new_surface_drops_what_was_made_for_the_former_one(cell):
     cell.calibrate_board()
     cell.values['camera']['work_area'] = [0.0, 0.0, 10.0, 0.0, 10.0, 10.0]
@@ -174,12 +177,14 @@ def test_another_board_drops_the_placements_and_the_same_one_keeps_them(cell):
     assert cell.do('board', 'cancel')['step'] == 'off'
 
 
+@pytest.mark.slow
 def test_every_state_is_json(cell):
     cell.calibrate_board()
     for part in ('board', 'robot', 'save', 'areas', 'simulated'):
         json.dumps(cell.state(part), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_each_sheet_is_a_pdf_of_its_own(cell):
     bodies = [{}, {'charuco': True}, {'paper': 'Letter'}, {'markers': True}]
     sheets = [cell.sessions.sheet(body) for body in bodies]

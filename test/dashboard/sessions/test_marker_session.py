@@ -69,6 +69,7 @@ def test_markers_that_are_seen_and_not_seen_are_named(cell, table):
     assert not cell.do('markers', 'cancel')['seen'] or not cell.sessions.wants_frames
 
 
+@pytest.mark.slow
 def test_one_click_learns_them_and_the_robot_touches_them(cell, table):
     cell.do('markers', 'start')
     with pytest.raises(CameraToBaseError, match='wait until the markers'):
@@ -99,6 +100,7 @@ def test_marker_that_is_not_known_is_refused(cell):
         cell.do('robot', 'marker')
 
 
+@pytest.mark.slow
 def test_table_without_markers_teaches_nothing(cell):
     cell.do('markers', 'start')
     assert 'No marker is seen' in show(cell, np.full((480, 640, 3), 120, np.uint8))['hint']

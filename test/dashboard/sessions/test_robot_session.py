@@ -44,6 +44,7 @@ def test_there_must_be_a_surface_first():
     assert cell.state('robot')['needs'] == 'camera_publisher does not run: start it.'
 
 
+@pytest.mark.slow
 def test_five_touched_objects_give_the_base_frame(cell):
     state = cell.measure_pairs()
     assert [pair['number'] for pair in state['pairs']] == [1, 2, 3, 4, 5]

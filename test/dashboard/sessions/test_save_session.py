@@ -39,6 +39,7 @@ def set_up(calibrated, path):
     return cell
 
 
+@pytest.mark.slow
 def test_after_a_start_from_the_file_everything_is_as_it_was(calibrated, tmp_path):
     path = tmp_path / 'cell.yaml'
     cell = set_up(calibrated, path)
