@@ -166,15 +166,15 @@ def listen(terminal, nodes, page, picture, is_bumped):
         if page.port:
             terminal.say(f'page: {page.address} (it has ended with the demo)')
     return 0 if told_to_end.is_set() else max(
-        exit_code(terminal, *ended) for ended in zip(nodes, codes))
+        exit_code(*ended) for ended in zip(nodes, codes))
 
 
-def exit_code(terminal, process, code):
+def exit_code(process, code):
     """Return a node's exit code in the shell's form for a signal, and tell of a signal."""
     if code >= 0:
         return code
-    terminal.say(f'error: {os.path.basename(process.args[0])} has died: '
-                 f'{signal.strsignal(-code)} (signal {-code})')
+    print(f'error: {os.path.basename(process.args[0])} has died: '
+          f'{signal.strsignal(-code)} (signal {-code})', file=sys.stderr)
     return 128 - code
 
 
