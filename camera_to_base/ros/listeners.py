@@ -247,7 +247,8 @@ class ToolListener(Listener):
         if not self.receive_anew(self._poses, _MESSAGES, _LONGEST_TOOL_WAIT_S):
             raise CalibrationError(
                 f'{len(self._poses)} poses came on the topic {self._topic} within '
-                f'{_LONGEST_TOOL_WAIT_S:g} s: does the robot publish geometry_msgs/PoseStamped there?')
+                f'{_LONGEST_TOOL_WAIT_S:g} s: does the robot publish geometry_msgs/PoseStamped '
+                'there?')
         self._check_frame()
         points = [point_from_message(PointStamped(point=pose.pose.position))
                   for pose in self._poses[:_MESSAGES]]
