@@ -268,7 +268,8 @@ class MarkerWatch(Stage):
     def _unchecked(self, record: FrameRecord, now: float) -> FrameRecord:
         """Compare the surface in use with the markers before anything is published."""
         if not self._is_due(now, _PERIOD_S):
-            return record.held(self._reason)
+            # A frame of another view may have used up the look without a result.
+            return record.held(self._reason or unclear('they have not been compared yet'))
         standpoint = record.standpoint
         seen, verdict = self._look(standpoint.taken.picture, standpoint, now)
         if verdict.trouble:

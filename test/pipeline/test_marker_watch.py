@@ -219,3 +219,14 @@ def test_without_aruco_one_sentence_says_what_to_install_and_the_rest_works(monk
     cell.start()
     assert_at_the_coin(published(cell.look(HERE, WITH_COIN, 4)))
     assert 'built without markers: install' in cell.pipeline.doubt.sentence
+
+
+def test_nothing_is_published_until_the_markers_have_been_compared():
+    cell, random = Cell(), np.random.default_rng(3)
+    background, frame = (HERE.frame(table, random, noise=1.0) for table in (EMPTY, WITH_COIN))
+    cell.pipeline.restore_background(background, age_s=1.0)
+    covered = cell.pipeline.process(random.integers(0, 255, background.shape, np.uint8), 0.0)
+    assert covered.reason is not None
+    soon = [cell.pipeline.process(frame, 0.1 + number / 100).reason for number in range(3)]
+    assert [reason and reason.kind for reason in soon] == [
+        'unconfirmed', 'markers_unclear', 'markers_unclear']
