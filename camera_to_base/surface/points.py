@@ -247,7 +247,9 @@ def camera_pose(matched: MatchedPoints, intrinsics: CameraIntrinsics) -> CameraP
     view = points, matched.pixels.copy(), intrinsics.matrix, intrinsics.distortion
     try:
         _, rotations, translations, _ = cv2.solvePnPGeneric(*view, flags=cv2.SOLVEPNP_IPPE)
-        poses = [_refined(view, *start) for start in zip(rotations, translations)]
+        # On exact points, OpenCV 4.6 may give no number here: another method starts, too.
+        _, *other = cv2.solvePnP(*view, flags=cv2.SOLVEPNP_ITERATIVE)
+        poses = [_refined(view, *start) for start in (*zip(rotations, translations), other)]
     except cv2.error:
         poses = []
     poses = [pose for pose in poses if np.isfinite([*pose.foot_cm, *pose[1:]]).all()]
