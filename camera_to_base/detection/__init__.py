@@ -17,7 +17,6 @@ Callers: `pipeline` and the rooms that use its results. It imports only numpy an
 `pipeline` decides whether a position may be published.
 """
 
-from camera_to_base.checks import check_frame, check_same_size
 from camera_to_base.detection.background import (
     BackgroundTaker, changed_blocks, has_changed_block, mean_blocks, median_of, smoothed_noise,
     white_noise)
@@ -32,9 +31,9 @@ from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
-    'BackgroundTaker', 'Box', 'changed_blocks', 'check_frame', 'check_same_size', 'Detection',
-    'DETECTOR_SPECS', 'DetectorSettings', 'Found', 'has_changed_block', 'LeftOut', 'locate_pixel',
-    'LocatedObject', 'mean_blocks', 'median_of', 'object_on_surface', 'object_shape',
-    'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas',
-    'smoothed_noise', 'touches_edge', 'white_noise',
+    'BackgroundTaker', 'Box', 'changed_blocks', 'Detection', 'DETECTOR_SPECS', 'DetectorSettings',
+    'Found', 'has_changed_block', 'LeftOut', 'locate_pixel', 'LocatedObject', 'mean_blocks',
+    'median_of', 'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel', 'Point',
+    'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'smoothed_noise', 'touches_edge',
+    'white_noise',
 ]

@@ -17,7 +17,6 @@ calibration, the camera's pose and the view from above are here.
 Callers: see the arrows in CONTRIBUTING. It imports numpy and OpenCV alone.
 """
 
-from camera_to_base.checks import ImageSize
 from camera_to_base.surface.distortion import divide, RadialDistortion, undivide
 from camera_to_base.surface.models import (
     homogeneous, HomographySurface, PolynomialSurface, Surface, SURFACE_DEFAULTS, SURFACE_SPECS)
@@ -31,9 +30,9 @@ from camera_to_base.surface.thumbnail import read_thumbnail, shares_structure, v
 
 __all__ = [
     'as_homography', 'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread', 'divide',
-    'flat_surface', 'homogeneous', 'HomographySurface', 'Hull', 'ImageSize', 'is_same_surface',
-    'make_hull', 'make_surface', 'MatchedPoints', 'NudgedSurface', 'on_one_line', 'PictureMap',
-    'PointPairs', 'PolynomialSurface', 'RadialDistortion', 'RaisedSurface', 'read_thumbnail',
-    'sees_y_clockwise', 'shares_structure', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent',
-    'SURFACE_SPECS', 'surface_values', 'top_view', 'undivide', 'view_thumbnail',
+    'flat_surface', 'homogeneous', 'HomographySurface', 'Hull', 'is_same_surface', 'make_hull',
+    'make_surface', 'MatchedPoints', 'NudgedSurface', 'on_one_line', 'PictureMap', 'PointPairs',
+    'PolynomialSurface', 'RadialDistortion', 'RaisedSurface', 'read_thumbnail', 'sees_y_clockwise',
+    'shares_structure', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent', 'SURFACE_SPECS',
+    'surface_values', 'top_view', 'undivide', 'view_thumbnail',
 ]

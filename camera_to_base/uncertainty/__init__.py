@@ -21,8 +21,7 @@ OpenCV.
 """
 
 from camera_to_base.uncertainty.calibration_error import (
-    base_covariance, base_error, fit_error, FitError, LENS_DEVIATIONS, pooled_variance,
-    pose_design, POSE_NUMBERS, UNKNOWN_BASE)
+    base_covariance, base_error, fit_error, FitError, pooled_variance)
 from camera_to_base.uncertainty.covariance import (
     CENTRE_FLOOR, checked_covariance, FrameState, HEIGHT_TOLERANCE, PositionCovariance,
     SURFACE_COVARIANCE, surface_covariance, symmetric, triangle_length, triangle_of,
@@ -40,10 +39,9 @@ __all__ = [
     'base_covariance', 'base_error', 'CameraPlace', 'centre_covariance', 'CENTRE_FLOOR',
     'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse', 'fit_error',
     'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE', 'HOMOGRAPHY_NUMBERS', 'Lens',
-    'LENS_DEVIATIONS', 'likely_place', 'pooled_variance', 'pose_design', 'POSE_NUMBERS',
-    'position_uncertainty', 'PositionCovariance', 'PositionUncertainty', 'radius_for', 'scales_at',
-    'Shape', 'ShiftMean', 'Spread', 'SURFACE_COVARIANCE', 'surface_covariance', 'symmetric',
-    'triangle_length', 'triangle_of', 'uncertain_transform', 'uncertain_transform_of',
-    'UncertainTransform', 'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE', 'UNKNOWN_BASE', 'warp_design',
-    'WARP_NUMBERS', 'yaw_variance',
+    'likely_place', 'pooled_variance', 'position_uncertainty', 'PositionCovariance',
+    'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread',
+    'SURFACE_COVARIANCE', 'surface_covariance', 'symmetric', 'triangle_length', 'triangle_of',
+    'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS',
+    'UNKNOWN_ANGLE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
 ]

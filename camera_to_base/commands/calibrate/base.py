@@ -10,7 +10,7 @@
 """`calibrate base`: the transform into the base frame, from a table, objects or markers."""
 
 import argparse
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 from camera_to_base.calibration import (
     BASE, calibrate_base, calibrate_touches, Calibration, MARKERS, parts_of, point_pairs,
@@ -51,11 +51,6 @@ def run_marker_base(options: argparse.Namespace) -> Report:
             _agreed_touches(middles, touched, robot, table, values, options), outputs, BASE)
     finally:
         robot.close()
-
-
-def touch_markers(numbers: List[int], robot: Robot) -> Dict[int, _Point]:
-    """Ask for the touch of each marker; return x and y by its number, in cm, in the base frame."""
-    return {number: touch_marker(number, robot) for number in numbers}
 
 
 def touch_marker(number: int, robot: Robot) -> _Point:
