@@ -67,8 +67,8 @@ def figure_lines(report: Mapping[str, Any]) -> List[str]:
     if report.get('not_covered'):
         lines += ['the ninths of the picture that the board covered (# covered, + in part):',
                   *(f'  {line}' for line in report['covered_map']),
-                  f'not covered: {", ".join(report["not_covered"])}: lay the board there, too, if '
-                  'you work there (several pictures, or --placements)']
+                  f'least covered: {", ".join(report["not_covered"][:2])}: lay the board there, '
+                  'too, if you work there (several pictures, or --placements)']
     if report.get('outside_hull'):
         lines.append(f'{report["outside_hull"]} of the points lie outside the area that the '
                      'calibration was measured in')

@@ -84,8 +84,8 @@ class BackgroundFile:
         :raises InvalidValueError: If the file cannot be written.
         """
         if self._path and background is not None and background is not self._kept:
-            self._kept = background
             write_files({self._path: _content(background, unknown)})
+            self._kept = background
 
     def _unusable(self, reason: str) -> str:
         return f"cannot read background_file '{self._path}': {reason}"

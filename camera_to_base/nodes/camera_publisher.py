@@ -73,7 +73,8 @@ class CameraPublisher(Node):
             self._warn_of_settings_without_effect()
             self._calibrated_for = settings.calibrated_for
             self.get_logger().info(self._calibrated_for.summary)
-            watch = CameraWatch(self, self._pipeline, self._is_calibrated)
+            watch = CameraWatch(self, self._pipeline, self._is_calibrated,
+                                lambda: self._background_keeper.doubt)
             self._started_at = time.monotonic()
             self._feed = self._start_feed()
             watch.start(self._feed)

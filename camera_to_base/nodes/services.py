@@ -11,10 +11,12 @@
 
 from datetime import datetime, timedelta
 import json
+import math
+import time
 from typing import Any, Callable, Dict, Optional
 
 from camera_to_base.drawing import BackgroundFile
-from camera_to_base.errors import CameraToBaseError, InvalidValueError, Reason
+from camera_to_base.errors import CameraToBaseError, InvalidValueError, Level, Reason
 from camera_to_base.parameters import changed_record
 from camera_to_base.pipeline import CameraPipeline, kept_values
 from camera_to_base.ros import real_time_timer
@@ -23,13 +25,20 @@ from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.sources import RANDOM, SourceKind
 from camera_to_base.surface import SURFACE_SPECS, view_thumbnail
 from camera_to_base.uncertainty import SURFACE_COVARIANCE
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from rclpy.qos import qos_profile_services_default, QoSProfile
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 # If the background is not complete after this time, no good frames are coming.
 _TIMEOUT_S = 10.0
+# A full disk is noticed and emptied by a person: sooner brings nothing.
+_RETRY_S = 10.0
+# By default a service forgets all but the last 10 calls that come at once.
+_MANY_CALLS = QoSProfile(
+    depth=100, reliability=qos_profile_services_default.reliability,
+    durability=qos_profile_services_default.durability)
 
 _RECORD, _THUMBNAIL = 'calibration.surface', 'calibration.thumbnail'
 _HOW = {'view_corrected': 'corrected for a nudge of the camera'}
@@ -39,7 +48,8 @@ class BackgroundFileKeeper:
     """
     Reads the background from the parameter's file, and writes each new one there.
 
-    If the file cannot be used, the node logs why and takes a new background.
+    If the file cannot be read, the node logs why and takes a new background. If it cannot be
+    written, `doubt` says why until it can.
 
     :param node: The node whose logger is used.
     :param pipeline: The pipeline that takes the background.
@@ -57,6 +67,8 @@ class BackgroundFileKeeper:
         self._path = settings.background_file if kind.is_live else ''
         self._calibrated_at = settings.calibrated_for.date
         self._file = BackgroundFile(self._path)
+        self._tried_at = -math.inf
+        self.doubt: Optional[Reason] = None
         # No second warning for random pixels: their own warning covers it.
         if settings.background_file and not kind.is_live and kind != RANDOM:
             self._logger.warning(
@@ -76,13 +88,23 @@ class BackgroundFileKeeper:
             'call ~/capture_background', self._camera_node)
 
     def keep(self) -> None:
-        """Write the background to the file if it is new."""
+        """Write the background to the file if it is new; after a failure, try again later."""
+        now = time.monotonic()
+        if self.doubt is not None and now - self._tried_at < _RETRY_S:
+            return
+        self._tried_at, before = now, self.doubt
         try:
             seen = self._pipeline.standpoint.background_as_calibrated
             if seen is not None:
                 self._file.keep(seen.picture, seen.unknown)
+            self.doubt = None
         except CameraToBaseError as error:
-            self._logger.error(f'the background is not kept: {error}')
+            self.doubt = Reason(
+                'background_not_kept', Level.WARN,
+                f'the background is not kept for the next start: {error}; it is tried again '
+                f'every {_RETRY_S:.0f} s')
+            if before is None:
+                self._logger.error(self.doubt.sentence)
 
     def _restore(self) -> None:
         try:
@@ -105,6 +127,9 @@ class BackgroundService:
     """
     Offers `~/capture_background`.
 
+    Calls that come while a background is taken share the next one: its frames are newer than each
+    of these calls.
+
     :param node: The node that offers it.
     :param pipeline: The pipeline that takes the background.
     :param frame_count: Returns the number of frames that make a background.
@@ -123,9 +148,12 @@ class BackgroundService:
         self._frame_count = frame_count
         self._source_reason = source_reason
         self._captured: Optional[Future] = None
+        self._running: Optional[Future] = None
+        self._next: Optional[Future] = None
         # A separate callback group, so that frames are processed while the service waits for them.
-        node.create_service(Trigger, '~/capture_background', self._on_call,
-                            callback_group=MutuallyExclusiveCallbackGroup())
+        node.create_service(
+            Trigger, '~/capture_background', self._on_call, qos_profile=_MANY_CALLS,
+            callback_group=ReentrantCallbackGroup())
 
     def notice_frame(self) -> None:
         """Respond to a waiting client if the pipeline has its background."""
@@ -135,6 +163,29 @@ class BackgroundService:
     async def _on_call(
         self, request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
+        if self._next is not None:
+            answer = await self._next
+        elif self._running is not None:
+            self._next = Future()
+            await self._running
+            answer = await self._taken()
+        else:
+            answer = await self._taken()
+        response.success, response.message = answer.success, answer.message
+        return response
+
+    async def _taken(self) -> Trigger.Response:
+        """Take a background; all calls that wait for it have the answer."""
+        self._running, waiting, self._next = Future(), self._next, None
+        answer = await self._answer()
+        running, self._running = self._running, None
+        running.set_result(True)
+        if waiting is not None:
+            waiting.set_result(answer)
+        return answer
+
+    async def _answer(self) -> Trigger.Response:
+        response = Trigger.Response()
         reason = self._source_reason()
         if reason is not None and reason.kind != 'camera_opening':
             response.message = f'no background is taken: {reason.sentence}'

@@ -114,15 +114,17 @@ class CameraWatch:
     :param node: The camera node.
     :param pipeline: Its pipeline.
     :param is_calibrated: Returns whether the surface is calibrated for the camera in use.
+    :param file_doubt: Returns why the background is not kept in its file, or None.
     """
 
     def __init__(
-        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool]
+        self, node: Node, pipeline: CameraPipeline, is_calibrated: Callable[[], bool],
+        file_doubt: Callable[[], Optional[Reason]] = lambda: None,
     ) -> None:
         self._logger = node.get_logger()
         self._camera_node = node.get_fully_qualified_name()
         self._pipeline = pipeline
-        self._is_calibrated = is_calibrated
+        self._is_calibrated, self._file_doubt = is_calibrated, file_doubt
         self._told_doubt: Optional[str] = None
         self._reason: Optional[Reason] = None
         self._blind_spot: Optional[str] = None
@@ -182,7 +184,7 @@ class CameraWatch:
                   **camera_values(self._feed.reader, self._pipeline),
                   **self._detection_rate.values(self._pipeline)}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
-        return Health(self._reason or self._doubt() or well, values)
+        return Health(self._reason or self._doubt() or self._file_doubt() or well, values)
 
     def _doubt(self) -> Optional[Reason]:
         doubt = self._pipeline.doubt

@@ -105,10 +105,11 @@ def test_file_that_holds_no_picture_is_said_and_replaced(ros, start, file):
 @pytest.mark.slow
 def test_file_that_cannot_be_written_is_said_once_and_positions_come(ros, start, file):
     file.mkdir()
-    positions = ros.listen(CAMERA_TOPIC)
+    positions, statuses = ros.listen(CAMERA_TOPIC), ros.listen_to_diagnostics('/camera_publisher')
     with ChildCamera('mjpeg_server', 'still_coin') as camera:
         node = start('camera_publisher', *arguments(camera.url, file))
         assert ros.spin_until(lambda: len(positions) > 5, 15.0)
+        assert ros.spin_until(lambda: 'is not kept for the next start' in statuses[-1].message)
     assert node.end(signal.SIGTERM) == 0
     assert node.output.count('the background is not kept') == 1
 

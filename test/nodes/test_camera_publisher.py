@@ -25,8 +25,9 @@ import numpy as np
 import pytest
 from rclpy.exceptions import ParameterException
 from rclpy.parameter import Parameter
-from rclpy.qos import ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from ros_helpers import assert_in_time, CAMERA_TOPIC, TRUE_TOPIC
+from std_srvs.srv import Trigger
 
 
 ERROR = 40
@@ -316,6 +317,21 @@ def test_background_is_captured_anew_by_a_service(ros, play):
     count = len(received)
     ros.spin_for(0.5)
     assert len(received) == count  # the disc is part of the background now
+
+
+@pytest.mark.slow
+def test_calls_that_come_while_a_background_is_taken_share_the_next_one(ros, play):
+    received = listen_for_camera(ros)
+    play([table()] * 5 + [table_with_disc(320, 240)] * 5, '-p', 'background_frames:=5')
+    assert ros.spin_until(lambda: received)
+    client = ros.node.create_client(
+        Trigger, '/camera_publisher/capture_background', qos_profile=QoSProfile(depth=100))
+    assert ros.spin_until(client.service_is_ready)
+    begin = time.monotonic()
+    calls = [client.call_async(Trigger.Request()) for _ in range(50)]
+    assert ros.spin_until(lambda: all(call.done() for call in calls), 20.0)
+    assert_in_time(time.monotonic() - begin, 5.0)
+    assert all(call.result().success for call in calls)
 
 
 def test_random_pixels_have_no_background_to_capture(ros):
