@@ -165,3 +165,50 @@ def test_odd_sizes_are_judged(shape):
     for _ in range(3):
         reason = check.reason(random.integers(0, 255, shape).astype(np.uint8))
         assert reason is None or isinstance(reason, Reason)
+
+
+def copying(take_frame, share=0.9, seed=1):
+    """Give frames as a codec shows them: of each, a share of the blocks is that of the last."""
+    rng, shown = np.random.default_rng(seed), take_frame()
+    while True:
+        yield shown
+        kept = np.kron(rng.random((30, 40)) < share, np.ones((16, 16))).astype(bool)
+        # A quiet lower end, which is copied as a whole now and then.
+        kept[-32:] |= rng.random() < 0.5
+        shown = np.where(kept[:, :, None], shown, take_frame())
+
+
+def test_blocks_that_a_codec_copied_are_no_damage():
+    frames, check = copying(scenes.still_coin(empty_s=0.0)), DamageCheck()
+    assert [check.reason(next(frames)) for _ in range(60)] == [None] * 60
+
+
+def test_picture_of_a_codec_that_lost_its_lower_half_is_refused():
+    frames, check = copying(scenes.still_coin(empty_s=0.0), share=0.4), DamageCheck()
+    for _ in range(20):
+        last = next(frames)
+        check.reason(last)
+    torn = next(frames).copy()
+    torn[240:] = last[240:]
+    assert check.reason(torn).kind == 'old_end'
+
+
+def test_codec_may_repeat_a_picture_now_and_then_but_not_stand_still():
+    frames, check = copying(scenes.still_coin(empty_s=0.0)), DamageCheck()
+    for _ in range(20):
+        last = next(frames)
+        check.reason(last)
+    assert [check.reason(last.copy()) for _ in range(5)] == [None] * 5
+    assert check.reason(last.copy()).kind == 'repeated'
+    assert check.reason(next(frames)) is None
+
+
+def test_quiet_mpeg4_stream_is_not_refused(tmp_path):
+    path, take_frame = str(tmp_path / 'quiet.mp4'), scenes.still_coin(empty_s=0.0, noise=0.3)
+    writer = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'mp4v'), 25.0, (640, 480))
+    for _ in range(100):
+        writer.write(take_frame())
+    writer.release()
+    video, check = cv2.VideoCapture(path), DamageCheck()
+    reasons = [check.reason(video.read()[1]) for _ in range(100)]
+    assert sum(reason is None for reason in reasons) >= 95
