@@ -54,6 +54,9 @@ _STEP = 8
 
 _LEFT_OUT_COLOUR = (160, 160, 160)
 
+# So many labels leave a picture of 640 x 480 px readable.
+_MOST_LABELS = 10
+
 Label = Callable[[Point], str]
 
 _OUTLINE_COLOUR = (216, 160, 32)
@@ -247,7 +250,7 @@ class AreaOverlay:
 
 def draw_left_out(frame: np.ndarray, left_out: Sequence[LeftOut]) -> np.ndarray:
     """
-    Draw in grey what was left out, each with the word for its reason.
+    Draw in grey what was left out, the ten largest with the word for their reason.
 
     :param frame: Shape (h, w, 3), uint8, BGR; it is not changed.
     :returns: A picture of the same shape; the frame itself if nothing was left out.
@@ -255,6 +258,9 @@ def draw_left_out(frame: np.ndarray, left_out: Sequence[LeftOut]) -> np.ndarray:
     if not left_out:
         return frame
     picture = frame.copy()
+    for one in left_out[_MOST_LABELS:]:
+        _draw_dot(picture, one.detection.centre, _LEFT_OUT_COLOUR)
+    left_out = left_out[:_MOST_LABELS]
     for one in left_out:
         cv2.polylines(picture, [one.detection.outline], True, _LEFT_OUT_COLOUR,
                       line_width(picture), cv2.LINE_AA)
@@ -289,7 +295,8 @@ def draw_objects(
     """
     Draw each object's outline, box, centre, direction (if it has one) and label.
 
-    A label starts with the object's number, the same as in the table of `locate`.
+    A label starts with the object's number, the same as in the table of `locate`. Of more than ten
+    objects, the others are dots: their labels would hide the picture.
 
     :param frame: Shape (h, w, 3), uint8, BGR; it is not changed.
     :param objects: The largest first; it has number 1.
@@ -297,10 +304,13 @@ def draw_objects(
     :returns: A picture of the same shape.
     """
     picture = frame.copy()
-    for found in objects:
+    largest = objects[:_MOST_LABELS]
+    for found in objects[_MOST_LABELS:]:
+        _draw_dot(picture, found.detection.centre, _CENTRE_COLOUR)
+    for found in largest:
         _draw_object(picture, found)
-    labels = Labels(picture, [found.detection.box for found in objects])
-    for number, found in enumerate(objects, start=1):
+    labels = Labels(picture, [found.detection.box for found in largest])
+    for number, found in enumerate(largest, start=1):
         labels.add(f'{number}: {label(found.point)}', found.detection.box)
     labels.draw()
     return picture
@@ -314,6 +324,11 @@ def draw_note(picture: np.ndarray, note: str) -> None:
         width, height = style.size(line)
         style.write(picture, line, Box(2, top, width, height))
         top += height
+
+
+def _draw_dot(picture: np.ndarray, centre: Pixel, colour: Tuple[int, int, int]) -> None:
+    cv2.circle(picture, (round(centre.u), round(centre.v)), 2 * line_width(picture), colour, -1,
+               cv2.LINE_AA)
 
 
 def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarray:

@@ -97,6 +97,7 @@ class TimedFeed:
         self._node, self._source = node, source.frames
         self.name, self._kind = source.name, source.kind
         self._on_frame, self._may_start, self._on_end = on_frame, may_start, on_end
+        self._count = 0
         self._timer = real_time_timer(node, _START_PERIOD_S, self._on_start_timer)
 
     def configure(self, settings: CameraSettings) -> None:
@@ -118,7 +119,10 @@ class TimedFeed:
             self._timer.cancel()
             self._on_end()
         else:
-            self._on_frame(frame, None, self._node.get_clock().now().to_msg())
+            # A recording has its own clock.
+            taken_at = self._count / self._kind.frame_rate if self._kind.ends else None
+            self._count += 1
+            self._on_frame(frame, taken_at, self._node.get_clock().now().to_msg())
 
 
 class CameraFeed:

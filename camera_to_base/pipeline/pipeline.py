@@ -40,8 +40,7 @@ class CameraPipeline:
     :param surface: Maps pixels to the work surface.
     :param detector: The detector's settings.
     :param background_frames: The first background is the median of this many frames.
-    :param kind: The kind of source. Age and jumps are checked for live sources only, the view
-        for all sources but recordings.
+    :param kind: The kind of source. Age and jumps are checked for live sources only.
     :param markers: The markers on the surface; None for none.
     :param own_camera: Compares the camera with the one that was calibrated.
     :param damage: Finds damaged frames; None where a reader does that, see :class:`FrameCheck`.
@@ -65,10 +64,10 @@ class CameraPipeline:
         self._held_back = HeldBack()
         self.counts = FrameCounts()
         self.standpoint = Standpoint.as_calibrated(surface)
-        limits = self._limits_here(limits)
         self._damage = FrameCheck(damage)
         self.backgrounds = BackgroundKeeper(confirm=kind.is_live)
-        self._view = ViewStage(limits)
+        # How much of a recording is compared must not depend on the computer's speed.
+        self._view = ViewStage(limits, is_paced=not kind.ends)
         self._detection = DetectionStage(detector)
         self._sizes = SizeCheck(self._detection.prepare)
         self._arms = ArmStage(detector)
@@ -88,7 +87,6 @@ class CameraPipeline:
 
         :param own_camera: None for the one before.
         """
-        limits = self._limits_here(limits)
         self._detection.configure(detector)
         self._arms.configure(detector)
         self._gate.configure(limits.max_frame_age_s, limits.confirm_jump_px)
@@ -179,8 +177,8 @@ class CameraPipeline:
         """
         Find the objects on a frame.
 
-        :param taken_at: Its capture time by time.monotonic(); None for now, and for a source that
-            is not live.
+        :param taken_at: Its capture time by time.monotonic(), or by the clock of a recording, in
+            s; None for now, and for a picture that stands for itself.
         :returns: The objects, and the reason if they may not be published. A frame that cannot be
             used also gives a reason: no frame makes this method raise.
         """
@@ -201,7 +199,7 @@ class CameraPipeline:
 
     @property
     def _stages(self) -> Tuple[Stage, ...]:
-        # Frames of a recording do not age, and each stands for itself.
+        # Frames of a recording do not age, and are not damaged.
         gate = (self._gate,) if self._kind.is_live else ()
         return (self._damage, self.backgrounds, self._sizes, self._view, self._detection,
                 self._arms, *gate, self._markers, self._own_camera)
@@ -215,12 +213,9 @@ class CameraPipeline:
         own = self._own_camera
         return own.reason(self.background) if own.is_strict == is_strict else None
 
-    def _limits_here(self, limits: Limits) -> Limits:
-        return limits.for_recording if self._kind.ends else limits
-
     def _time_of(self, taken_at: Optional[float]) -> Optional[float]:
-        # Each frame of a recording stands for itself.
-        return None if self._kind.ends else time.monotonic() if taken_at is None else taken_at
+        # A frame of a recording without a time stands for itself.
+        return time.monotonic() if taken_at is None and not self._kind.ends else taken_at
 
     def _use_background(self, background: Background, may_correct: bool = True) -> None:
         self.backgrounds.use(background)

@@ -66,11 +66,6 @@ class Limits(NamedTuple):
         """Whether a movement of the view is corrected: where it is checked at all."""
         return self.max_shift_px > 0 and self.correct_up_to_px > 0
 
-    @property
-    def for_recording(self) -> 'Limits':
-        """The same without limits of the view: no arm follows the positions of a recording."""
-        return self._replace(max_shift_px=0.0)
-
 
 def make_limits(values: Values) -> Limits:
     """

@@ -39,13 +39,18 @@ class TimedFrame:
     :param number: Number of the frame in the recording, from 0.
     :param stamp_ns: Its time in ns: since the start of a video, otherwise since 1970.
     :param decode: Returns the frame, or raises CameraToBaseError.
-    :param taken_at: Capture time by time.monotonic(); None for a recording.
+    :param live_at: Capture time by time.monotonic(); None for a recording.
     """
 
     number: int
     stamp_ns: int
     decode: Callable[[], np.ndarray]
-    taken_at: Optional[float] = None
+    live_at: Optional[float] = None
+
+    @property
+    def taken_at(self) -> float:
+        """Capture time in s: by time.monotonic(), or by the clock of the recording."""
+        return self.stamp_ns * 1e-9 if self.live_at is None else self.live_at
 
     @cached_property
     def frame(self) -> np.ndarray:

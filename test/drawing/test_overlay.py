@@ -130,6 +130,14 @@ def test_labels_grow_with_the_picture(texts, magnification):
     assert larger_height / height == pytest.approx(magnification, rel=0.2)
 
 
+def test_of_many_objects_ten_have_labels_and_the_others_are_dots(texts):
+    objects = [located((20 + 40 * (number % 12), 60 + 60 * (number // 12), 8, 8))
+               for number in range(40)]
+    drawn = changed(draw_objects(grey_frame(), objects))
+    assert [text.split(':')[0] for text, *_ in texts] == [str(n) for n in range(1, 11)]
+    assert all(drawn[one.detection.centre.v, one.detection.centre.u] for one in objects)
+
+
 def test_label_leaves_the_topmost_line_to_a_note(texts):
     picture = draw_objects(grey_frame(), [located((30, 24, 20, 20))])
     draw_note(picture, 'background taken 3 s ago')

@@ -259,7 +259,7 @@ def test_surface_of_one_colour_is_not_corrected():
     assert watched.pipeline.standpoint.correction is None
 
 
-def test_recording_is_not_corrected():
+def test_recording_is_corrected_as_a_camera_is():
     watched = Watched(kind=VIDEO_FILE)
     assert watched.see(nudge(6, 2), [COIN], 12).reason is None
-    assert watched.pipeline.doubt is None
+    assert watched.pipeline.doubt.kind == 'view_corrected'

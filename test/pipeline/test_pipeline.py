@@ -127,10 +127,12 @@ def test_position_from_an_old_frame_is_held_back():
     assert camera.counts['frames held back: too_late'] == 1
 
 
-def test_moved_view_of_a_recording_is_no_reason():
-    recording = pipeline(kind=VIDEO_FILE)
-    recording.process(table())
-    assert published(recording, table(move=(6, 0), disc=(320, 240)))
+def test_moved_view_of_a_recording_holds_its_frames_back():
+    recording = pipeline(Limits(correct_up_to_px=0.0), kind=VIDEO_FILE)
+    recording.process(table(), 0.0)
+    assert published(recording, table(disc=(320, 240)), 0.04)
+    assert not published(recording, table(move=(6, 0), disc=(320, 240)), 0.08)
+    assert recording.reason.kind == 'view_moved'
 
 
 def test_position_that_jumps_is_confirmed_for_cameras_only():

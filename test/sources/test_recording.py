@@ -24,7 +24,7 @@ def test_frames_of_a_video_have_their_numbers_and_times(tmp_path):
     recording.release()
     assert recording.frame_count == 3 and recording.kind.ends
     assert [(timed.number, timed.stamp_ns, timed.taken_at) for timed in frames] == [
-        (0, 0, None), (1, 40_000_000, None), (2, 80_000_000, None)]
+        (0, 0, 0.0), (1, 40_000_000, 0.04), (2, 80_000_000, 0.08)]
     for timed, position in zip(frames, [None, (60, 60), (90, 90)]):
         assert np.abs(timed.frame.astype(int) - disc_frame(position)).mean() < 3
 

@@ -87,12 +87,14 @@ class ViewStage(Stage):
     it could.
 
     :param limits: Of the view.
+    :param is_paced: Whether only some frames in a row that are held back are compared in full, so
+        that a live source is not delayed; see :class:`Pace`.
     """
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, is_paced: bool = True) -> None:
         self.reason: Optional[Reason] = None
         self._moved_since: Optional[float] = None
-        self._limits, self._pace = limits, Pace()
+        self._limits, self._pace, self._is_paced = limits, Pace(), is_paced
         self._watches: PerBackground[ViewWatch] = PerBackground(self._new_watch)
         self._corrector: Optional[Corrector] = None
         self._standpoint: Optional[Standpoint] = None
@@ -112,7 +114,8 @@ class ViewStage(Stage):
     def judge(self, record: FrameRecord) -> FrameRecord:
         """Compare the view; follow the camera where it was nudged."""
         self._follow(record.standpoint)
-        standpoint, self.reason = self._compared(record, self._pace.begin(record.now))
+        standpoint, self.reason = self._compared(
+            record, self._pace.begin(record.now if self._is_paced else None))
         watch = self._watch(standpoint)
         self._pace.end(
             is_held_back=self.reason is not None,
