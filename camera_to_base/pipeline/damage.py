@@ -46,19 +46,20 @@ _CONCEALED = (128, 128, 128), (0, 135, 0)
 # that, for example because it is overexposed. If the camera showed more there before, it takes
 # the second number of frames.
 _USUAL_COUNT, _LATER_USUAL_COUNT = 5, 25
-# A video codec copies the blocks that have not changed. Copies lie all over the picture: 0.02 to
-# 0.99 of the blocks of quiet H.264 and MPEG-4 streams of 500 kbit/s. The noise of a camera without
-# such a codec leaves none equal.
-_BLOCK_PX, _LEAST_COPIED = 16, 0.01
-# A codec that lost the end of a picture repeats so large a share of its rows at once, and copies
-# less than the second share of the blocks above. Quiet streams: 0.1, or 0.85 and more.
-_TORN_SHARE, _MOST_CHANGED = 0.2, 0.75
-# How often a codec may repeat a whole picture. H.264 repeated 5 of 250, one at a time.
+# A video codec copies the blocks that have not changed. Copies lie all over the picture: 0.6 to
+# 0.99 of the blocks of quiet MPEG-4 streams of 500 kbit/s. JPEG pictures of the same view have up
+# to 0.64 equal blocks (quality 40, hardly any noise), those of a camera without JPEG none.
+_BLOCK_PX, _LEAST_COPIED = 16, 0.7
+# If the end of a picture was lost, more rows of blocks are equal than by such a chance.
+_LEAST_CHANCE, _LEAST_ROW_SHARE = 1e-6, 0.05
+# How often in a row a codec may repeat a whole picture: at 25 Hz, for 0.2 s.
 _MOST_REPEATED = 5
 # An encoder changes such a colour by up to this.
 _SAME_COLOUR = 2
 # Below these grey levels noise hides all objects: the surface would look empty.
 _BLACK_LEVEL = 6
+# From this grey level on noise may be cut off.
+_OVEREXPOSED = 245
 
 
 class FrameCheck(Stage):
@@ -143,7 +144,8 @@ class DamageCheck:
         if not (repeated or self._last is None or self._has_codec):
             # A strip tells of a whole stream, sooner or later.
             strip = slice(len(frame) // 2, len(frame) // 2 + _BLOCK_PX)
-            self._has_codec = _copied_share(*_copied(frame[strip], self._last[strip])) > 0
+            self._has_codec = _copied_share(
+                *_copied(frame[strip], self._last[strip])) >= _LEAST_COPIED
         self._last = frame
         self._tails.append(content)
         return repeated, tail_repeated
@@ -180,28 +182,30 @@ def _copied(frame: np.ndarray, before: np.ndarray) -> Tuple[np.ndarray, np.ndarr
     """
     Compare whole blocks with those of the frame before, those at the lower edge included.
 
-    :returns: Two arrays of shape (h / 16, w / 16), bool: which are equal, and which have more than
-        one colour. An overexposed block is equal without having been copied.
+    :returns: Two arrays of shape (h / 16, w / 16), bool: which are equal, and which tell
+        something. A black or overexposed block is equal without having been copied.
     """
     rows, columns = (length // _BLOCK_PX for length in frame.shape[:2])
     part = slice(len(frame) - rows * _BLOCK_PX, None), slice(columns * _BLOCK_PX)
     blocks, others = (picture[part].reshape(rows, _BLOCK_PX, columns, _BLOCK_PX * 3)
                       for picture in (frame, before))
-    return ~(blocks != others).any(axis=(1, 3)), blocks.min(axis=(1, 3)) < blocks.max(axis=(1, 3))
+    tells = (blocks.min(axis=(1, 3)) < _OVEREXPOSED) & (blocks.max(axis=(1, 3)) > _BLACK_LEVEL)
+    return ~(blocks != others).any(axis=(1, 3)), tells
 
 
-def _copied_share(is_equal: np.ndarray, is_textured: np.ndarray) -> float:
-    return np.count_nonzero(is_equal & is_textured) / max(np.count_nonzero(is_textured), 1)
+def _copied_share(is_equal: np.ndarray, tells: np.ndarray) -> float:
+    return np.count_nonzero(is_equal & tells) / max(np.count_nonzero(tells), 1)
 
 
-def _is_cut_off(is_equal: np.ndarray, is_textured: np.ndarray) -> bool:
+def _is_cut_off(is_equal: np.ndarray, tells: np.ndarray) -> bool:
     """Tell whether a lower end that is known was not received; see :func:`_copied`."""
-    changed = np.flatnonzero(~is_equal.all(axis=1))
+    is_whole_row = is_equal.all(axis=1)
+    changed = np.flatnonzero(~is_whole_row)
     above = int(changed[-1]) + 1 if len(changed) else 0
-    share = _copied_share(is_equal[:above], is_textured[:above])
-    if share < _LEAST_COPIED:
+    if _copied_share(is_equal[:above], tells[:above]) < _LEAST_COPIED:
         return True
-    return len(is_equal) - above > _TORN_SHARE * len(is_equal) and share < _MOST_CHANGED
+    row_share = max(is_whole_row[:above].mean(), _LEAST_ROW_SHARE)
+    return row_share ** (len(is_equal) - above) < _LEAST_CHANCE
 
 
 def _is_flat(rows: np.ndarray) -> bool:
