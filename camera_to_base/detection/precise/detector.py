@@ -44,7 +44,8 @@ from camera_to_base.detection.precise.changes import (
     changed_parts, frame_outline, is_all_changed, Strips)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.light import LINEAR
-from camera_to_base.detection.precise.piece import channel_extremes, outline_of, square
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, outline_of, ratio_of, square)
 from camera_to_base.detection.precise.placer import Placer, unplaced
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, slices
@@ -54,7 +55,7 @@ import numpy as np
 
 _MOST, _ROW_STEP = 10, 3
 # What shade can be: the least and the largest ratio, and the strongest tint; on which part.
-_DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE, _LEAST_LIGHT = 0.25, 0.985, 1.25, 0.8, 1e-3
+_DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
 # An outline that fills less of its hull is a crescent.
 _LEAST_SOLIDITY = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
@@ -98,7 +99,7 @@ def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
     # Some rows tell as much as all.
     piece, table, inside = (picture[::_ROW_STEP] for picture in (piece, table, inside))
     light, usual = cv2.LUT(piece, LINEAR), cv2.LUT(table, LINEAR)
-    ratio = cv2.divide(light, cv2.max(usual, _LEAST_LIGHT))
+    ratio = ratio_of(light, usual)
     least = _LEAST_SHADE * cv2.countNonZero(inside)
     # Most objects are too dark or too light: their tint need not be looked at.
     may_be = cv2.inRange(ratio, (_DEEPEST,) * 3, (_FAINTEST,) * 3)

@@ -100,7 +100,9 @@ def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
 
 def has_light(field: Range, box: Box) -> bool:
     """Tell whether a field changes what is seen in a part of the picture."""
-    left, top = box.x // _SHRINK, box.y // _SHRINK
+    height, width = field.darkest.shape
+    # The last px of a picture whose size is no multiple are part of the last of the field.
+    left, top = min(box.x // _SHRINK, width - 1), min(box.y // _SHRINK, height - 1)
     right, bottom = -(-(box.x + box.width) // _SHRINK), -(-(box.y + box.height) // _SHRINK)
     part = np.s_[top:bottom, left:right]
     return (field.darkest[part].min() < 128 - _LEAST_STEPS

@@ -58,6 +58,12 @@ def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return (cv2.min(cv2.min(blue, green), red), cv2.max(cv2.max(blue, green), red))
 
 
+def ratio_of(light: np.ndarray, usual: np.ndarray) -> np.ndarray:
+    """Divide light by the table's, both of shape (h, w, 3): also where the table is black."""
+    # cv2.max with one number limits the first channel alone.
+    return cv2.divide(light, cv2.max(usual, (_LEAST_LIGHT,) * 3))
+
+
 def chosen(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Give the pixels in a mask, shape (h, w, 3) to (n, 3): faster than a mask as an index."""
     return values.reshape(-1, values.shape[-1]).take(np.flatnonzero(mask > 0), axis=0)
@@ -125,7 +131,7 @@ def look_at(piece: Piece) -> Look:
     frame, table = cv2.blur(piece.frame, (3, 3)), cv2.blur(piece.table, (3, 3))
     level, usual = (cv2.log(cv2.max(channel_sum(light), 3 * _LEAST_LIGHT))
                     for light in (frame, table))
-    smallest, largest = channel_extremes(cv2.divide(frame, cv2.max(table, _LEAST_LIGHT)))
+    smallest, largest = channel_extremes(ratio_of(frame, table))
     return Look(level, level - usual, largest, smallest)
 
 

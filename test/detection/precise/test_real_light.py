@@ -16,6 +16,7 @@ import sys
 from camera_to_base.detection import PreciseDifferenceDetector
 from camera_to_base.detection.precise import placer, search
 from camera_to_base.detection.settings import DetectorSettings
+import cv2
 import numpy as np
 import pytest
 
@@ -131,3 +132,25 @@ def test_long_shadow_of_a_hand_that_is_cut_off_is_not_published():
     frame[:150, :40] = 30
     found = PreciseDifferenceDetector(background).detect(frame)
     assert [one.cut_off for one in found] == [True]
+
+
+@pytest.mark.parametrize('size', [(482, 640), (241, 321), (243, 322)])
+def test_shade_from_outside_with_something_in_the_last_rows_and_columns_is_looked_at(size):
+    background = np.full((*size, 3), 180, np.uint8)
+    frame = background.copy()
+    frame[:, :size[1] // 3] = 120
+    frame[-1:, -100:-60] = frame[-100:-60, -1:] = 20
+    frame[100:130, 200:230] = 20
+    found = [one for one in PreciseDifferenceDetector(background).detect(frame) if not one.cut_off]
+    assert [one.centre for one in found] == [pytest.approx((214.5, 114.5), abs=0.1)]
+
+
+def test_table_without_light_in_two_colours_has_a_ratio_everywhere():
+    background = np.zeros((200, 260, 3), np.uint8)
+    background[..., 0] = 120
+    frame = background.copy()
+    cv2.circle(frame, (100, 100), 30, (60, 0, 80), cv2.FILLED)
+    cv2.circle(frame, (120, 110), 20, (60, 0, 0), cv2.FILLED)
+    # A warning of numpy is an error here.
+    found, = PreciseDifferenceDetector(background).detect(frame)
+    assert found.area == pytest.approx(3241, abs=20)
