@@ -16,9 +16,10 @@ from typing import Dict, NamedTuple, Tuple
 from camera_to_base.calibration.checks import surface_error
 from camera_to_base.calibration.homography_fit import HomographyProblem
 from camera_to_base.calibration.rigid_fit import align
+from camera_to_base.coordinate_transform import CameraPlace
 from camera_to_base.surface import HomographySurface, MatchedPoints, RadialDistortion
 from camera_to_base.uncertainty import (
-    base_covariance, base_error, CameraPlace, FrameState, PositionUncertainty, Shape, ShiftMean,
+    base_covariance, base_error, FrameState, PositionUncertainty, Shape, ShiftMean,
     Spread, WARP_NUMBERS)
 import numpy as np
 

@@ -88,6 +88,18 @@ class Pose(NamedTuple):
     yaw: float
 
 
+class CameraPlace(NamedTuple):
+    """
+    Where the camera is above the work surface.
+
+    :param foot_cm: The point of the surface below it, x and y, in the camera frame.
+    :param height_cm: Its height above the surface.
+    """
+
+    foot_cm: Tuple[float, float]
+    height_cm: float
+
+
 class CoordinateConversion:
     """A conversion between two coordinate frames (the tutorial's parent class)."""
 

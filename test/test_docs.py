@@ -68,7 +68,8 @@ def test_pages_for_users_are_about_ten_and_short():
 
 
 def test_all_pages_together_stay_short():
-    assert sum(len(page.read_text().split()) for page in ALL_DOCS) <= 22000
+    pages = [page for page in ALL_DOCS if page.name != 'parameters.md']
+    assert sum(len(page.read_text().split()) for page in pages) <= 19000
 
 
 @each_page

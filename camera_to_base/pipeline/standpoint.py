@@ -164,7 +164,7 @@ class Standpoint:
 
     def _surface_by(self, surface: Surface, is_held_back: bool) -> Optional[SurfaceInForce]:
         # Where the background was taken; None if that place is not known.
-        is_same = flat_surface(surface) is flat_surface(self.calibrated)
+        is_same = self._is_calibration(surface)
         before = self.uncorrected.surface
         moved = before.frame_from_calibrated
         if self.surface.reason is None and (is_same or not is_held_back):
@@ -173,6 +173,12 @@ class Standpoint:
             return before._replace(surface=surface if moved is None else NudgedSurface(
                 surface, moved.inverse, self._size))
         return None
+
+    def _is_calibration(self, surface: Surface) -> bool:
+        # Other heights, of the objects or of the camera, move no pixel on the surface.
+        new, known = flat_surface(surface), flat_surface(self.calibrated)
+        return new is known or (
+            self.taken is not None and is_same_surface(new, known, self._size))
 
     def _is_in_force(self, surface: Surface) -> bool:
         return self.taken is not None and is_same_surface(

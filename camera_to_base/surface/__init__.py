@@ -18,9 +18,11 @@ Callers: see the arrows in CONTRIBUTING. It imports numpy and OpenCV alone.
 """
 
 from camera_to_base.surface.distortion import divide, RadialDistortion, undivide
+from camera_to_base.surface.lens import DISTORTION_MODELS, LensModel
 from camera_to_base.surface.models import (
     homogeneous, HomographySurface, PolynomialSurface, Surface, SURFACE_DEFAULTS, SURFACE_SPECS)
 from camera_to_base.surface.parameters import make_hull, make_surface, surface_values
+from camera_to_base.surface.pinhole import nearest_pinhole, PinholeSurface
 from camera_to_base.surface.points import (
     camera_pose, CameraIntrinsics, check_inside, check_spread, Hull, MatchedPoints, on_one_line,
     PointPairs, sees_y_clockwise, surface_extent, top_view)
@@ -29,10 +31,11 @@ from camera_to_base.surface.raised_nudged import (
 from camera_to_base.surface.thumbnail import read_thumbnail, shares_structure, view_thumbnail
 
 __all__ = [
-    'as_homography', 'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread', 'divide',
-    'flat_surface', 'homogeneous', 'HomographySurface', 'Hull', 'is_same_surface', 'make_hull',
-    'make_surface', 'MatchedPoints', 'NudgedSurface', 'on_one_line', 'PictureMap', 'PointPairs',
-    'PolynomialSurface', 'RadialDistortion', 'RaisedSurface', 'read_thumbnail', 'sees_y_clockwise',
-    'shares_structure', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent', 'SURFACE_SPECS',
-    'surface_values', 'top_view', 'undivide', 'view_thumbnail',
+    'as_homography', 'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread',
+    'DISTORTION_MODELS', 'divide', 'flat_surface', 'homogeneous', 'HomographySurface', 'Hull',
+    'is_same_surface', 'LensModel', 'make_hull', 'make_surface', 'MatchedPoints',
+    'nearest_pinhole', 'NudgedSurface', 'on_one_line', 'PictureMap', 'PinholeSurface',
+    'PointPairs', 'PolynomialSurface', 'RadialDistortion', 'RaisedSurface', 'read_thumbnail',
+    'sees_y_clockwise', 'shares_structure', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent',
+    'SURFACE_SPECS', 'surface_values', 'top_view', 'undivide', 'view_thumbnail',
 ]

@@ -7,21 +7,23 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""From a pixel to the work surface: three models of a camera, and their parameters."""
+"""From a pixel to the work surface: the models of a camera, and their parameters."""
 
-from typing import Any, Mapping, Optional, Protocol, Sequence
+import copy
+from typing import Any, Mapping, Optional, Protocol, Sequence, TypeVar, Union
 
 from camera_to_base.checks import (
     check_image_size, DEFAULT_IMAGE_SIZE, finite_numbers, ImageSize, LARGEST_SIDE)
-from camera_to_base.coordinate_transform import TUTORIAL_WIDTH_CM
+from camera_to_base.coordinate_transform import CameraPlace, TUTORIAL_WIDTH_CM
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
 from camera_to_base.parameters import default_values, ParameterSpec
 from camera_to_base.surface.distortion import LARGEST_COEFFICIENT, RadialDistortion
+from camera_to_base.surface.lens import DISTORTION_MODELS, LensModel
 import numpy as np
 
 # An outline needs few.
 MOST_CORNERS = 1000
-SURFACE_MODELS = ('parallel', 'polynomial', 'homography')
+SURFACE_MODELS = ('parallel', 'polynomial', 'homography', 'pinhole')
 _CM_PER_PX = TUTORIAL_WIDTH_CM / DEFAULT_IMAGE_SIZE[0]
 _CENTRE = [(side - 1) / 2 for side in DEFAULT_IMAGE_SIZE]
 
@@ -60,9 +62,27 @@ SURFACE_SPECS = [
                   (-LARGEST_COEFFICIENT, LARGEST_COEFFICIENT)),
     ParameterSpec('surface.homography.distortion_centre', _CENTRE,
                   'homography: the centre of the distortion, u and v.', unit='px', lengths=(2,)),
+    ParameterSpec('surface.pinhole.camera_matrix',
+                  [640.0, 0.0, _CENTRE[0], 0.0, 640.0, _CENTRE[1], 0.0, 0.0, 1.0],
+                  "pinhole: the lens's 3 x 3 matrix, row by row, as k of camera_info.",
+                  unit='px', lengths=(9,)),
+    ParameterSpec('surface.pinhole.distortion_model', 'plumb_bob',
+                  "pinhole: the lens's model of distortion, as in camera_info.",
+                  choices=tuple(DISTORTION_MODELS)),
+    ParameterSpec('surface.pinhole.distortion_coefficients', [],
+                  "pinhole: the lens's distortion, as d of camera_info (plumb_bob: k1, k2, p1, "
+                  'p2, k3); empty for none.', lengths=(0, 4, 5, 8)),
+    ParameterSpec('surface.pinhole.rotation', [0.0, 0.0, 0.0],
+                  'pinhole: rotation vector from the camera frame, on the surface, to the optical '
+                  'frame of the lens (x right, y down, z along the view).', unit='rad',
+                  lengths=(3,)),
+    ParameterSpec('surface.pinhole.camera_position_cm', [0.0, 0.0, -50.0],
+                  'pinhole: where the lens is in the camera frame: x and y of the foot point, and '
+                  'the height above the surface, negative where z points away from the camera (y '
+                  'then turns right of x as seen by it).', unit='cm', lengths=(3,)),
     ParameterSpec('surface.camera_height_cm', 0.0,
-                  'How far above the surface the camera is; 0 for not known.', (0, 100000),
-                  unit='cm'),
+                  'How far above the surface the camera is; 0 for not known. pinhole knows it.',
+                  (0, 100000), unit='cm'),
     ParameterSpec('surface.camera_foot_cm', [],
                   'The point of the surface below the camera, x and y, in the camera frame; empty '
                   "for not known: parallel then takes what the picture's centre looks at.",
@@ -80,15 +100,21 @@ SURFACE_DEFAULTS: Mapping[str, Any] = default_values(SURFACE_SPECS)
 _HORIZON = 0.01
 
 
+Lens = Union[RadialDistortion, LensModel]
+Model = TypeVar('Model', bound='CalibratedSurface')
+
+
 class Surface(Protocol):
     """
     Maps pixels to the work surface.
 
     `distortion` is that of the lens, None for a lens without; `height_share` is the height of the
-    objects as a share of the camera's, 0 for flat ones.
+    objects as a share of the camera's, 0 for flat ones. `camera_place` is where the camera is,
+    None for not known.
     """
 
-    distortion: Optional[RadialDistortion]
+    distortion: Optional[Lens]
+    camera_place: Optional[CameraPlace]
     height_share: float
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
@@ -110,7 +136,38 @@ class Surface(Protocol):
         """
 
 
-class ParallelSurface:
+class CalibratedSurface:
+    """A surface of which a ruler may have told where the camera is."""
+
+    _height_cm: float = 0.0
+    _foot_cm: Optional[Sequence[float]] = None
+
+    def seen_from(
+        self: Model, height_cm: float, foot_cm: Optional[Sequence[float]] = None
+    ) -> Model:
+        """
+        Give the same surface with the camera's place.
+
+        :param height_cm: How far above the surface the camera is, in cm; 0 for not known.
+        :param foot_cm: The point below it, x and y, in cm; None for not known.
+        """
+        surface = copy.copy(self)
+        surface._height_cm, surface._foot_cm = height_cm, foot_cm
+        return surface
+
+    @property
+    def camera_place(self) -> Optional[CameraPlace]:
+        """Where the camera is above the surface; None for not known."""
+        foot_cm = self._likely_foot_cm() if self._foot_cm is None else self._foot_cm
+        if not self._height_cm or foot_cm is None:
+            return None
+        return CameraPlace(tuple(foot_cm), self._height_cm)
+
+    def _likely_foot_cm(self) -> Optional[Sequence[float]]:
+        return None
+
+
+class ParallelSurface(CalibratedSurface):
     """
     The camera's lens is parallel to the surface: one factor from px to cm.
 
@@ -129,6 +186,7 @@ class ParallelSurface:
         self.distortion, self.height_share = None, 0.0
         self._width_cm = width_cm
         self._image_width = image_width
+        self._image_height = image_width * DEFAULT_IMAGE_SIZE[1] / DEFAULT_IMAGE_SIZE[0]
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`; there is no horizon."""
@@ -148,10 +206,17 @@ class ParallelSurface:
 
     def for_image_size(self, image_size: ImageSize) -> 'ParallelSurface':
         """Give the model for pictures of a size: the same width in cm, in that many pixels."""
-        return ParallelSurface(self._width_cm, image_size[0])
+        surface = copy.copy(self)
+        surface._image_width, surface._image_height = image_size
+        return surface
+
+    def _likely_foot_cm(self) -> Sequence[float]:
+        # A camera that looks straight down stands above the picture's centre.
+        centre = np.subtract([self._image_width, self._image_height], 1) / 2
+        return self.locate([centre])[0].tolist()
 
 
-class PolynomialSurface:
+class PolynomialSurface(CalibratedSurface):
     """
     The tutorial's model of a tilted camera: two quadratics and a centre line.
 
@@ -209,7 +274,7 @@ class PolynomialSurface:
         return self
 
 
-class HomographySurface:
+class HomographySurface(CalibratedSurface):
     """
     A pinhole camera at any tilt: undistort in closed form, then a projective map to the surface.
 
@@ -226,7 +291,7 @@ class HomographySurface:
         self,
         surface_from_pixel: np.ndarray,
         image_size: ImageSize = DEFAULT_IMAGE_SIZE,
-        distortion: Optional[RadialDistortion] = None,
+        distortion: Optional[Lens] = None,
     ) -> None:
         self.height_share = 0.0
         matrix = finite_numbers('surface_from_pixel', surface_from_pixel, 3, 3)

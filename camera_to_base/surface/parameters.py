@@ -16,15 +16,15 @@ from camera_to_base.checks import ImageSize
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface.distortion import RadialDistortion
 from camera_to_base.surface.models import (
-    HomographySurface, MOST_CORNERS, ParallelSurface, PolynomialSurface, Surface, SURFACE_SPECS)
+    CalibratedSurface, HomographySurface, MOST_CORNERS, ParallelSurface, PolynomialSurface,
+    Surface, SURFACE_SPECS)
+from camera_to_base.surface.pinhole import pinhole_of_values, pinhole_values, PinholeSurface
 from camera_to_base.surface.points import Hull
 from camera_to_base.surface.raised_nudged import RaisedSurface
 import numpy as np
 
 # What a flat surface does not depend on.
-_OF_THE_OBJECTS = (
-    'object_height_cm', 'surface.camera_height_cm', 'surface.camera_foot_cm', 'surface.hull',
-    'surface.reject_outside_hull')
+_OF_THE_OBJECTS = 'object_height_cm', 'surface.hull', 'surface.reject_outside_hull'
 
 
 def make_surface(values: Mapping[str, Any]) -> Surface:
@@ -46,13 +46,13 @@ def _made_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
     surface = _flat_surface(tuple(item for item in items if item[0] not in _OF_THE_OBJECTS))
     if values['object_height_cm'] == 0:
         return surface
-    foot_cm = values['surface.camera_foot_cm'] or None
-    if values['surface.camera_height_cm'] == 0:
-        raise InvalidValueError(_where_is_the_camera('surface.camera_height_cm'))
-    if foot_cm is None and values['surface.model'] != 'parallel':
-        raise InvalidValueError(_where_is_the_camera('surface.camera_foot_cm'))
-    return RaisedSurface(surface, values['object_height_cm'], values['surface.camera_height_cm'],
-                         foot_cm, values['surface.image_size'])
+    place = surface.camera_place
+    if place is None:
+        raise InvalidValueError(_where_is_the_camera(
+            'surface.camera_foot_cm' if values['surface.camera_height_cm'] else
+            'surface.camera_height_cm'))
+    return RaisedSurface(surface, values['object_height_cm'], place.height_cm, place.foot_cm,
+                         values['surface.image_size'])
 
 
 def _frozen(value: Any) -> Any:
@@ -67,10 +67,16 @@ def _where_is_the_camera(name: str) -> str:
 @lru_cache(maxsize=8)
 def _flat_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
     values = dict(items)
-    model = values['surface.model']
-    image_size = values['surface.image_size']
+    if values['surface.model'] == 'pinhole':
+        return pinhole_of_values(values)
+    return _model(values, values['surface.model'], values['surface.image_size']).seen_from(
+        values['surface.camera_height_cm'], values['surface.camera_foot_cm'] or None)
+
+
+def _model(values: Mapping[str, Any], model: str, image_size: ImageSize) -> CalibratedSurface:
     if model == 'parallel':
-        return ParallelSurface(values['surface.parallel.width_cm'], image_size[0])
+        return ParallelSurface(values['surface.parallel.width_cm'], image_size[0]).for_image_size(
+            image_size)
     if model == 'polynomial':
         return PolynomialSurface(
             values['surface.polynomial.y_of_v'], values['surface.polynomial.px_per_cm_of_y'],
@@ -116,6 +122,8 @@ def surface_values(
                 'surface.polynomial.y_of_v': surface.y_of_v.tolist(),
                 'surface.polynomial.px_per_cm_of_y': surface.px_per_cm_of_y.tolist(),
                 'surface.polynomial.centre_u': surface.centre_u}
+    if isinstance(surface, PinholeSurface):
+        return {'surface.model': 'pinhole', **values, **pinhole_values(surface)}
     matrix = surface.surface_from_pixel.ravel().tolist()
     return {'surface.model': 'homography', **values,
             'surface.homography.surface_from_pixel': matrix,

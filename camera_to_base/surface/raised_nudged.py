@@ -69,7 +69,6 @@ class RaisedSurface:
                 f"object_height_cm must be below the camera's height, {camera_height_cm:g} cm, "
                 f'got {object_height_cm:g}')
         self.height_share = object_height_cm / camera_height_cm
-        self._given_foot_cm = camera_foot_cm
         if camera_foot_cm is None:
             centre = np.subtract(image_size, 1) / 2
             camera_foot_cm = surface.locate([centre])[0]
@@ -92,9 +91,11 @@ class RaisedSurface:
 
     def for_image_size(self, image_size: ImageSize) -> 'RaisedSurface':
         """Give the model for pictures of a size, see :meth:`Surface.for_image_size`."""
-        return RaisedSurface(
-            self._surface.for_image_size(image_size), self._object_height_cm,
-            self._camera_height_cm, self._given_foot_cm, image_size)
+        surface = self._surface.for_image_size(image_size)
+        place = surface.camera_place
+        foot_cm = self._foot_cm if place is None else place.foot_cm
+        return RaisedSurface(surface, self._object_height_cm, self._camera_height_cm, foot_cm,
+                             image_size)
 
 
 def flat_surface(surface: Surface) -> Surface:

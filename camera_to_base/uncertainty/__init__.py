@@ -29,14 +29,14 @@ from camera_to_base.uncertainty.covariance import (
 from camera_to_base.uncertainty.position import (
     position_uncertainty, PositionUncertainty, scales_at)
 from camera_to_base.uncertainty.terms import (
-    CameraPlace, centre_covariance, height_slopes, HOMOGRAPHY_NUMBERS, Lens, likely_place, Shape,
+    centre_covariance, height_slopes, HOMOGRAPHY_NUMBERS, Lens, likely_place, Shape,
     ShiftMean, Spread, UNKNOWN_ANGLE, warp_design, WARP_NUMBERS, yaw_variance)
 from camera_to_base.uncertainty.transform import (
     Ellipse, ellipse_covariance, error_ellipse, radius_for, uncertain_transform,
     uncertain_transform_of, UncertainTransform)
 
 __all__ = [
-    'base_covariance', 'base_error', 'CameraPlace', 'centre_covariance', 'CENTRE_FLOOR',
+    'base_covariance', 'base_error', 'centre_covariance', 'CENTRE_FLOOR',
     'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse', 'fit_error',
     'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE', 'HOMOGRAPHY_NUMBERS', 'Lens',
     'likely_place', 'pooled_variance', 'position_uncertainty', 'PositionCovariance',

@@ -14,13 +14,14 @@ import math
 from typing import Dict, NamedTuple, Optional, Protocol, Tuple
 
 from camera_to_base.checks import ImageSize
+from camera_to_base.coordinate_transform import CameraPlace
 from camera_to_base.errors import HorizonError
 from camera_to_base.parameters import Values
 from camera_to_base.uncertainty.covariance import (
     CENTRE_FLOOR, FrameState, HEIGHT_TOLERANCE, LEAST_Z_CM, PositionCovariance,
     SURFACE_COVARIANCE, surface_covariance, UNKNOWN_POSITION)
 from camera_to_base.uncertainty.terms import (
-    CameraPlace, centre_covariance, height_slopes, Lens, likely_place, Shape, Spread,
+    centre_covariance, height_slopes, Lens, likely_place, Shape, Spread,
     TUTORIAL_FLOOR_PX, UNKNOWN_ANGLE, warp_design, yaw_variance)
 import numpy as np
 

@@ -34,6 +34,7 @@ import math
 from typing import Callable, NamedTuple, Optional, Protocol, Tuple
 
 from camera_to_base.checks import ImageSize
+from camera_to_base.coordinate_transform import CameraPlace
 import numpy as np
 
 HOMOGRAPHY_NUMBERS, WARP_NUMBERS = 8, 14
@@ -184,18 +185,6 @@ def _share_noise(contrast: float, noise: float) -> float:
     if math.isfinite(contrast) and math.isfinite(noise) and contrast > 0:
         return min(noise / contrast, 1.0)
     return _UNKNOWN_SHARE_NOISE
-
-
-class CameraPlace(NamedTuple):
-    """
-    Where the camera is above the surface.
-
-    :param foot_cm: The point of the surface below it, x and y, in the camera frame.
-    :param height_cm: Its height above the surface.
-    """
-
-    foot_cm: Tuple[float, float]
-    height_cm: float
 
 
 def height_slopes(points: np.ndarray, camera: CameraPlace) -> np.ndarray:

@@ -11,10 +11,11 @@
 
 import math
 
+from camera_to_base.coordinate_transform import CameraPlace
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.surface.models import HomographySurface, ParallelSurface
 from camera_to_base.uncertainty import (
-    base_error, CameraPlace, centre_covariance, error_ellipse, FrameState, likely_place,
+    base_error, centre_covariance, error_ellipse, FrameState, likely_place,
     PositionUncertainty, radius_for, Shape, ShiftMean, Spread, surface_covariance, symmetric,
     triangle_of, UNKNOWN_ANGLE)
 import numpy as np
