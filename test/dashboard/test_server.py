@@ -43,7 +43,7 @@ def test_objects_are_shown_in_both_frames_with_pixel_and_ellipse(ros, dashboard,
         one['base'] and one['ellipse'] and one['pixel'] for one in watch['objects'])
         and 5 < watch['rate_hz'] < 15)
     one = watch['objects'][0]
-    assert one['number'] == 1 and watch['silence'] is None
+    assert one['number'] == 1 and watch['state']['reason'] == 'not_calibrated'
     camera = np.array([one['camera']['x'], one['camera']['y']])
     assert np.linalg.norm(np.array(truth) - camera, axis=1).min() < 0.1
     # The tutorial's transform, and its 36 cm across 640 px.
@@ -56,6 +56,25 @@ def test_objects_are_shown_in_both_frames_with_pixel_and_ellipse(ros, dashboard,
     assert [-17.8, 24.4] in watch['map']['view']
 
 
+@pytest.mark.slow
+def test_the_error_of_a_base_position_is_that_of_the_base_frame_in_each_update(
+        ros, dashboard, cell):
+    page = dashboard()
+    page.look()
+
+    def updates():
+        return [message['data']['objects'] for message in page.messages
+                if message['part'] == 'watch' and message['data']['objects']]
+
+    comes(ros, page, 'watch', lambda watch: watch['objects'] and all(
+        one['base'] and one['ellipse'] for one in watch['objects']))
+    began = len(updates())
+    ros.spin_until(lambda: len(updates()) > began + 80)
+    shown = [one['ellipse'] and one['ellipse']['frame']
+             for objects in updates()[began:] for one in objects if one['base']]
+    assert shown.count('camera') == 0 and shown.count(None) <= 0.02 * len(shown)
+
+
 def test_what_is_left_out_is_shown_with_its_reason(ros, dashboard, cell):
     page = dashboard()
     page.look()
@@ -64,7 +83,7 @@ def test_what_is_left_out_is_shown_with_its_reason(ros, dashboard, cell):
     left_out = watch['left_out'][0]
     assert left_out['reason'] == 'too_small'
     assert 'detector.min_area_cm2' in left_out['sentence']
-    assert watch['objects'] == [] and watch['silence'] is None
+    assert watch['objects'] == [] and watch['state']['level'] != 'error'
 
 
 def test_two_pages_see_what_one_of_them_changes(ros, dashboard, cell):
@@ -166,8 +185,8 @@ def test_a_cell_in_a_namespace_is_found_and_kept_apart(ros, dashboard):
     assert cells == [{'cell': '/'}, {'cell': '/left'}]
     watch = comes(ros, page, 'watch', lambda watch: watch['objects'])
     assert watch['objects'][0]['base'] is None
-    assert watch['silence']['reason'] == 'transform_not_running'
-    assert '__ns:=/left' in watch['silence']['sentence']
+    assert watch['state']['reason'] == 'transform_not_running'
+    assert '__ns:=/left' in watch['state']['sentence']
 
 
 @pytest.mark.slow

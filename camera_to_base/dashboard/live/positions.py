@@ -24,8 +24,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 # As many frames are kept while their messages arrive one after the other.
 _MOST_FRAMES = 30
-# If no base positions came for so many frames, the camera positions are shown alone.
-_LONGEST_WAIT_FRAMES = 10
+# If no base positions came for so many frames, or so long, the camera positions are shown alone.
+_LONGEST_WAIT_FRAMES, _LONGEST_WAIT_S = 10, 1.0
 
 Stamp = Tuple[int, int]
 
@@ -85,7 +85,8 @@ class SeenFrames:
         Base positions come some milliseconds after the camera positions.
         """
         seen = [frame for frame in reversed(self._frames.values()) if frame.camera is not None]
-        whole = (frame for frame in seen[:_LONGEST_WAIT_FRAMES] if frame.base is not None)
+        whole = (frame for frame in seen[:_LONGEST_WAIT_FRAMES] if frame.base is not None
+                 and seen[0].stamp_s - frame.stamp_s < _LONGEST_WAIT_S)
         return next(whole, seen[0] if seen else None)
 
 
@@ -105,6 +106,7 @@ class CellPositions:
         self._frames = SeenFrames()
         self._came_at: Deque[float] = deque(maxlen=1000)
         self._started_at = time.monotonic()
+        self._owed_since: Optional[float] = None
 
         def subscribe(kind: type, topic: str, callback: Callable[[Any], None]) -> Any:
             return node.create_subscription(kind, full_name(namespace, topic), callback, 5)
@@ -128,6 +130,11 @@ class CellPositions:
         return time.monotonic() - (self._came_at[-1] if self._came_at else self._started_at)
 
     @property
+    def owed_s(self) -> float:
+        """Time since objects came that have not come in the base frame; 0 if they have."""
+        return 0.0 if self._owed_since is None else time.monotonic() - self._owed_since
+
+    @property
     def rate_hz(self) -> float:
         """Messages with objects in a second."""
         now = time.monotonic()
@@ -140,13 +147,17 @@ class CellPositions:
             self._node.destroy_subscription(subscription)
 
     def _on_camera(self, message: PoseArray) -> None:
+        was_silent = self.silent_s > _LONGEST_WAIT_S
         self._came_at.append(time.monotonic())
+        if was_silent or self._owed_since is None:
+            self._owed_since = self._came_at[-1]
         frame = self._frames.at(message.header.stamp)
         frame.latency_s = self._node.get_clock().now().nanoseconds / 1e9 - frame.stamp_s
         frame.camera = _read(poses_from_message, message)
         self._on_objects(frame.camera)
 
     def _on_base(self, message: PoseArray) -> None:
+        self._owed_since = None
         self._frames.at(message.header.stamp).base = _read(poses_from_message, message)
 
     def _on_camera_ellipses(self, message: MarkerArray) -> None:

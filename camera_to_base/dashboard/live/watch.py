@@ -14,9 +14,10 @@ from typing import Any, Callable, Dict, Iterable, Optional
 from camera_to_base.dashboard.live.cells import CAMERA, CellFinder, full_name, GraphCell, TRANSFORM
 from camera_to_base.dashboard.live.feeds import OnPicture, PictureTopics, SessionFeed
 from camera_to_base.dashboard.live.geometry import Geometry
+from camera_to_base.dashboard.live.health import CellHealth, Lines, LogLines, no_lines
 from camera_to_base.dashboard.live.parameters import RemoteParameters
 from camera_to_base.dashboard.live.positions import CellPositions
-from camera_to_base.dashboard.live.status import CellHealth, CellStatus, Lines, LogLines, no_lines
+from camera_to_base.dashboard.live.status import CellStatus
 from camera_to_base.dashboard.sessions.cell_sessions import AllSessions, CellSessions
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import TRANSFORM_SPECS, Values
@@ -125,7 +126,8 @@ class CellWatch:
 
     def _beat(self) -> None:
         self._beats += 1
-        self._tell('watch', self._status.watch_data(self._cell, self.geometry))
+        self._tell('watch', self._status.watch_data(
+            self._cell, self.geometry, self._sessions.setup))
         self._feed.check()
         if self._beats % _BEATS_PER_S == 0:
             self._look_at_graph()

@@ -56,6 +56,16 @@ class BoardSession:
         return self._is_on
 
     @property
+    def sees_board(self) -> bool:
+        """Whether it looks for a board, and sees it now."""
+        return self._is_on and self._watch.sees_board
+
+    @property
+    def new_surface(self) -> Any:
+        """Another object for each surface that was accepted; None before."""
+        return self._accepted
+
+    @property
     def options(self) -> BoardOptions:
         """What is printed."""
         return self._options

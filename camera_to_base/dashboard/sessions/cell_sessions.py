@@ -21,7 +21,7 @@ from camera_to_base.dashboard.sessions.markers import MarkerSession
 from camera_to_base.dashboard.sessions.placements import PANEL_NAMES
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save import SaveSession
-from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, Worker
+from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, Setup, Worker
 from camera_to_base.detection import Area, read_areas
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import Values
@@ -180,6 +180,12 @@ class CellSessions:
     def wants_objects(self) -> bool:
         """Whether :meth:`see_objects` and :meth:`see_background` are to be called."""
         return self._robot.wants_objects
+
+    @property
+    def setup(self) -> Setup:
+        """How far the cell is set up."""
+        with self._lock:
+            return Setup(self._values.parts, self._board.sees_board, self._board.new_surface)
 
     @property
     def tool_topic(self) -> str:

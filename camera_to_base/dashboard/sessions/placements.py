@@ -9,6 +9,8 @@
 
 """The placements of a board: the board that is searched for, its pictures, and their list."""
 
+import math
+import time
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.calibration import (
@@ -23,6 +25,8 @@ import numpy as np
 # Their median is the picture, as in `sources.median_frame`; slow machines give 2 frames a second.
 _FRAMES = 5
 _LONGEST_WAIT_S = 5.0
+# A board that was not found for so long, in no picture, is not there.
+_SEEN_S = 2.0
 _NO_FRAMES = ('no pictures come from the camera node: is it running, and the camera plugged in? '
               'Then take the placement again')
 _OTHER_SIZE = 'the picture has changed its size: take it again'
@@ -318,12 +322,17 @@ class BoardWatch:
     ) -> None:
         self._worker, self._on_change, self._on_picture = worker, on_change, on_picture
         self._board: Optional[PrintedBoard] = None
-        self._is_looking = False
+        self._is_looking, self._seen_at = False, -math.inf
         self.data: Any = None
+
+    @property
+    def sees_board(self) -> bool:
+        """Whether the board was seen within the last seconds."""
+        return time.monotonic() - self._seen_at < _SEEN_S
 
     def start(self, board: Optional[PrintedBoard]) -> None:
         """Look for a board from now on; None ends it."""
-        self._board, self.data = board, None
+        self._board, self.data, self._seen_at = board, None, -math.inf
 
     def see(self, image: np.ndarray, taken: Sequence[np.ndarray]) -> None:
         """
@@ -348,6 +357,8 @@ class BoardWatch:
             return  # it has ended, or another board is looked for
         if isinstance(found, Exception):
             found = BoardLook(False, sentence_of(found), np.empty((0, 2)))
+        if found.is_found:
+            self._seen_at = time.monotonic()
         data = look_data(image, found)
         if data != self.data:
             self.data = data

@@ -90,22 +90,40 @@ class CellChanges(NamedTuple):
     dropped: List[str]
 
 
+class Setup(NamedTuple):
+    """
+    How far a cell is set up.
+
+    :param parts: What is calibrated: SURFACE, MARKERS, BASE; None while a node does not run.
+    :param sees_board: Whether a board is looked for, and seen now.
+    :param new_surface: Another object for each surface that was accepted; None before.
+    """
+
+    parts: Optional[List[str]] = None
+    sees_board: bool = False
+    new_surface: Any = None
+
+
 class CellValues:
     """
     The parameters of a cell's nodes, as far as they are known.
 
-    `camera` and `transform` are None while the node does not run.
+    `camera` and `transform` are None while the node does not run, and so is `parts`, which is
+    calibrated, while one of them does not run.
     """
 
     def __init__(self) -> None:
         self.camera: Optional[Values] = None
         self.transform: Optional[Values] = None
+        self.parts: Optional[List[str]] = None
         self._settings: Optional[CameraSettings] = None
 
     def see(self, node: str, values: Optional[Values]) -> None:
         """Take the values of 'camera' or 'transform'; None where it does not run."""
         setattr(self, node, dict(values) if values else None)
         self._settings = None
+        is_known = self.camera is not None and self.transform is not None
+        self.parts = parts_of(self.given) if is_known else None
 
     @property
     def settings(self) -> CameraSettings:

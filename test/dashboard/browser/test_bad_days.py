@@ -10,11 +10,13 @@
 """Bad days: what a person reads on the page when something is broken, and what is lost."""
 
 import resource
+import time
 
 from dashboard_page import wait_until
 from mjpeg_server import MjpegServer
 import numpy as np
 import pytest
+from ros_helpers import assert_in_time
 
 pytestmark = pytest.mark.slow
 
@@ -33,6 +35,34 @@ def test_dead_transform_node_is_told_and_its_return(page, cell):
     cell.start('robot_base_publisher')
     wait_until(lambda: 'robot_base_publisher' not in page.read('#banner'),
                lambda: page.read('#banner'))
+
+
+def test_robot_node_that_is_killed_is_told_within_three_seconds_on_all_parts(page, cell):
+    cell.kill('robot_base_publisher')
+    killed = time.monotonic()
+    wait_until(lambda: 'published' not in page.read('#banner-text'), lambda: page.read('#banner'))
+    assert_in_time(time.monotonic() - killed, 3.5)
+    page.wait_for('robot_base_publisher', '#banner')
+    page.go_to('health')
+    page.wait_for('robot_base_publisher', '#cell-state')
+    cell.start('robot_base_publisher')
+    page.wait_for('published', '#banner')
+
+
+def test_nudge_in_the_middle_of_a_calibration_is_told_and_not_called_normal(page):
+    page.go_to('calibrate')
+    page.click('Start', '#part-calibrate')
+    page.go_to('watch')
+    page.click('Bump', '#simulated')
+    page.wait_for('nudged', '#banner')
+    assert 'normal' not in page.read('#banner')
+    page.click('Put back', '#simulated')
+    page.go_to('calibrate')
+    page.click('Board', '#simulated')
+    page.wait_for('This is normal', '#banner')
+    page.click('Stop, and drop the placements', '#part-calibrate')
+    page.click('Moving objects', '#simulated')
+    page.wait_for('published', '#banner')
 
 
 def test_dead_dashboard_is_told_and_its_return(page, cell):

@@ -15,21 +15,9 @@
 // What a reason means for the page. Its kind is a stable word of the nodes, see
 // docs/topics_and_frames.md; no other module of the page compares kinds.
 
-// Where a reason leads to, by the beginning of its kind.
-const WAYS = [
-  [['view_corrected', 'not_calibrated', 'other_camera', 'frame_size'], '#calibrate', 'Calibrate'],
-  [['view_', 'background_', 'taken_away', 'other_view'], '#detect', 'Take the background again'],
-  [['camera_', 'no_publisher', 'damaged', 'old_frames', 'topic_'], '#health', 'Look at Health'],
-];
 const WITHOUT_BACKGROUND = [
   'background_missing', 'background_dark', 'background_unsettled', 'other_view'];
 const WITH_ANOTHER_SURFACE = ['view_corrected', 'surface_by_markers'];
-
-/** Return the address and the words of the part that helps; null for none. */
-export function wayOut(kind) {
-  const way = WAYS.find(([kinds]) => kinds.some((begin) => kind.startsWith(begin)));
-  return way ? {href: way[1], words: way[2]} : null;
-}
 
 /** Tell whether there is no background that can be used. */
 export function lacksBackground(kind) {
@@ -39,9 +27,4 @@ export function lacksBackground(kind) {
 /** Tell whether positions are located by a surface that is not the calibrated one. */
 export function hasAnotherSurface(kind) {
   return WITH_ANOTHER_SURFACE.includes(kind);
-}
-
-/** Tell whether the view is covered or has moved, as a board in it looks to the node. */
-export function isOfTheView(kind) {
-  return kind.startsWith('view_');
 }

@@ -23,6 +23,8 @@ const SEVERITY = {debug: 0, info: 1, warn: 2, error: 3, fatal: 4};
 
 /** Make the part. */
 export function createHealth(store) {
+  const whole = element('p', {class: 'sentence'}, element('span', {class: 'mark'}),
+    element('span', {id: 'cell-state'}));
   const nodes = element('div', {class: 'nodes'});
   const none = element('p', {}, 'No node has said anything yet.');
   const rate = createChart('Rate', 'Hz');
@@ -30,15 +32,23 @@ export function createHealth(store) {
   const log = createLog();
   store.on('health', (health) => {
     show(none, !health.nodes.length);
+    fillState(whole, health.state);
     sync(nodes, health.nodes, (node) => node.name, makeNode, fillNode);
     rate.update(health.charts?.rate_hz ?? []);
     latency.update(health.charts?.latency_ms ?? []);
   });
   store.on('log', log.update);
   return {node: element('div', {},
+    card('State', whole),
     card('Nodes', none, nodes),
     card('The last minute', element('div', {class: 'charts'}, rate.node, latency.node)),
     card('Messages', log.node))};
+}
+
+function fillState(node, {level, sentence}) {
+  setAttribute(node.firstChild, 'class', `mark pill ${level}`);
+  setText(node.firstChild, WORDS[level] ?? 'Set-up');
+  setText(node.lastChild, ` ${asSentence(sentence)}`);
 }
 
 function makeNode({name}) {

@@ -59,7 +59,7 @@ function stepsOf(store) {
     {part: 'calibrate', name: 'Surface', isDone: Boolean(surface),
       todo: 'lay a printed board on the table'},
     {part: 'detect', name: 'Background',
-      isDone: Boolean(watch) && !lacksBackground(watch.silence?.reason),
+      isDone: Boolean(watch) && !lacksBackground(watch.state.reason),
       todo: 'clear the table, and take the background'},
     {part: 'robot', name: 'Robot', isDone: Boolean(base),
       todo: 'touch five objects with the robot'},
