@@ -28,7 +28,8 @@ _STALE_S = 2.5
 
 # What a board in the view looks like to the camera node. A nudge (view_moved, view_corrected) is
 # not among them: the placements of a board do not belong together then.
-_COVERED = ('view_changed', 'view_unknown', 'background_unsettled', 'background_missing', 'touched')
+_COVERED = (
+    'view_changed', 'view_unknown', 'background_unsettled', 'background_missing', 'touched')
 # What a background of the former surface, or a board that still lies there, looks like.
 _OUTDATED = (*_COVERED, 'background_dark', 'other_view', 'frame_size', 'view_moved', 'taken_away')
 # Positions that are wrong for more than one reason: this one comes first.

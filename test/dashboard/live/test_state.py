@@ -14,9 +14,9 @@ import time
 from camera_to_base.calibration import BASE, SURFACE
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.dashboard.live.cells import GraphCell
+from camera_to_base.dashboard.live.positions import SeenFrame
 from camera_to_base.dashboard.live.state import cell_state, Facts, Report
 from camera_to_base.dashboard.live.status import HeldEllipses, objects_data
-from camera_to_base.dashboard.live.positions import SeenFrame
 from camera_to_base.ros import UncertainPose
 import numpy as np
 import pytest
