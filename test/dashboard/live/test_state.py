@@ -34,8 +34,12 @@ def state(**known):
         'camera': said(), 'transform': said(), 'parts': ALL, 'object_count': 2, **known}))
 
 
-NUDGED = said('view_corrected', 'warn', 'the camera was nudged by 7.4 px: calibrate again')
-COVERED = said('view_changed', 'error', '80 % of the view differs: call ~/capture_background')
+def nudged(age_s=0.1):
+    return said('view_corrected', 'warn', 'the camera was nudged by 7.4 px', age_s)
+
+
+def covered():
+    return said('view_changed', 'error', '80 % of the view differs: call ~/capture_background')
 
 
 def test_all_is_well_only_if_nothing_is_known_that_is_not():
@@ -46,21 +50,21 @@ def test_all_is_well_only_if_nothing_is_known_that_is_not():
 
 @pytest.mark.parametrize('sees_board', [False, True])
 def test_a_nudge_while_positions_are_published_is_never_called_normal(sees_board):
-    one = state(camera=NUDGED, sees_board=sees_board)
+    one = state(camera=nudged(), sees_board=sees_board)
     assert (one.kind, one.level) == ('view_corrected', 'warn') and '7.4 px' in one.sentence
     moved = said('view_moved', 'error', 'the camera was nudged')
     assert state(camera=moved, silent_s=5.0, sees_board=sees_board).level == 'error'
 
 
 def test_a_covered_view_is_normal_only_while_a_board_is_seen():
-    one = state(camera=COVERED, silent_s=5.0, sees_board=True)
+    one = state(camera=covered(), silent_s=5.0, sees_board=True)
     assert one.level == 'calm' and 'This is normal' in one.sentence
-    one = state(camera=COVERED, silent_s=5.0, sees_board=False)
+    one = state(camera=covered(), silent_s=5.0, sees_board=False)
     assert (one.kind, one.level) == ('view_changed', 'error') and 'normal' not in one.sentence
 
 
 def test_after_the_surface_was_accepted_the_next_step_is_said_and_no_fault():
-    one = state(camera=COVERED, silent_s=5.0, has_new_surface=True)
+    one = state(camera=covered(), silent_s=5.0, has_new_surface=True)
     assert one.level == 'calm' and 'take the background' in one.sentence
     assert 'capture_background' not in one.sentence
     lost = said('camera_lost', 'error', 'the camera is gone')
@@ -72,7 +76,7 @@ def test_base_positions_of_a_base_frame_that_was_never_measured_are_told():
     assert (one.kind, one.level) == ('base_not_calibrated', 'warn')
     assert one.data['way'] == 'robot'
     # A nudge is told beside it, not instead of it.
-    assert NUDGED.sentence in state(parts=(SURFACE,), camera=NUDGED).also
+    assert nudged().sentence in state(parts=(SURFACE,), camera=nudged()).also
     tutorial = said('not_calibrated', 'warn', 'the surface is still that of the tutorial')
     assert state(parts=(), camera=tutorial).kind == 'not_calibrated'
 
@@ -101,7 +105,7 @@ def test_two_seconds_without_a_base_position_are_told_with_their_cause():
 
 
 def test_an_old_report_says_nothing_about_now():
-    assert state(camera=NUDGED._replace(came_at=time.monotonic() - 9)).kind == 'ok'
+    assert state(camera=nudged(9.0)).kind == 'ok'
 
 
 # One object, and where the base frame shows it.
