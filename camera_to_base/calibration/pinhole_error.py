@@ -1,0 +1,177 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""
+How far a fitted pinhole camera is off: what each board says that the fit has not seen.
+
+Each board is left out in turn, and predicted from the others, up to where it lies. To first order
+this follows from the equations of the fit to all. The prediction errors, relative to those that
+corners with an error of 1 px would have, give the variance of a corner; a board with much larger
+ones than the others does not belong to them.
+"""
+
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+from camera_to_base.calibration.pinhole_problem import expected_px, PinholeProblem, POSE_NUMBERS
+from camera_to_base.uncertainty import pooled_variance
+import numpy as np
+
+# How many residuals the expected error of a corner is worth.
+_EXPECTED_WORTH = 10.0
+
+
+class BoardPart(NamedTuple):
+    """
+    What a board says of the shared numbers, whatever its own numbers are.
+
+    :param design: Shape (m, s), how its pixels' coordinates move by the lens and the table's pose.
+    :param residuals: Shape (m,), in px.
+    :param freedom: How many of them are independent of the board's own numbers.
+    """
+
+    design: np.ndarray
+    residuals: np.ndarray
+    freedom: int
+
+
+class LeftOut(NamedTuple):
+    """
+    A board under the fit to the others.
+
+    :param relative: Mean squared prediction error, relative to corners with an error of 1 px.
+    :param rms_px: Root of the mean squared prediction error of a coordinate.
+    """
+
+    relative: float
+    rms_px: float
+
+
+class PinholeEquations:
+    """
+    The linear equations of a fit, at its solution.
+
+    :param numbers: The solution.
+    :param kept: Shape (n,), which corners count.
+    """
+
+    def __init__(self, problem: PinholeProblem, numbers: np.ndarray, kept: np.ndarray) -> None:
+        self._problem, self._numbers = problem, numbers
+        self._rows = np.repeat(kept, 2)
+        self._residuals = problem.residuals(numbers)
+        self._jacobian = problem.jacobian(numbers)
+        self.expected_px = expected_px(problem.image_size)
+        self._basis, firsts = self._shared_basis()
+        self.parts = [self._part(board, firsts) for board in range(len(problem.boards))]
+
+    @property
+    def shared_step(self) -> np.ndarray:
+        """Which shared numbers the columns of the boards' designs move, shape (s, lens + 6)."""
+        return self._basis
+
+    def left_out(self) -> List[LeftOut]:
+        """Predict each board from the others."""
+        precision, slope = self._prior()
+        normal = precision + sum(part.design.T @ part.design for part in self.parts)
+        slope = slope + sum(part.design.T @ part.residuals for part in self.parts)
+        return [_left_out(part, normal, slope) for part in self.parts]
+
+    def variance(self, left_out: Sequence[LeftOut]) -> float:
+        """Return the variance of a corner's coordinate, in px²."""
+        freedom = np.array([part.freedom for part in self.parts], float)
+        squares = float(sum(freedom * [one.relative for one in left_out]))
+        return pooled_variance(squares, float(freedom.sum()), self.expected_px, _EXPECTED_WORTH)
+
+    def covariance(self, variance: float) -> np.ndarray:
+        """Return the covariance of all numbers, shape (size, size)."""
+        design = self._jacobian[self._rows]
+        _, deviations = self._problem.prior()
+        return variance * _inverse(design.T @ design + np.diag(variance / deviations ** 2))
+
+    def further(self, columns: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """
+        Estimate numbers that the fit does not have, and their standard deviations.
+
+        :param columns: Shape (2 n, k), how the pixels' coordinates move by them.
+        """
+        design = np.hstack([self._jacobian, columns])[self._rows]
+        _, deviations = self._problem.prior()
+        count = columns.shape[1]
+        precision = np.diag([*(self.expected_px / deviations) ** 2, *[0.0] * count])
+        inverse = _inverse(design.T @ design + precision)
+        found = -inverse @ (design.T @ self._residuals[self._rows])
+        rest = self._residuals[self._rows] + design @ found
+        variance = max(float(rest @ rest) / max(len(rest) - design.shape[1], 1),
+                       (self.expected_px / 4) ** 2)
+        return found[-count:], np.sqrt(variance * np.diag(inverse)[-count:])
+
+    def _prior(self) -> Tuple[np.ndarray, np.ndarray]:
+        expected, deviations = self._problem.prior()
+        shared = self._problem.shared
+        weights = (self.expected_px / deviations[shared]) ** 2
+        slope = weights * (self._numbers - expected)[shared]
+        return self._basis @ np.diag(weights) @ self._basis.T, self._basis @ slope
+
+    def _shared_basis(self) -> Tuple[np.ndarray, np.ndarray]:
+        """
+        Return the moves of the shared numbers that are no shift or turn on the table.
+
+        These would be the own numbers of the flat placements.
+        """
+        problem = self._problem
+        firsts = problem.by_motion_of_first(self._numbers)
+        start = problem.pose_at
+        pose = self._jacobian[problem.rows[0], start:start + POSE_NUMBERS]
+        scale = np.linalg.norm(pose, axis=0)
+        on_table = np.linalg.lstsq(pose / scale, firsts, rcond=None)[0] / scale[:, None]
+        others = np.linalg.svd((on_table / np.linalg.norm(on_table, axis=0)).T)[2][3:]
+        basis = np.zeros((start + 3, start + POSE_NUMBERS))
+        basis[:start, :start] = np.eye(start)
+        basis[start:, start:] = others
+        return basis, firsts
+
+    def _part(self, board: int, firsts: np.ndarray) -> BoardPart:
+        rows, shared = self._problem.rows[board], self._problem.shared
+        used = self._rows[rows]
+        own = firsts if board == 0 else self._jacobian[rows, self._problem.own(board)]
+        axes = np.linalg.qr(own[used])[0]
+        design = (self._jacobian[rows, shared] @ self._basis.T)[used]
+        residuals = self._residuals[rows][used]
+        return BoardPart(design - axes @ (axes.T @ design),
+                         residuals - axes @ (axes.T @ residuals),
+                         max(int(used.sum()) - own.shape[1], 1))
+
+
+def _left_out(part: BoardPart, normal: np.ndarray, slope: np.ndarray) -> LeftOut:
+    others = _inverse(normal - part.design.T @ part.design)
+    step = -others @ (slope - part.design.T @ part.residuals)
+    error = part.residuals + part.design @ step
+    # (1 + A N^-1 A')^-1 = 1 - A (N + A'A)^-1 A', where N is of the others.
+    along = part.design.T @ error
+    square = float(error @ error - along @ _inverse(normal) @ along)
+    return LeftOut(square / part.freedom, float(np.sqrt(error @ error / part.freedom)))
+
+
+def _inverse(normal: np.ndarray) -> np.ndarray:
+    """Invert a positive definite matrix whose numbers have different units."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    return scale[:, None] * np.linalg.pinv(
+        normal * scale * scale[:, None], rcond=1e-13, hermitian=True) * scale
+
+
+def worst_board(left_out: Sequence[LeftOut], floor_px: float, factor: float) -> Optional[int]:
+    """
+    Name the board that does not belong to the others; None if all do.
+
+    :param floor_px: Prediction errors below this are usual.
+    :param factor: By how much larger than the median its error is.
+    """
+    errors = np.sqrt([one.relative for one in left_out])
+    worst = int(np.argmax(errors))
+    usual = float(np.median(np.delete(errors, worst)))
+    return worst if errors[worst] > max(floor_px, factor * usual) else None

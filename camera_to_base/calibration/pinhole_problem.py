@@ -1,0 +1,249 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""The least-squares problem of a pinhole camera that sees a board flat on the table and tilted."""
+
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+from camera_to_base.calibration.homography_fit import moved
+from camera_to_base.checks import ImageSize
+from camera_to_base.surface import LensModel, MatchedPoints
+import cv2
+import numpy as np
+
+# Numbers of a lens of plumb_bob that is fitted: focal length, centre, coefficients.
+FOCAL, CENTRE, COEFFICIENTS = 0, slice(1, 3), slice(3, 8)
+LENS_NUMBERS, POSE_NUMBERS, MOTION_NUMBERS = 8, 6, 3
+# What is expected before anything is measured: a centre within 0.03 halves of the picture's
+# diagonal (22 px of 1280 x 720), and coefficients k1 k2 p1 p2 k3 of usual lenses.
+_EXPECTED_CENTRE = 0.03
+EXPECTED_COEFFICIENTS = (0.5, 0.5, 0.01, 0.01, 0.5)
+# The usual error of a corner's coordinate, in pictures of this width.
+_EXPECTED_PX, _USUAL_WIDTH = 0.1, 1280
+
+
+def expected_px(image_size: ImageSize) -> float:
+    """Return the usual error of a corner's coordinate, in px."""
+    return _EXPECTED_PX * max(image_size[0] / _USUAL_WIDTH, 0.5)
+
+
+class Shown(NamedTuple):
+    """
+    Where a lens shows points, and how this changes.
+
+    :param pixels: Shape (n, 2).
+    :param by_point: Shape (n, 2, 3), by a move of the point in the optical frame, in px for a cm.
+    :param by_lens: Shape (n, 2, 8), by the lens's numbers.
+    """
+
+    pixels: np.ndarray
+    by_point: np.ndarray
+    by_lens: np.ndarray
+
+
+def lens_of(numbers: np.ndarray, image_size: ImageSize) -> LensModel:
+    """Make the lens of its numbers, shape (8,): focal length, centre, k1 k2 p1 p2 k3."""
+    focal = float(numbers[FOCAL])
+    return LensModel(image_size, (focal, focal), tuple(numbers[CENTRE]),
+                     tuple(numbers[COEFFICIENTS]) if numbers[COEFFICIENTS].any() else ())
+
+
+def shown_by(lens: LensModel, points: np.ndarray) -> Shown:
+    """
+    Project points, with derivatives.
+
+    :param points: Shape (n, 3), in the optical frame, in cm.
+    """
+    nothing, count = np.zeros(3), len(points)
+    coefficients = np.array(lens.coefficients or (0.0,) * 5)
+    if lens.model == 'equidistant':
+        pixels, slopes = cv2.fisheye.projectPoints(
+            points[:, None], nothing, nothing, lens.matrix, coefficients)
+        moves, by_lens = slopes[:, 11:14], np.zeros((2 * count, LENS_NUMBERS))
+    else:
+        pixels, slopes = cv2.projectPoints(
+            points, nothing, nothing, lens.matrix, coefficients)
+        moves = slopes[:, 3:6]
+        by_lens = np.zeros((2 * count, LENS_NUMBERS))
+        by_lens[:, FOCAL] = slopes[:, 6] + slopes[:, 7]
+        by_lens[:, CENTRE] = slopes[:, 8:10]
+        by_lens[:, COEFFICIENTS] = slopes[:, 10:15]
+    return Shown(pixels.reshape(count, 2), moves.reshape(count, 2, 3),
+                 by_lens.reshape(count, 2, LENS_NUMBERS))
+
+
+class _Pose(NamedTuple):
+    """A rotation matrix (3, 3), its change by the rotation vector (3, 3, 3), and the shift."""
+
+    matrix: np.ndarray
+    slopes: np.ndarray
+    shift: np.ndarray
+
+    @classmethod
+    def of(cls, numbers: np.ndarray) -> '_Pose':
+        """Make it of a rotation vector and a shift, shape (6,)."""
+        matrix, slopes = cv2.Rodrigues(np.ascontiguousarray(numbers[:3], float))
+        return cls(matrix, slopes.reshape(3, 3, 3), numbers[3:])
+
+    def points(self, points: np.ndarray) -> np.ndarray:
+        """Take points (n, 3) to the optical frame."""
+        return points @ self.matrix.T + self.shift
+
+    def by_pose(self, points: np.ndarray) -> np.ndarray:
+        """Return how the points move by the pose's numbers, shape (n, 3, 6)."""
+        slopes = np.empty((len(points), 3, POSE_NUMBERS))
+        slopes[:, :, :3] = np.einsum('kij,nj->nik', self.slopes, points)
+        slopes[:, :, 3:] = np.eye(3)
+        return slopes
+
+
+class PinholeProblem:
+    """
+    The least-squares problem.
+
+    Its numbers: the lens (8, some of them fixed), the pose of the camera frame in the optical
+    frame (6), the turn and the shift on the table of each flat placement but the first (3), and
+    the pose of each board that is held at a tilt (6).
+
+    :param flat: The points of each flat placement, in its own coordinates; those of the first are
+        the camera frame's. At least one.
+    :param tilted: The same of the boards held at a tilt, each in the board's coordinates.
+    :param free: Which of the coefficients k1 k2 p1 p2 k3 are fitted.
+    :param known: The lens, if it is known; then none of its numbers is fitted.
+    """
+
+    def __init__(
+        self, flat: Sequence[MatchedPoints], tilted: Sequence[MatchedPoints],
+        image_size: ImageSize, free: Sequence[int] = (), known: Optional[LensModel] = None,
+    ) -> None:
+        self.image_size, self.known = tuple(image_size), known
+        self.boards = [*flat, *tilted]
+        self.flat_count = len(flat)
+        self._pixels = np.concatenate([board.pixels for board in self.boards])
+        self.rows = self._rows_of_boards()
+        width, height = image_size
+        self._middle = np.array([(width - 1) / 2, (height - 1) / 2])
+        self.free_lens = np.array([], int) if known is not None else np.array(
+            [FOCAL, 1, 2, *(COEFFICIENTS.start + index for index in free)])
+        self.pose_at = len(self.free_lens)
+        self.size = (self.pose_at + POSE_NUMBERS + MOTION_NUMBERS * (len(flat) - 1)
+                     + POSE_NUMBERS * len(tilted))
+
+    @property
+    def shared(self) -> slice:
+        """The numbers that all flat placements share: those of the lens and of the table's pose."""
+        return slice(0, self.pose_at + POSE_NUMBERS)
+
+    def own(self, board: int) -> slice:
+        """Return which numbers are a board's own; none for the first one."""
+        start = self.shared.stop + MOTION_NUMBERS * max(min(board, self.flat_count) - 1, 0)
+        if board < self.flat_count:
+            return slice(start, start + (MOTION_NUMBERS if board else 0))
+        start += POSE_NUMBERS * (board - self.flat_count)
+        return slice(start, start + POSE_NUMBERS)
+
+    def lens(self, numbers: np.ndarray) -> LensModel:
+        """Return the lens."""
+        if self.known is not None:
+            return self.known
+        values = np.zeros(LENS_NUMBERS)
+        values[self.free_lens] = numbers[:self.pose_at]
+        return lens_of(values, self.image_size)
+
+    def table_pose(self, numbers: np.ndarray) -> np.ndarray:
+        """Return the camera frame's rotation vector and shift in the optical frame, (6,)."""
+        return numbers[self.pose_at:self.pose_at + POSE_NUMBERS]
+
+    def placed(self, numbers: np.ndarray, board: int) -> np.ndarray:
+        """Return where a flat placement's points lie in the camera frame, shape (n, 2)."""
+        points = self.boards[board].points
+        return moved(points, numbers[self.own(board)]) if board else points
+
+    def residuals(self, numbers: np.ndarray) -> np.ndarray:
+        """Return shown minus measured pixels, shape (2 n,)."""
+        lens = self.lens(numbers)
+        shown = [shown_by(lens, self._pose(numbers, board).points(self._points(numbers, board)))
+                 .pixels for board in range(len(self.boards))]
+        return (np.concatenate(shown) - self._pixels).ravel()
+
+    def jacobian(self, numbers: np.ndarray) -> np.ndarray:
+        """Return the derivative of :meth:`residuals`, shape (2 n, size)."""
+        lens, slopes = self.lens(numbers), np.zeros((2 * len(self._pixels), self.size))
+        for board, rows in enumerate(self.rows):
+            pose, points = self._pose(numbers, board), self._points(numbers, board)
+            shown = shown_by(lens, pose.points(points))
+            by_pose = (shown.by_point @ pose.by_pose(points)).reshape(-1, POSE_NUMBERS)
+            slopes[rows, :self.pose_at] = shown.by_lens[:, :, self.free_lens].reshape(
+                -1, self.pose_at)
+            slopes[rows, self._pose_slice(board)] = by_pose
+            if 0 < board < self.flat_count:
+                slopes[rows, self.own(board)] = self._by_motion(numbers, board, shown, pose)
+        return slopes
+
+    def by_motion_of_first(self, numbers: np.ndarray) -> np.ndarray:
+        """Return how the first placement's pixels move if it is shifted and turned, (2 n, 3)."""
+        pose = self._pose(numbers, 0)
+        shown = shown_by(self.lens(numbers), pose.points(self._points(numbers, 0)))
+        return self._by_motion(numbers, 0, shown, pose)
+
+    def by_bend(self, numbers: np.ndarray) -> np.ndarray:
+        """
+        Return how the pixels move if the board is bent along its x, its y, and twisted.
+
+        :returns: Shape (2 n, 3), in px for a cm between its middle and its edge.
+        """
+        slopes = np.zeros((2 * len(self._pixels), 3))
+        lens = self.lens(numbers)
+        for board, rows in enumerate(self.rows):
+            own = self.boards[board].points
+            place = (own - (own.min(axis=0) + own.max(axis=0)) / 2) / (np.ptp(own, axis=0) / 2)
+            x, y = place.T
+            pose = self._pose(numbers, board)
+            shown = shown_by(lens, pose.points(self._points(numbers, board)))
+            lift = shown.by_point @ pose.matrix[:, 2]
+            slopes[rows] = (lift[:, :, None] * np.column_stack([x * x, y * y, x * y])[:, None]
+                            ).reshape(-1, 3)
+        return slopes
+
+    def prior(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Return the expected value and the standard deviation of the numbers; inf for none."""
+        deviations, expected = np.full(self.size, np.inf), np.zeros(self.size)
+        if self.known is None:
+            half_diagonal = float(np.hypot(*self.image_size)) / 2
+            spread = np.array([np.inf, *2 * [_EXPECTED_CENTRE * half_diagonal],
+                               *EXPECTED_COEFFICIENTS])
+            deviations[:self.pose_at] = spread[self.free_lens]
+            expected[1:3] = self._middle
+        return expected, deviations
+
+    def _rows_of_boards(self) -> List[slice]:
+        ends = 2 * np.cumsum([0, *map(len, self.boards)])
+        return [slice(start, end) for start, end in zip(ends, ends[1:])]
+
+    def _pose_slice(self, board: int) -> slice:
+        if board < self.flat_count:
+            return slice(self.pose_at, self.pose_at + POSE_NUMBERS)
+        return self.own(board)
+
+    def _pose(self, numbers: np.ndarray, board: int) -> _Pose:
+        return _Pose.of(numbers[self._pose_slice(board)])
+
+    def _points(self, numbers: np.ndarray, board: int) -> np.ndarray:
+        points = (self.placed(numbers, board) if board < self.flat_count
+                  else self.boards[board].points)
+        return np.column_stack([points, np.zeros(len(points))])
+
+    def _by_motion(
+        self, numbers: np.ndarray, board: int, shown: Shown, pose: _Pose
+    ) -> np.ndarray:
+        motion = numbers[self.own(board)] if board else np.zeros(MOTION_NUMBERS)
+        turned = moved(self.boards[board].points, np.array([motion[0] + np.pi / 2, 0.0, 0.0]))
+        moves = np.zeros((len(turned), 3, MOTION_NUMBERS))
+        moves[:, :2, 0], moves[:, 0, 1], moves[:, 1, 2] = turned, 1.0, 1.0
+        return (shown.by_point @ pose.matrix @ moves).reshape(-1, MOTION_NUMBERS)
