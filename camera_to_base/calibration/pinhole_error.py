@@ -40,7 +40,7 @@ class BoardPart(NamedTuple):
     freedom: int
 
 
-class LeftOut(NamedTuple):
+class BoardError(NamedTuple):
     """
     A board under the fit to the others.
 
@@ -74,14 +74,14 @@ class PinholeEquations:
         """Which shared numbers the columns of the boards' designs move, shape (s, lens + 6)."""
         return self._basis
 
-    def left_out(self) -> List[LeftOut]:
+    def left_out(self) -> List[BoardError]:
         """Predict each board from the others."""
         precision, slope = self._prior()
         normal = precision + sum(part.design.T @ part.design for part in self.parts)
         slope = slope + sum(part.design.T @ part.residuals for part in self.parts)
         return [_left_out(part, normal, slope) for part in self.parts]
 
-    def variance(self, left_out: Sequence[LeftOut]) -> float:
+    def variance(self, left_out: Sequence[BoardError]) -> float:
         """Return the variance of a corner's coordinate, in px²."""
         freedom = np.array([part.freedom for part in self.parts], float)
         squares = float(sum(freedom * [one.relative for one in left_out]))
@@ -147,14 +147,14 @@ class PinholeEquations:
                          max(int(used.sum()) - own.shape[1], 1))
 
 
-def _left_out(part: BoardPart, normal: np.ndarray, slope: np.ndarray) -> LeftOut:
+def _left_out(part: BoardPart, normal: np.ndarray, slope: np.ndarray) -> BoardError:
     others = _inverse(normal - part.design.T @ part.design)
     step = -others @ (slope - part.design.T @ part.residuals)
     error = part.residuals + part.design @ step
     # (1 + A N^-1 A')^-1 = 1 - A (N + A'A)^-1 A', where N is of the others.
     along = part.design.T @ error
     square = float(error @ error - along @ _inverse(normal) @ along)
-    return LeftOut(square / part.freedom, float(np.sqrt(error @ error / part.freedom)))
+    return BoardError(square / part.freedom, float(np.sqrt(error @ error / part.freedom)))
 
 
 def _inverse(normal: np.ndarray) -> np.ndarray:
@@ -164,7 +164,7 @@ def _inverse(normal: np.ndarray) -> np.ndarray:
         normal * scale * scale[:, None], rcond=1e-13, hermitian=True) * scale
 
 
-def worst_board(left_out: Sequence[LeftOut], floor_px: float, factor: float) -> Optional[int]:
+def worst_board(left_out: Sequence[BoardError], floor_px: float, factor: float) -> Optional[int]:
     """
     Name the board that does not belong to the others; None if all do.
 

@@ -14,9 +14,9 @@ from functools import cached_property
 from typing import List, Optional, Sequence, Tuple
 
 from camera_to_base.calibration.homography_fit import start_values
-from camera_to_base.calibration.pinhole_error import LeftOut, PinholeEquations
+from camera_to_base.calibration.pinhole_error import BoardError, PinholeEquations
 from camera_to_base.calibration.pinhole_problem import (
-    expected_px, lens_of, LENS_NUMBERS, PinholeProblem)
+    expected_px, LENS_NUMBERS, lens_of, PinholeProblem)
 from camera_to_base.checks import ImageSize
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.surface import (
@@ -27,15 +27,15 @@ import numpy as np
 # The sets of coefficients of k1 k2 p1 p2 k3 that are tried.
 CANDIDATES = ((), (0,), (0, 1), (0, 1, 2, 3), (0, 1, 2, 3, 4))
 # More coefficients are taken if they predict left-out boards better by this share.
-_WORTH_IT = 0.01
+_WORTH_IT = 0.0
 # Focal lengths that the search starts from, in widths of the picture.
 _START_FOCAL = (0.6, 1.0, 2.0)
 # A corner is a bad one if it is off by so many robust standard deviations, and usual errors.
 _BAD_DEVIATIONS, _BAD_EXPECTED, _ROUNDS = 6.0, 5.0, 3
 # Median length of a vector of two normal numbers.
 _MEDIAN_LENGTH = 1.1774
-NO_CAMERA = ('no camera sees the board at these pixels: are the pictures of one camera, at one zoom '
-             'and focus, and of one board?')
+NO_CAMERA = ('no camera sees the board at these pixels: are the pictures of one camera, at one '
+             'zoom and focus, and of one board?')
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class PinholeFit:
         return PinholeEquations(self.problem, self.numbers, self.kept)
 
     @cached_property
-    def left_out(self) -> List[LeftOut]:
+    def left_out(self) -> List[BoardError]:
         """What each board says that the fit has not seen."""
         return self.equations.left_out()
 
@@ -149,7 +149,7 @@ def _start_lens(boards: Sequence[MatchedPoints], image_size: ImageSize) -> LensM
         raise CalibrationError(NO_CAMERA)
     _, matrix, coefficients = min(found, key=lambda one: one[0])
     numbers = np.zeros(LENS_NUMBERS)
-    numbers[:3] = matrix[0, 0], *matrix[:2, 2]
+    numbers[:3] = np.log(matrix[0, 0]), *matrix[:2, 2]
     numbers[3] = np.clip(np.ravel(coefficients)[0], -1.0, 1.0)
     return lens_of(numbers, image_size)
 
@@ -209,7 +209,7 @@ def _start_numbers(problem: PinholeProblem, lens: LensModel) -> np.ndarray:
     start = np.concatenate([
         table, *motions, *(_pose_of_board(board, lens) for board in tilted)])
     numbers = np.zeros(LENS_NUMBERS)
-    numbers[:3] = lens.focal[0], *lens.centre
+    numbers[:3] = np.log(lens.focal[0]), *lens.centre
     numbers[3:] = lens.coefficients if lens is not problem.known and lens.coefficients else 0.0
     return np.concatenate([numbers[problem.free_lens], start])
 

@@ -17,8 +17,10 @@ from camera_to_base.surface import LensModel, MatchedPoints
 import cv2
 import numpy as np
 
-# Numbers of a lens of plumb_bob that is fitted: focal length, centre, coefficients.
+# Numbers of a lens of plumb_bob that is fitted: logarithm of the focal length, which keeps it
+# positive; centre; coefficients.
 FOCAL, CENTRE, COEFFICIENTS = 0, slice(1, 3), slice(3, 8)
+_FOCAL_LIMITS = np.log([1.0, 1e6])
 LENS_NUMBERS, POSE_NUMBERS, MOTION_NUMBERS = 8, 6, 3
 # What is expected before anything is measured: a centre within 0.03 halves of the picture's
 # diagonal (22 px of 1280 x 720), and coefficients k1 k2 p1 p2 k3 of usual lenses.
@@ -48,8 +50,8 @@ class Shown(NamedTuple):
 
 
 def lens_of(numbers: np.ndarray, image_size: ImageSize) -> LensModel:
-    """Make the lens of its numbers, shape (8,): focal length, centre, k1 k2 p1 p2 k3."""
-    focal = float(numbers[FOCAL])
+    """Make the lens of its numbers, shape (8,): log of focal length, centre, k1 k2 p1 p2 k3."""
+    focal = float(np.exp(np.clip(numbers[FOCAL], *_FOCAL_LIMITS)))
     return LensModel(image_size, (focal, focal), tuple(numbers[CENTRE]),
                      tuple(numbers[COEFFICIENTS]) if numbers[COEFFICIENTS].any() else ())
 
@@ -71,7 +73,7 @@ def shown_by(lens: LensModel, points: np.ndarray) -> Shown:
             points, nothing, nothing, lens.matrix, coefficients)
         moves = slopes[:, 3:6]
         by_lens = np.zeros((2 * count, LENS_NUMBERS))
-        by_lens[:, FOCAL] = slopes[:, 6] + slopes[:, 7]
+        by_lens[:, FOCAL] = slopes[:, 6:8] @ lens.focal
         by_lens[:, CENTRE] = slopes[:, 8:10]
         by_lens[:, COEFFICIENTS] = slopes[:, 10:15]
     return Shown(pixels.reshape(count, 2), moves.reshape(count, 2, 3),
@@ -137,7 +139,7 @@ class PinholeProblem:
 
     @property
     def shared(self) -> slice:
-        """The numbers that all flat placements share: those of the lens and of the table's pose."""
+        """The numbers that flat placements share: those of the lens and of the table's pose."""
         return slice(0, self.pose_at + POSE_NUMBERS)
 
     def own(self, board: int) -> slice:
@@ -179,8 +181,8 @@ class PinholeProblem:
             pose, points = self._pose(numbers, board), self._points(numbers, board)
             shown = shown_by(lens, pose.points(points))
             by_pose = (shown.by_point @ pose.by_pose(points)).reshape(-1, POSE_NUMBERS)
-            slopes[rows, :self.pose_at] = shown.by_lens[:, :, self.free_lens].reshape(
-                -1, self.pose_at)
+            slopes[rows, :self.pose_at] = shown.by_lens.reshape(-1, LENS_NUMBERS)[
+                :, self.free_lens]
             slopes[rows, self._pose_slice(board)] = by_pose
             if 0 < board < self.flat_count:
                 slopes[rows, self.own(board)] = self._by_motion(numbers, board, shown, pose)
