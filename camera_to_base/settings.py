@@ -24,7 +24,8 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 from camera_to_base.checks import frame_id, ImageSize
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import (
-    AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, read_areas)
+    AREA_SPECS, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, HEIGHT_SPECS, object_heights,
+    read_areas)
 from camera_to_base.errors import FrameSourceError, InvalidValueError
 from camera_to_base.files import check_background_path
 from camera_to_base.markers import MarkedSurface, MARKER_SPECS, paper_corners
@@ -79,8 +80,8 @@ _OUTPUT_SPECS = [
 ]
 CAMERA_SPECS = [
     *_SOURCE_SPECS, *BACKGROUND_SPECS, *_FILE_SPECS, *LIMIT_SPECS, *_OUTPUT_SPECS,
-    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *SURFACE_SPECS, *UNCERTAINTY_SPECS,
-    *MARKER_SPECS, *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
+    *PLACEMENT_SPECS, *AREA_SPECS, *DETECTOR_SPECS, *HEIGHT_SPECS, *SURFACE_SPECS,
+    *UNCERTAINTY_SPECS, *MARKER_SPECS, *SIMULATION_SPECS, *RECORD_SPECS, *OWN_CAMERA_SPECS]
 
 # Parameters that can be set without setting up a camera or a robot.
 _NOT_OF_A_SETUP = (
@@ -202,7 +203,8 @@ def camera_settings(values: Values) -> CameraSettings:
         image_size=tuple(values['surface.image_size']),
         detector=DetectorSettings(
             **grouped(values, 'detector.'),
-            area=hull if values['surface.reject_outside_hull'] else None, areas=areas),
+            area=hull if values['surface.reject_outside_hull'] else None, areas=areas,
+            heights_cm=object_heights(values, surface)),
         surface=surface,
         hull=hull,
         uncertainty=position_uncertainty(values, surface),

@@ -30,7 +30,7 @@ _SURFACE_NAMES = ('calibration.surface', 'calibration.device', 'calibration.thum
 _OPTIONS = ('surface.reject_outside_hull',)
 # In cm of the camera frame, which another surface puts elsewhere.
 _AREAS = ('work_area', 'ignored_areas')
-_HEIGHT = 'object_height_cm'
+_HEIGHTS = 'object_height_cm', 'object_heights_cm'
 # What a person looks for stands first, what only a node reads last.
 _FIRST = ('source', 'surface', 'rotation_deg', 'displacement_cm')
 _LAST = ('calibration.thumbnail', SURFACE_COVARIANCE, 'base_covariance')
@@ -89,9 +89,10 @@ def grown(old: Mapping[str, Any], new: Mapping[str, Any], part: str) -> GrownFil
     for name in (name for name in _AREAS if kept.get(name)):
         dropped.append(name)
         del kept[name]
-    if kept.get(_HEIGHT) and not new.get('surface.camera_height_cm'):
-        dropped.append(f"{_HEIGHT}, which needs the camera's height")
-        del kept[_HEIGHT]
+    knows_camera = new.get('surface.camera_height_cm') or new.get('surface.model') == 'pinhole'
+    for name in (name for name in _HEIGHTS if kept.get(name) and not knows_camera):
+        dropped.append(f"{name}, which needs the camera's height")
+        del kept[name]
     return GrownFile({**kept, **new}, dropped)
 
 
@@ -301,7 +302,7 @@ def _newest(sections: List[_Section], *models: str) -> Optional[_Section]:
 def _surface_lines(
     values: Mapping[str, Any], section: Optional[_Section], now: datetime
 ) -> Iterator[str]:
-    known = {**SURFACE_DEFAULTS, **values, 'object_height_cm': 0.0}
+    known = {**SURFACE_DEFAULTS, **values}
     make_surface(known)
     size, hull = known['surface.image_size'], make_hull(known)
     yield f'surface: {known["surface.model"]} for pictures of {size[0]} x {size[1]} px' + _origin(

@@ -263,7 +263,7 @@ def check_with_surface(
         are exchanged, or the pairs lie too near each other for the size of the surface.
     """
     # The pairs lie on the surface, whatever object height the parameters set.
-    values = {**SURFACE_DEFAULTS, **values, 'object_height_cm': 0.0}
+    values = {**SURFACE_DEFAULTS, **values}
     surface = make_surface(values)
     width, height = values['surface.image_size']
     # With a pixel around it, so that an object at the edge may be rounded.

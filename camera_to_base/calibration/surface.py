@@ -135,7 +135,7 @@ def check_surface(
             f'them, got {", ".join(values) or "none"}')
     error_map = ErrorMap(values)
     # The points lie on the surface, whatever object height the parameters set.
-    values = {**checked_values(SURFACE_SPECS, values), 'object_height_cm': 0.0}
+    values = checked_values(SURFACE_SPECS, values)
     surface, hull = make_surface(values), make_hull(values)
     refuse_other_size(table_size, values['surface.image_size'])
     figures = error_figures(surface_errors(surface, matched), matched.rows)

@@ -22,18 +22,20 @@ from camera_to_base.detection.background import (
     white_noise)
 from camera_to_base.detection.detection import Box, Detection, Pixel, random_pixel, touches_edge
 from camera_to_base.detection.locator import (
-    Found, LeftOut, locate_pixel, LocatedObject, object_on_surface, object_shape, ObjectLocator,
-    Point)
+    Found, LeftOut, locate_pixel, LocatedObject, object_shape, ObjectLocator, Point)
+from camera_to_base.detection.on_surface import object_on_surface
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.settings import (
-    Area, AREA_SPECS, Areas, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings, read_areas)
+    Area, AREA_SPECS, Areas, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings,
+    HEIGHT_SPECS, read_areas)
+from camera_to_base.detection.solid import object_heights, Size
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'changed_blocks', 'Detection', 'DETECTOR_SPECS', 'DetectorSettings',
-    'Found', 'has_changed_block', 'LeftOut', 'locate_pixel', 'LocatedObject', 'mean_blocks',
-    'median_of', 'object_on_surface', 'object_shape', 'ObjectLocator', 'Pixel', 'Point',
-    'PreciseDifferenceDetector', 'random_pixel', 'read_areas', 'smoothed_noise', 'touches_edge',
-    'white_noise',
+    'Found', 'has_changed_block', 'HEIGHT_SPECS', 'LeftOut', 'locate_pixel', 'LocatedObject',
+    'mean_blocks', 'median_of', 'object_heights', 'object_on_surface', 'object_shape',
+    'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas',
+    'Size', 'smoothed_noise', 'touches_edge', 'white_noise',
 ]

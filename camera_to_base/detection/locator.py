@@ -9,27 +9,20 @@
 
 """Locates objects on a frame: from the picture to points and directions in the camera frame."""
 
-from itertools import accumulate
 import math
-from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from camera_to_base.detection.detection import (
-    Box, Detection, Pixel, polygon_centroid, principal_axes)
+from camera_to_base.detection.detection import Box, Detection
+from camera_to_base.detection.on_surface import (
+    object_on_surface, object_yaw, objects_on_surface, OnSurface, pixel_on_surface)
 from camera_to_base.detection.settings import DetectorSettings
+from camera_to_base.detection.solid import (
+    flat_outline, silhouette, Size, size_of, Solid, solid_of)
 from camera_to_base.errors import HorizonError, Level, Reason
 from camera_to_base.surface import Surface
 from camera_to_base.uncertainty import Shape, Spread
 import cv2
 import numpy as np
-
-# The place itself, and half a pixel left, right, above and below of it.
-_CROSS = np.array([[0.0, 0.0], [-0.5, 0.0], [0.5, 0.0], [0.0, -0.5], [0.0, 0.5]])
-
-Locate = Callable[[np.ndarray], np.ndarray]
-
-# A coin measures up to 1.02 times longer than wide (20 px, noise 10, tilt 50), plus the percentage
-# by which the calibration is off. At this elongation an error of 0.02 turns the axis by 3 degrees.
-_LEAST_ELONGATION = 1.2
 
 # Limits the time for a frame that contains only noise.
 _MOST_OBJECTS = 100
@@ -39,115 +32,13 @@ _TAKEN_AWAY = Reason(
     'taken_away', Level.WARN, 'something was taken away from the surface since the background was '
     'taken: clear the surface, and call ~/capture_background', is_passing=True)
 
+_PLACE_UNKNOWN = Reason(
+    'place_unknown', Level.WARN, 'it has a height, and where the camera is now cannot be '
+    'computed: calibrate again', is_passing=True)
+
 # In a larger box the noise of the rim moves the centre by next to nothing.
 _LARGEST_BOX_PX = 40000
 _MARGIN_PX = 2
-
-
-class OnSurface(NamedTuple):
-    """
-    A place on the surface.
-
-    :param point: Shape (2,), x and y, in cm.
-    :param cm_per_px: Shape (2, 2); its columns are x and y, in cm, of a step of 1 px along u and
-        along v.
-    """
-
-    point: np.ndarray
-    cm_per_px: np.ndarray
-
-
-def pixel_on_surface(locate: Locate, pixel: Pixel) -> OnSurface:
-    """
-    Map a pixel to the surface.
-
-    :param locate: Maps pixels of shape (n, 2) to the surface, shape (n, 2), as Surface.locate.
-    :raises HorizonError: If the pixel lies on the horizon or beyond it.
-    """
-    points = locate(_CROSS + pixel)
-    return OnSurface(points[0], _scale(points))
-
-
-def object_on_surface(locate: Locate, detection: Detection) -> OnSurface:
-    """
-    Map an object to the surface.
-
-    With a tilted camera, the centroid of a disc's picture is not the picture of the disc's centre:
-    the near half looks larger. The difference is computed from the outline, whose centroid is
-    taken in both planes.
-
-    :param locate: Maps pixels of shape (n, 2) to the surface, shape (n, 2), as Surface.locate.
-    :raises HorizonError: If a part of the object lies on the horizon or beyond it.
-    """
-    return _from_points(locate(_to_locate(detection)))
-
-
-def objects_on_surface(locate: Locate, detections: Sequence[Detection]) -> List[OnSurface]:
-    """
-    Map several objects to the surface, see :func:`object_on_surface`.
-
-    :raises HorizonError: If a part of one of them lies on the horizon or beyond it.
-    """
-    if len(detections) < 2:
-        return [object_on_surface(locate, detection) for detection in detections]
-    pixels = [_to_locate(detection) for detection in detections]
-    ends = list(accumulate(map(len, pixels)))
-    return list(map(_from_points, np.split(locate(np.concatenate(pixels)), ends[:-1])))
-
-
-def _to_locate(detection: Detection) -> np.ndarray:
-    return np.concatenate(
-        [_CROSS + detection.centre, _centroid(detection.outline), detection.outline])
-
-
-def _from_points(points: np.ndarray) -> OnSurface:
-    centre, centroid, outline = points[0], points[len(_CROSS)], points[len(_CROSS) + 1:]
-    return OnSurface(centre + polygon_centroid(outline) - centroid, _scale(points))
-
-
-def _centroid(outline: np.ndarray) -> np.ndarray:
-    # Shape (1, 2). OpenCV is faster than `polygon_centroid`, and as exact for whole numbers.
-    moments = cv2.moments(outline)
-    area = moments['m00']
-    if not area:
-        return outline.mean(axis=0, keepdims=True)
-    return np.array([[moments['m10'] / area, moments['m01'] / area]])
-
-
-def _scale(points: np.ndarray) -> np.ndarray:
-    # Right minus left, and below minus above.
-    return (points[2:len(_CROSS):2] - points[1:len(_CROSS):2]).T
-
-
-def object_yaw(
-    surface: Surface, detection: Detection, cm_per_px: np.ndarray, least_width: float = 0.0
-) -> Optional[float]:
-    """
-    Return the direction of an object's length.
-
-    An object is small compared with its distance, so its second moments are mapped from the
-    picture to the surface with a constant scale.
-
-    :param cm_per_px: The surface's scale at the object, see :class:`OnSurface`.
-    :param least_width: The shape of a narrower object is not reliable, in px.
-    :returns: About the camera frame's z, from x towards y, in rad, in (-pi/2, pi/2]; None if the
-        object is about as wide as long, is too narrow, or has a part that is missing or beyond
-        the horizon.
-    """
-    axes = principal_axes(cm_per_px @ detection.spread @ cm_per_px.T)
-    if axes.elongation < _LEAST_ELONGATION or detection.cut_off:
-        return None
-    if principal_axes(detection.spread).width < least_width or not _seen(surface, detection):
-        return None
-    return axes.angle
-
-
-def _seen(surface: Surface, detection: Detection) -> bool:
-    try:
-        surface.locate(detection.outline)
-    except HorizonError:
-        return False
-    return True
 
 
 class Point(NamedTuple):
@@ -163,11 +54,24 @@ class LocatedObject(NamedTuple):
 
     :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
         in (-pi/2, pi/2]; None if it has none (a coin, a square) or if it is uncertain.
+    :param solid: What it stands on; None for a flat object, which lies on its outline.
     """
 
     detection: Detection
     point: Point
     yaw: Optional[float] = None
+    solid: Optional[Solid] = None
+
+    def size(self, surface: Surface) -> Size:
+        """
+        Measure the object.
+
+        :param surface: Maps the frame's pixels to the work surface.
+        :raises HorizonError: If a part of a flat object lies on the horizon or beyond it.
+        """
+        if self.solid is None:
+            return size_of(flat_outline(surface, self.detection), 0.0)
+        return size_of(self.solid.footprint, self.solid.height_cm)
 
 
 class LeftOut(NamedTuple):
@@ -251,15 +155,37 @@ class ObjectLocator:
         self, detection: Detection, place: Union[OnSurface, HorizonError]
     ) -> Union[LocatedObject, LeftOut]:
         if isinstance(place, HorizonError):
-            return LeftOut(detection, Reason(
-                'beyond_horizon', Level.WARN, f'no position is published: {place}',
-                is_passing=True))
+            return LeftOut(detection, _beyond_horizon(place))
         point = Point(*place.point.tolist())
-        reason = self._reason_to_leave_out(detection, point, place.cm_per_px)
+        area_cm2 = detection.area * abs(_determinant(place.cm_per_px))
+        if self._settings.heights_cm:
+            return self._standing(detection, point, area_cm2)
+        reason = self._reason_to_leave_out(detection, point, area_cm2)
         if reason is not None:
             return LeftOut(detection, reason, point)
         yaw = object_yaw(self._surface, detection, place.cm_per_px, self._least_width)
         return LocatedObject(detection, point, yaw)
+
+    def _standing(
+        self, detection: Detection, seen: Point, area_cm2: float
+    ) -> Union[LocatedObject, LeftOut]:
+        """Locate an object that has a height: its footprint instead of its outline."""
+        camera = self._surface.camera_place
+        if camera is None:
+            return LeftOut(detection, _PLACE_UNKNOWN, seen)
+        try:
+            corners = self._surface.locate(silhouette(detection))
+        except HorizonError as error:
+            return LeftOut(detection, _beyond_horizon(error), seen)
+        solid = solid_of(corners, camera, self._settings.heights_cm)
+        if isinstance(solid, Reason):
+            reason = self._reason_to_leave_out(detection, seen, area_cm2)
+            return LeftOut(detection, reason or solid, seen)
+        point = Point(*solid.footprint.centre.tolist())
+        reason = self._reason_to_leave_out(detection, point, solid.footprint.area)
+        if reason is not None:
+            return LeftOut(detection, reason, point)
+        return LocatedObject(detection, point, None if detection.cut_off else solid.yaw, solid)
 
     def _taken_away(self, place: Detection) -> LeftOut:
         try:
@@ -269,7 +195,7 @@ class ObjectLocator:
         return LeftOut(place, _TAKEN_AWAY, point)
 
     def _reason_to_leave_out(
-        self, detection: Detection, point: Point, cm_per_px: np.ndarray
+        self, detection: Detection, point: Point, area_cm2: float
     ) -> Optional[Reason]:
         settings = self._settings
         if detection.cut_off and settings.method == 'precise' and not settings.publish_cut_off:
@@ -283,7 +209,6 @@ class ObjectLocator:
             return _left_out('outside_work_area', 'it lies outside of work_area')
         if any(area.contains(point) for area in areas.ignored):
             return _left_out('in_ignored_area', 'it lies in one of ignored_areas, or on a marker')
-        area_cm2 = detection.area * abs(_determinant(cm_per_px))
         if area_cm2 < settings.min_area_cm2:
             return _left_out('too_small', f'its area of {area_cm2:.3g} cm² is less than '
                              f'detector.min_area_cm2, {settings.min_area_cm2:g}')
@@ -315,6 +240,11 @@ class ObjectLocator:
 def _determinant(matrix: np.ndarray) -> float:
     (a, b), (c, d) = matrix.tolist()
     return a * d - b * c
+
+
+def _beyond_horizon(error: HorizonError) -> Reason:
+    return Reason(
+        'beyond_horizon', Level.WARN, f'no position is published: {error}', is_passing=True)
 
 
 def _left_out(kind: str, sentence: str) -> Reason:
@@ -353,7 +283,8 @@ def object_shape(
     return Shape(
         detection.centre, max(detection.area, 1.0),
         Spread(moments['mu20'] / area, moments['mu11'] / area, moments['mu02'] / area),
-        contrast, edge_width, detection.cut_off, found.yaw is not None)
+        contrast, edge_width, detection.cut_off, found.yaw is not None,
+        *(() if found.solid is None else (found.solid.height_cm, found.solid.misfit_cm)))
 
 
 def _contrast_and_edge(frame: np.ndarray, background: np.ndarray, detection: Detection):

@@ -80,6 +80,16 @@ AREA_SPECS = [
         "the robot's foot): in cm, corners with , between them, polygons with ; between them.",
         constraints="such as '0 0, 5 0, 5 3; 30 0, 36 0, 36 27'"),
 ]
+HEIGHT_SPECS = [
+    ParameterSpec('object_height_cm', 0.0,
+                  "The objects' height above the surface; 0 for flat objects. Others need the "
+                  "camera's place: surface.model pinhole, or surface.camera_height_cm.",
+                  (0, 10000), unit='cm'),
+    ParameterSpec('object_heights_cm', [],
+                  'Several heights, in place of object_height_cm: each object takes the one that '
+                  'its outline fits, and is left out where that is not clear. The camera must be '
+                  'tilted.', (0.01, 10000), unit='cm'),
+]
 # By their names without 'detector.'.
 DETECTOR_DEFAULTS: Mapping[str, Any] = grouped(default_values(DETECTOR_SPECS), 'detector.')
 
@@ -231,6 +241,8 @@ class DetectorSettings:
     :param publish_cut_off: precise: whether an object that touches the picture's edge counts;
         with the tutorial's method it always does.
     :param areas: The areas on the surface in which objects count.
+    :param heights_cm: The heights that objects may have, ascending, see `object_heights`; () for
+        flat ones.
     :raises InvalidValueError: If the smallest area is above the largest.
     """
 
@@ -245,6 +257,7 @@ class DetectorSettings:
     publish_cut_off: bool = DETECTOR_DEFAULTS['publish_cut_off']
     area: Optional[Hull] = None
     areas: Areas = Areas()
+    heights_cm: Tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the relation of the areas, which the limits of each setting do not cover."""

@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 
 from camera_to_base.checks import ImageSize
-from camera_to_base.errors import CalibrationError
 from camera_to_base.markers.find import see_markers
 from camera_to_base.markers.fit import (
     Corners, judge_markers, known_markers, MarkerFit, MarkerVerdict, moved_place, names_of)
@@ -39,7 +38,7 @@ _LARGEST_ERROR_MM = 3.0
 
 def marker_surface(values: Values) -> Surface:
     """Make the surface that markers lie on: flat, whatever the height of the objects is."""
-    return make_surface({**values, 'object_height_cm': 0.0})
+    return make_surface(values)
 
 
 def lens_of_values(values: Values) -> RadialDistortion:
@@ -60,8 +59,6 @@ def new_surface_values(values: Values, fit: MarkerFit) -> Dict[str, Any]:
         were learned with.
     :param fit: The new surface.
     :returns: Those parameters of `surface.*` that differ.
-    :raises CalibrationError: If objects have a height, and where the camera is now cannot be
-        computed.
     """
     calibrated, size = marker_surface(values), tuple(values['surface.image_size'])
     covariance = new_covariance(
@@ -70,10 +67,6 @@ def new_surface_values(values: Values, fit: MarkerFit) -> Dict[str, Any]:
         covariance), 'surface.hull': _moved_hull(values, calibrated, fit.surface)}
     if values['surface.camera_height_cm']:
         foot_cm, height_cm = moved_place(values, calibrated, fit.surface)
-        if values['object_height_cm'] and not height_cm > values['object_height_cm']:
-            raise CalibrationError(
-                'where the camera stands now cannot be computed, which object_height_cm needs: '
-                'calibrate again with calibrate board and --intrinsics')
         found.update({'surface.camera_height_cm': height_cm, 'surface.camera_foot_cm': foot_cm})
     return found
 
@@ -144,7 +137,7 @@ class NewSurface(NamedTuple):
     """
     A surface computed anew.
 
-    :param surface: As `make_surface` gives it, for the height of the objects.
+    :param surface: As `make_surface` gives it.
     :param covariance: Of a warp of the picture, shape (14, 14).
     :param frame_from_calibrated: Maps the pixels of the calibrated camera to those of this one.
     :param values: The parameters that it differs in, by full name.
@@ -177,7 +170,7 @@ class MarkedSurface:
         """
         corners = known_markers(values)
         own = {name: value for name, value in values.items()
-               if name.startswith(('surface.', 'markers.')) or name == 'object_height_cm'}
+               if name.startswith(('surface.', 'markers.'))}
         return cls(own, corners) if corners else None
 
     def look(
@@ -216,12 +209,7 @@ class MarkedSurface:
         return make_surface(self.values)
 
     def anew(self, fit: MarkerFit) -> NewSurface:
-        """
-        Make the surface that a fit has found.
-
-        :raises CalibrationError: If objects have a height, and where the camera is now cannot be
-            computed.
-        """
+        """Make the surface that a fit has found."""
         values = new_surface_values(self.values, fit)
         matrix = (np.linalg.inv(fit.surface.surface_from_pixel)
                   @ _matrix(marker_surface(self.values)))

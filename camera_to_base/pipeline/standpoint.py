@@ -17,7 +17,7 @@ from camera_to_base.checks import ImageSize
 from camera_to_base.errors import FrameSizeError
 from camera_to_base.pipeline.place import SeenBackground, SurfaceInForce
 from camera_to_base.pipeline.view.correction import corrected_surface, Correction
-from camera_to_base.surface import flat_surface, is_same_surface, NudgedSurface, Surface
+from camera_to_base.surface import is_same_surface, NudgedSurface, Surface
 import numpy as np
 
 T = TypeVar('T')
@@ -175,14 +175,13 @@ class Standpoint:
         return None
 
     def _is_calibration(self, surface: Surface) -> bool:
-        # Other heights, of the objects or of the camera, move no pixel on the surface.
-        new, known = flat_surface(surface), flat_surface(self.calibrated)
-        return new is known or (
-            self.taken is not None and is_same_surface(new, known, self._size))
+        # Another height of the camera moves no pixel on the surface.
+        return surface is self.calibrated or (
+            self.taken is not None and is_same_surface(surface, self.calibrated, self._size))
 
     def _is_in_force(self, surface: Surface) -> bool:
         return self.taken is not None and is_same_surface(
-            flat_surface(surface), flat_surface(self.surface.surface), self._size)
+            surface, self.surface.surface, self._size)
 
     def _kept(self, surface: Surface) -> 'Standpoint':
         # The background as the camera sees it is one that was taken from here.

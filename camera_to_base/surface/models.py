@@ -87,11 +87,6 @@ SURFACE_SPECS = [
                   'The point of the surface below the camera, x and y, in the camera frame; empty '
                   "for not known: parallel then takes what the picture's centre looks at.",
                   unit='cm', lengths=(0, 2)),
-    ParameterSpec('object_height_cm', 0.0,
-                  'How far above the surface the face is whose outline is seen: the '
-                  "object's height, or about 0.6 of it where its sides stand out from the "
-                  'surface, too; 0 for flat objects; others need surface.camera_height_cm.',
-                  (0, 10000), unit='cm'),
 ]
 SURFACE_DEFAULTS: Mapping[str, Any] = default_values(SURFACE_SPECS)
 
@@ -108,14 +103,12 @@ class Surface(Protocol):
     """
     Maps pixels to the work surface.
 
-    `distortion` is that of the lens, None for a lens without; `height_share` is the height of the
-    objects as a share of the camera's, 0 for flat ones. `camera_place` is where the camera is,
-    None for not known.
+    `distortion` is that of the lens, None for a lens without; `camera_place` is where the camera
+    is, None for not known.
     """
 
     distortion: Optional[Lens]
     camera_place: Optional[CameraPlace]
-    height_share: float
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """
@@ -183,7 +176,7 @@ class ParallelSurface(CalibratedSurface):
         width_cm: float = SURFACE_DEFAULTS['surface.parallel.width_cm'],
         image_width: int = DEFAULT_IMAGE_SIZE[0],
     ) -> None:
-        self.distortion, self.height_share = None, 0.0
+        self.distortion = None
         self._width_cm = width_cm
         self._image_width = image_width
         self._image_height = image_width * DEFAULT_IMAGE_SIZE[1] / DEFAULT_IMAGE_SIZE[0]
@@ -235,7 +228,7 @@ class PolynomialSurface(CalibratedSurface):
         centre_u: float = SURFACE_DEFAULTS['surface.polynomial.centre_u'],
         image_size: ImageSize = DEFAULT_IMAGE_SIZE,
     ) -> None:
-        self.distortion, self.height_share = None, 0.0
+        self.distortion = None
         self.y_of_v = finite_numbers('y_of_v', y_of_v, 3)
         self.px_per_cm_of_y = finite_numbers('px_per_cm_of_y', px_per_cm_of_y, 3)
         self.centre_u = float(finite_numbers('centre_u', centre_u))
@@ -293,7 +286,6 @@ class HomographySurface(CalibratedSurface):
         image_size: ImageSize = DEFAULT_IMAGE_SIZE,
         distortion: Optional[Lens] = None,
     ) -> None:
-        self.height_share = 0.0
         matrix = finite_numbers('surface_from_pixel', surface_from_pixel, 3, 3)
         self.image_size = check_image_size(image_size)
         self.distortion = distortion or RadialDistortion.of_picture(self.image_size)

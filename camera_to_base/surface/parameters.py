@@ -20,52 +20,32 @@ from camera_to_base.surface.models import (
     Surface, SURFACE_SPECS)
 from camera_to_base.surface.pinhole import pinhole_of_values, pinhole_values, PinholeSurface
 from camera_to_base.surface.points import Hull
-from camera_to_base.surface.raised_nudged import RaisedSurface
 import numpy as np
 
-# What a flat surface does not depend on.
-_OF_THE_OBJECTS = 'object_height_cm', 'surface.hull', 'surface.reject_outside_hull'
+# What the surface does not depend on.
+_OF_THE_HULL = 'surface.hull', 'surface.reject_outside_hull'
 
 
 def make_surface(values: Mapping[str, Any]) -> Surface:
     """
-    Make the surface of its parameters, for the height of the objects on it.
+    Make the surface of its parameters.
 
     The same values give the same object, so that a change of other parameters is none of it.
 
     :param values: By their full names, 'surface.model' and so on, as the specs allow them.
-    :raises InvalidValueError: If they describe none, or do not say where the camera is although
-        the objects have a height.
+    :raises InvalidValueError: If they describe none.
     """
-    return _made_surface(tuple((spec.name, _frozen(values[spec.name])) for spec in SURFACE_SPECS))
-
-
-@lru_cache(maxsize=8)
-def _made_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
-    values = dict(items)
-    surface = _flat_surface(tuple(item for item in items if item[0] not in _OF_THE_OBJECTS))
-    if values['object_height_cm'] == 0:
-        return surface
-    place = surface.camera_place
-    if place is None:
-        raise InvalidValueError(_where_is_the_camera(
-            'surface.camera_foot_cm' if values['surface.camera_height_cm'] else
-            'surface.camera_height_cm'))
-    return RaisedSurface(surface, values['object_height_cm'], place.height_cm, place.foot_cm,
-                         values['surface.image_size'])
+    return _made_surface(tuple(
+        (spec.name, _frozen(values[spec.name])) for spec in SURFACE_SPECS
+        if spec.name not in _OF_THE_HULL))
 
 
 def _frozen(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _where_is_the_camera(name: str) -> str:
-    return (f'object_height_cm needs {name}: measure and set it, or let `calibrate board` with '
-            '--intrinsics find it')
-
-
 @lru_cache(maxsize=8)
-def _flat_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
+def _made_surface(items: Tuple[Tuple[str, Any], ...]) -> Surface:
     values = dict(items)
     if values['surface.model'] == 'pinhole':
         return pinhole_of_values(values)

@@ -58,6 +58,11 @@ class PinholeSurface(HomographySurface):
         super().__init__(np.linalg.inv(pixel_from_surface), lens.image_size, lens)
 
     @property
+    def pinhole(self) -> 'PinholeSurface':
+        """Itself: see `NudgedSurface.pinhole`."""
+        return self
+
+    @property
     def camera_place(self) -> CameraPlace:
         """Where the camera is above the surface."""
         x, y, z = self.position_cm.tolist()

@@ -28,12 +28,15 @@ import numpy as np
 # The calibration's terms are the same within a square of this edge, in px, to a few percent.
 _CELL_PX = 8
 _MOST_CELLS = 20000
+# A footprint's near side stays where it is seen, whatever the height is; its far side moves.
+_CENTRE_SHARE = 0.5
 
 
 class SurfaceModel(Protocol):
     """Maps pixels to the surface: a `Surface` of the room of that name, as far as is needed."""
 
     distortion: Optional[Lens]
+    camera_place: Optional[CameraPlace]
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels (n, 2), in px, to points (n, 2), in cm."""
@@ -61,9 +64,9 @@ class PositionUncertainty:
     """
     How uncertain positions are in the camera frame.
 
-    :param surface: Maps pixels to the surface below the objects' tops.
+    :param surface: Maps pixels to the surface.
     :param warp_covariance: Of the calibration, shape (14, 14), see `terms`.
-    :param camera: Where the camera is, above the objects' tops; None where it is not known.
+    :param camera: Where the camera is; None where it is not known.
     :param centre_floor_px: What light does to a centre, see `terms`.
     :param height_tolerance_cm: Standard deviation of the objects' height.
     :param is_tutorial: Whether the detector is the tutorial's.
@@ -87,9 +90,13 @@ class PositionUncertainty:
         xx, xy, yy = _projected(in_picture, place.scale)
         x, y = place.slope
         height = self.height_tolerance_cm ** 2
+        if shape.height_cm:
+            x, y = _CENTRE_SHARE * x, _CENTRE_SHARE * y
+        misfit = shape.misfit_cm ** 2
         found = PositionCovariance(
-            xx + place.surface[0] + height * x * x, xy + place.surface[1] + height * x * y,
-            yy + place.surface[2] + height * y * y, max(height, LEAST_Z_CM ** 2),
+            xx + place.surface[0] + height * x * x + misfit,
+            xy + place.surface[1] + height * x * y,
+            yy + place.surface[2] + height * y * y + misfit, max(height, LEAST_Z_CM ** 2),
             min(yaw_variance(shape, in_picture) + self._rotation_variance, UNKNOWN_ANGLE))
         return found if all(map(math.isfinite, found)) else UNKNOWN_POSITION
 
@@ -203,13 +210,6 @@ def position_uncertainty(values: Values, surface: SurfaceModel) -> PositionUncer
     :param surface: Made of the same parameters.
     :raises InvalidValueError: If surface.covariance is no covariance.
     """
-    camera = None
-    height_cm, foot = values['surface.camera_height_cm'], values['surface.camera_foot_cm']
-    if height_cm > values['object_height_cm']:
-        if not foot and values['surface.model'] == 'parallel':
-            foot = surface.locate([np.subtract(values['surface.image_size'], 1) / 2])[0].tolist()
-        if foot:
-            camera = CameraPlace(tuple(foot), height_cm - values['object_height_cm'])
     return PositionUncertainty(
-        surface, surface_covariance(values[SURFACE_COVARIANCE]), camera,
+        surface, surface_covariance(values[SURFACE_COVARIANCE]), surface.camera_place,
         values[CENTRE_FLOOR], values[HEIGHT_TOLERANCE], values['detector.method'] == 'tutorial')

@@ -133,6 +133,8 @@ class Shape(NamedTuple):
     :param edge_width: From the surface's level to the object's, in px.
     :param is_cut_off: Whether a part may be missing.
     :param has_yaw: Whether it has a direction.
+    :param height_cm: Its height; 0 for a flat object, whose face is at the height's tolerance.
+    :param misfit_cm: Standard deviation of x and y because it is no upright object.
     """
 
     pixel: Tuple[float, float]
@@ -142,6 +144,8 @@ class Shape(NamedTuple):
     edge_width: float = 1.0
     is_cut_off: bool = False
     has_yaw: bool = False
+    height_cm: float = 0.0
+    misfit_cm: float = 0.0
 
 
 def centre_covariance(shape: Shape, noise: float, floor_px: float) -> Spread:

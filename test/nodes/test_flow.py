@@ -56,38 +56,3 @@ def test_coin_is_within_2_mm_of_the_truth_in_the_base_frame_all_the_way(tilt_deg
 
 def test_parallel_surface_is_wrong_for_a_tilted_camera():
     assert max(errors_mm(30, parallel_surface, 20)) > 5.0
-
-
-def picture_of_a_coin(view, point, radius):
-    """Render a dark coin on the surface; None for the surface alone."""
-    everything = slice(0, view.height), slice(0, view.width)
-    grey = np.full((view.height, view.width), 200.0)
-    if point is not None:
-        grey -= 140 * view.coverage(Oval(point, radius, radius, 0.0), *everything)
-    return np.repeat(grey.round().astype(np.uint8)[:, :, None], 3, axis=2)
-
-
-@pytest.mark.parametrize('tilt_deg, model, from_foot_cm, off_mm', [
-    (0, 'parallel', 10, 7.1), (0, 'homography', 10, 7.1), (30, 'homography', 30, 25.0)])
-def test_coin_on_a_block_of_4_cm_is_off_unless_its_height_is_told(
-        tilt_deg, model, from_foot_cm, off_mm):
-    # The simulated camera is 60 cm from where the picture's centre looks, at (18, 13.5) cm.
-    view, tilt = BoardView((640, 480), 36.0, tilt_deg), math.radians(tilt_deg)
-    foot, height = np.array([18.0, 13.5 + 60 * math.sin(tilt)]), 60 * math.cos(tilt)
-    coin = foot + from_foot_cm * np.array([0.28, -0.96])
-    # It looks like a larger coin on the surface that is farther from the foot point.
-    nearness = 1 - 4 / height
-    frame = picture_of_a_coin(view, foot + (coin - foot) / nearness, 1.2 / nearness)
-    values = {**SURFACE_DEFAULTS, 'surface.model': model,
-              'surface.homography.surface_from_pixel': view.surface_from_pixel.ravel().tolist()}
-    told = {'object_height_cm': 4.0, 'surface.camera_height_cm': height,
-            'surface.camera_foot_cm': [] if model == 'parallel' else foot.tolist()}
-
-    def error_mm(values):
-        locator = ObjectLocator(picture_of_a_coin(view, None, None), make_surface(values),
-                                DetectorSettings(method='precise'))
-        located, = locator.locate(frame)
-        return 10 * math.dist(located.point, coin)
-
-    assert error_mm({**values, **told}) < 0.5
-    assert error_mm(values) == pytest.approx(off_mm, abs=0.5)

@@ -209,11 +209,12 @@ def test_another_calibration_ends_the_correction_until_a_background_is_taken(wat
 
 def test_other_height_of_the_objects_keeps_the_correction(watched):
     watched.see(MATRIX, [COIN], 3)
-    raised = calibrated(**{'surface.camera_height_cm': 60.0, 'surface.camera_foot_cm': [0.0, 0.0],
-                           'object_height_cm': 6.0})
-    watched.pipeline.configure(raised, DetectorSettings(), LIMITS)
+    raised = calibrated(**{'surface.camera_height_cm': 60.0,
+                           'surface.camera_foot_cm': list(CM_PER_PX * np.array(COIN))})
+    watched.pipeline.configure(raised, DetectorSettings(heights_cm=(6.0,)), LIMITS)
     found, = watched.see(MATRIX, [COIN], 2).objects
-    assert found.point == pytest.approx(0.9 * CM_PER_PX * np.array(COIN), abs=0.03)
+    assert found.solid.height_cm == 6.0
+    assert found.point == pytest.approx(CM_PER_PX * np.array(COIN), abs=0.03)
     assert watched.pipeline.doubt.kind == 'view_corrected'
 
 

@@ -17,7 +17,7 @@ from camera_to_base.pipeline.place import SurfaceInForce
 from camera_to_base.pipeline.sighting import Limits
 from camera_to_base.pipeline.view.nudge import Nudge, NudgeMeter
 from camera_to_base.surface import (
-    as_homography, flat_surface, Hull, NudgedSurface, RaisedSurface, Surface, surface_values)
+    as_homography, Hull, NudgedSurface, Surface, surface_values)
 from camera_to_base.uncertainty import (
     PositionUncertainty, radius_for, scales_at, SURFACE_COVARIANCE, triangle_of, warp_design,
     WARP_NUMBERS)
@@ -77,7 +77,6 @@ def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction
     places = _places(size)
     frame_places = nudge.frame_from_background.pixels(places)
     shift_px = float(np.hypot(*(frame_places - places).T).max())
-    nudge = _with_foot(nudge, shift_px * surface.height_share, size)
     covariances = _covariances(nudge, frame_places, size)
     moved_cm, errors_cm = [0.0], [0.0]
     for place, there, covariance in zip(places, frame_places, covariances):
@@ -114,13 +113,6 @@ def corrected_surface(
         NudgedSurface(base.surface, background_from_frame, size), covariance, correction.reason,
         base.replaces, nudge.frame_from_background if before is None
         else nudge.frame_from_background.after(before))
-
-
-def _with_foot(nudge: Nudge, foot_px: float, size: ImageSize) -> Nudge:
-    # A camera that was shifted, not turned, has another foot point: raised objects move by this.
-    covariance = nudge.covariance.copy()
-    covariance[[2, 5], [2, 5]] += (foot_px / 2 / (np.hypot(*size) / 2)) ** 2
-    return nudge._replace(covariance=covariance)
 
 
 def _places(size: ImageSize) -> np.ndarray:
@@ -280,16 +272,17 @@ def kept_values(
     :returns: By full name.
     :raises InvalidValueError: If there is no parameter for such a surface.
     """
-    found = as_homography(flat_surface(in_force.surface), size)
+    found = getattr(in_force.surface, 'pinhole', None) or as_homography(in_force.surface, size)
     if found is None:
         raise InvalidValueError(
             "a correction of the tutorial's polynomial cannot be kept: calibrate anew, with the "
             'model homography')
     values = surface_values(found, _moved(hull, in_force))
     values[SURFACE_COVARIANCE] = triangle_of(in_force.uncertainty(uncertainty).warp_covariance)
-    if isinstance(calibrated, RaisedSurface):
+    place = calibrated.camera_place
+    if place is not None and values['surface.model'] != 'pinhole':
         # A parallel camera need not say it.
-        values['surface.camera_foot_cm'] = calibrated.foot_cm.tolist()
+        values['surface.camera_foot_cm'] = list(place.foot_cm)
     return values
 
 

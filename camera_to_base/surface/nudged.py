@@ -7,14 +7,17 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""Surfaces made of a calibrated one: for raised objects, and for a camera that was nudged."""
+"""The surface as a nudged camera sees it, and whether two surfaces are the same."""
 
-from typing import Optional, Sequence, Tuple
+from functools import cached_property
+from typing import Optional, Tuple
 
-from camera_to_base.checks import DEFAULT_IMAGE_SIZE, finite_numbers, ImageSize
-from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError
+from camera_to_base.checks import finite_numbers, ImageSize
+from camera_to_base.coordinate_transform import CameraPlace
+from camera_to_base.errors import FrameSizeError, HorizonError
 from camera_to_base.surface.distortion import RadialDistortion
-from camera_to_base.surface.models import homogeneous, HomographySurface, Surface
+from camera_to_base.surface.models import homogeneous, HomographySurface, Lens, Surface
+from camera_to_base.surface.pinhole import nearest_pinhole, PinholeSurface
 import cv2
 import numpy as np
 
@@ -27,82 +30,6 @@ _PLACES, _SAME_CM = 5, 1e-4
 _SHARES = 1.0, 0.5, 0.25, 0.125
 
 
-class RaisedSurface:
-    """
-    Maps a pixel that shows a point above the surface to the point of the surface below it.
-
-    The camera is at height H above its foot point. Its ray through a point at height h meets the
-    surface at `seen`. When the ray passes the point, it has covered (H - h) / H of its way down,
-    and the same share of its way along the surface:
-
-        point = foot + (seen - foot) * (1 - h / H)
-
-    Without this correction, a point 10 cm from the foot is 7 mm off for h = 4 cm and H = 60 cm.
-
-    An object's outline is that of its top face if only this face differs from the surface. If the
-    side faces differ too, the outline reaches down to the surface, and its centre corresponds to
-    about 0.6 of the height: 0.53 to 0.77 for discs and boxes 1.5 to 5 cm wide and 1 to 4 cm high,
-    5 to 15 cm from the foot point of a camera at 60 cm.
-
-    :param surface: Maps pixels to the work surface.
-    :param object_height_cm: Height of the visible face above the surface, in cm.
-    :param camera_height_cm: How far above the surface the camera is, in cm.
-    :param camera_foot_cm: The point of the surface below the camera, x and y, in cm, in the camera
-        frame; None for what the picture's centre looks at, as with a parallel camera.
-    :param image_size: Width and height of the pictures, in px.
-    :raises InvalidValueError: If the camera is not above the objects.
-    """
-
-    def __init__(
-        self,
-        surface: Surface,
-        object_height_cm: float,
-        camera_height_cm: float,
-        camera_foot_cm: Optional[Sequence[float]] = None,
-        image_size: ImageSize = DEFAULT_IMAGE_SIZE,
-    ) -> None:
-        self._surface, self.distortion = surface, surface.distortion
-        self._object_height_cm = object_height_cm
-        self._camera_height_cm = camera_height_cm
-        if not object_height_cm < camera_height_cm:
-            raise InvalidValueError(
-                f"object_height_cm must be below the camera's height, {camera_height_cm:g} cm, "
-                f'got {object_height_cm:g}')
-        self.height_share = object_height_cm / camera_height_cm
-        if camera_foot_cm is None:
-            centre = np.subtract(image_size, 1) / 2
-            camera_foot_cm = surface.locate([centre])[0]
-        self._foot_cm = finite_numbers('camera_foot_cm', camera_foot_cm, 2)
-
-    def locate(self, pixels: np.ndarray) -> np.ndarray:
-        """Map pixels to the surface below what they show, see :meth:`Surface.locate`."""
-        seen = self._surface.locate(pixels)
-        return self._foot_cm + (seen - self._foot_cm) * (1 - self.height_share)
-
-    @property
-    def foot_cm(self) -> np.ndarray:
-        """The point of the surface below the camera, shape (2,)."""
-        return self._foot_cm
-
-    @property
-    def flat(self) -> Surface:
-        """The work surface itself."""
-        return self._surface
-
-    def for_image_size(self, image_size: ImageSize) -> 'RaisedSurface':
-        """Give the model for pictures of a size, see :meth:`Surface.for_image_size`."""
-        surface = self._surface.for_image_size(image_size)
-        place = surface.camera_place
-        foot_cm = self._foot_cm if place is None else place.foot_cm
-        return RaisedSurface(surface, self._object_height_cm, self._camera_height_cm, foot_cm,
-                             image_size)
-
-
-def flat_surface(surface: Surface) -> Surface:
-    """Give the work surface itself: the calibration, whatever the height of the objects is."""
-    return getattr(surface, 'flat', surface)
-
-
 class PictureMap:
     """
     Maps pixels of one picture of a plane to those of another, taken with the same lens.
@@ -113,7 +40,7 @@ class PictureMap:
     :param lens: The distortion of both pictures; None for none.
     """
 
-    def __init__(self, matrix: np.ndarray, lens: Optional[RadialDistortion] = None) -> None:
+    def __init__(self, matrix: np.ndarray, lens: Optional[Lens] = None) -> None:
         self.matrix = np.asarray(matrix, float) / matrix[2, 2]
         self.lens = lens
 
@@ -176,19 +103,24 @@ class NudgedSurface:
         self._image_size = tuple(image_size)
 
     @property
-    def distortion(self) -> Optional[RadialDistortion]:
+    def distortion(self) -> Optional[Lens]:
         """The lens's distortion; None for none."""
         return self._surface.distortion
 
-    @property
-    def height_share(self) -> float:
-        """The height of the objects as a share of the camera's."""
-        return self._surface.height_share
+    @cached_property
+    def pinhole(self) -> Optional[PinholeSurface]:
+        """The pinhole camera after the nudge; None where the calibration is of another model."""
+        calibrated = getattr(self._surface, 'pinhole', None)
+        if calibrated is None:
+            return None
+        return nearest_pinhole(self, calibrated, self._image_size)
 
     @property
-    def flat(self) -> 'NudgedSurface':
-        """The work surface itself."""
-        return NudgedSurface(flat_surface(self._surface), self._map, self._image_size)
+    def camera_place(self) -> Optional[CameraPlace]:
+        """Where the camera is; with a model other than pinhole, where it was before the nudge."""
+        if self.pinhole is not None:
+            return self.pinhole.camera_place
+        return self._surface.camera_place
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """Map pixels to the work surface, see :meth:`Surface.locate`."""
@@ -215,7 +147,6 @@ def as_homography(surface: Surface, size: ImageSize) -> Optional[HomographySurfa
     """
     Give a surface as a homography with the surface's lens.
 
-    :param surface: For objects without a height.
     :param size: Width and height of the pictures, in px.
     :returns: None where it is none, as the polynomial.
     :raises FrameSizeError: If the surface does not hold for that size.

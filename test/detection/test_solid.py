@@ -1,0 +1,171 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+"""Solid objects are located at what they stand on, or left out with a reason."""
+
+import math
+
+from camera_to_base.detection import DetectorSettings, HEIGHT_SPECS, object_heights, ObjectLocator
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.parameters import checked_values
+from camera_to_base.surface import LensModel, make_surface, PinholeSurface, SURFACE_SPECS
+import cv2
+import numpy as np
+import pytest
+
+SIZE = 1280, 720
+TABLE, SIDE = (196, 188, 180), (60, 90, 170)
+
+
+def camera(tilt_deg):
+    """Give a camera that looks at (0, 0) from 75 cm, tilted towards y."""
+    tilt = math.radians(tilt_deg)
+    position = 75 * np.array([0.0, math.sin(tilt), -math.cos(tilt)])
+    turn = np.array([[1, 0, 0], [0, math.cos(tilt), math.sin(tilt)],
+                     [0, -math.sin(tilt), math.cos(tilt)]])
+    lens = LensModel(SIZE, (1000.0, 1000.0), (640.0, 360.0), (-0.1, 0.02, 0.0, 0.0, 0.0))
+    return PinholeSurface(lens, cv2.Rodrigues(turn)[0].ravel(), position)
+
+
+def prism(centre, length, width, angle, corners=4):
+    angles = 2 * np.pi * (np.arange(corners) + 0.5) / corners
+    unit = np.column_stack([np.cos(angles), np.sin(angles)])
+    if corners == 4:
+        unit *= math.sqrt(0.5) * np.array([length, width])
+    else:
+        unit *= length / 2
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return centre + unit @ turn.T
+
+
+def picture(surface, *solids):
+    """Draw upright solids as filled silhouettes with soft rims."""
+    scale = 4
+    large = np.full((scale * SIZE[1], scale * SIZE[0], 3), TABLE, np.uint8)
+    for base, height in solids:
+        both = np.concatenate([np.column_stack([base, np.full(len(base), z)])
+                               for z in (0.0, height)])
+        pixels = (surface.pixels_of(both) + 0.5) * scale - 0.5
+        cv2.fillConvexPoly(large, cv2.convexHull(np.round(16 * pixels).astype(np.int32)), SIDE,
+                           cv2.LINE_AA, 4)
+    frame = cv2.resize(large, SIZE, interpolation=cv2.INTER_AREA)
+    noise = np.random.default_rng(3).normal(0, 1.0, frame.shape)
+    return np.clip(np.round(frame + noise), 0, 255).astype(np.uint8)
+
+
+def find(surface, heights, *solids):
+    locator = ObjectLocator(
+        picture(surface), surface, DetectorSettings(heights_cm=tuple(heights)))
+    return locator.find(picture(surface, *solids))
+
+
+@pytest.mark.parametrize('tilt_deg', [0, 35])
+@pytest.mark.parametrize('height', [2.0, 5.0])
+@pytest.mark.parametrize('corners', [4, 6, 60])
+def test_prism_is_located_where_it_stands(tilt_deg, height, corners):
+    surface = camera(tilt_deg)
+    place = np.array([9.0, -6.0])
+    found, = find(surface, [height], (prism(place, 5.0, 3.0, 0.4, corners), height)).objects
+    assert math.dist(found.point, place) < 0.03
+    size = found.size(surface)
+    assert size.height_cm == height
+    if corners == 4:
+        assert found.yaw == pytest.approx(0.4, abs=0.02)
+        np.testing.assert_allclose(size[:2], [5.0, 3.0], atol=0.1)
+
+
+def test_object_without_a_height_is_off_by_its_side():
+    surface, place = camera(35), np.array([9.0, -6.0])
+    solid = prism(place, 5.0, 3.0, 0.4), 5.0
+    flat, = find(surface, [], solid).objects
+    assert math.dist(flat.point, place) > 1.0
+    assert flat.solid is None and flat.size(surface).height_cm == 0
+
+
+def test_each_object_takes_the_height_that_its_outline_fits():
+    surface = camera(35)
+    solids = [(prism(np.array([x, y]), 2.0, 2.0, 0.0, 60), height)
+              for (x, y), height in (((-12, 2), 1.0), ((0, -5), 2.0), ((12, 4), 5.0))]
+    found = find(surface, [1.0, 2.0, 5.0], *solids).objects
+    assert sorted((round(one.point.x), one.solid.height_cm) for one in found) == [
+        (-12, 1.0), (0, 2.0), (12, 5.0)]
+
+
+def test_straight_camera_cannot_tell_heights_apart():
+    found = find(camera(0), [1.0, 5.0], (prism(np.zeros(2), 5.0, 3.0, 0.4), 5.0))
+    assert not found.objects
+    assert found.left_out[0].reason.kind == 'height_unclear'
+
+
+def test_object_that_is_much_lower_than_told_is_left_out():
+    found = find(camera(35), [9.0], (prism(np.array([9.0, -6.0]), 2.0, 2.0, 0.0, 60), 0.5))
+    assert not found.objects
+    assert found.left_out[0].reason.kind == 'other_height'
+
+
+def test_object_that_fits_badly_is_located_with_its_misfit():
+    place = np.array([9.0, -6.0])
+    found, = find(camera(35), [4.5], (prism(place, 4.0, 4.0, 0.0, 60), 1.5)).objects
+    assert found.solid.misfit_cm > 0
+    assert math.dist(found.point, place) < 2 * found.solid.misfit_cm
+
+
+def test_limits_of_the_area_hold_for_the_footprint():
+    surface, place = camera(35), np.array([9.0, -6.0])
+    solid = prism(place, 4.0, 4.0, 0.0), 5.0
+    for limit, count in ((15.0, 1), (17.0, 0)):
+        settings = DetectorSettings(min_area_cm2=limit, heights_cm=(5.0,))
+        locator = ObjectLocator(picture(surface), surface, settings)
+        assert len(locator.locate(picture(surface, solid))) == count
+
+
+CANNOT_BE_USED = {
+    'unknown camera height': ({'object_height_cm': 4.0}, 'object_height_cm needs to know where '
+                              'the camera is: calibrate board with tilted placements.*'
+                              'surface.camera_height_cm'),
+    'unknown foot point': (
+        {'surface.model': 'homography', 'object_height_cm': 4.0,
+         'surface.camera_height_cm': 60.0}, 'set surface.camera_foot_cm'),
+    'object above the camera': (
+        {'object_height_cm': 61.0, 'surface.camera_height_cm': 60.0},
+        "object_height_cm must be below the camera's height, 60 cm, got 61"),
+    'one of several above the camera': (
+        {'object_heights_cm': [2.0, 61.0], 'surface.camera_height_cm': 60.0},
+        'object_heights_cm must be below.*got 61'),
+    'negative height': ({'object_height_cm': -1.0}, 'object_height_cm must be 0'),
+    'one of several negative': ({'object_heights_cm': [2.0, -1.0]}, 'object_heights_cm must be'),
+    'foot point of one number': (
+        {'surface.camera_foot_cm': [1.0]},
+        r'surface.camera_foot_cm must be 0 or 2 numbers in cm, got \[1.0\]'),
+}
+
+
+def values_of(given):
+    return checked_values([*SURFACE_SPECS, *HEIGHT_SPECS], given)
+
+
+@pytest.mark.parametrize('case', CANNOT_BE_USED)
+def test_height_that_cannot_be_used_is_refused_with_the_cure(case):
+    given, said = CANNOT_BE_USED[case]
+    with pytest.raises(InvalidValueError, match=said):
+        values = values_of(given)
+        object_heights(values, make_surface(values))
+
+
+def test_heights_are_ascending_and_zero_is_flat():
+    values = values_of({'object_heights_cm': [5.0, 2.0], 'surface.camera_height_cm': 60.0})
+    assert object_heights(values, make_surface(values)) == (2.0, 5.0)
+    assert object_heights(values_of({}), make_surface(values_of({}))) == ()
+
+
+def test_parallel_camera_stands_above_the_pictures_centre_whatever_its_size():
+    surface = make_surface(values_of({'surface.camera_height_cm': 60.0}))
+    for size in ((640, 480), (1280, 720)):
+        sized = surface.for_image_size(size)
+        centre, = sized.locate([np.subtract(size, 1) / 2])
+        assert sized.camera_place.foot_cm == pytest.approx(centre)
