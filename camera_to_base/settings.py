@@ -156,8 +156,13 @@ class CameraSettings:
     @property
     def warnings(self) -> List[str]:
         """Sentences about parameters that were set but have no effect."""
-        return [f'detector.{name} has no effect with detector.method {self.detector.method}'
-                for name in self.detector.without_effect]
+        warnings = [f'detector.{name} has no effect with detector.method {self.detector.method}'
+                    for name in self.detector.without_effect]
+        if self.detector.heights_cm and getattr(self.surface, 'pinhole', None) is None:
+            warnings.append(
+                "object_height_cm is the objects' whole height: change a file in which it is 0.6 "
+                'of it, as this package once advised')
+        return warnings
 
     def pipeline(
         self, source: str, kind: SourceKind, background_frames: Optional[int] = None,

@@ -117,7 +117,8 @@ class CameraPublisher(Node):
         uncertainty = self._pipeline.frame_uncertainty(frame, settings.uncertainty)
         in_force = self._pipeline.standpoint.surface
         self._positions.publish_sighting(
-            header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty)
+            header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty,
+            in_force.surface)
         self._areas.use_surface(in_force.surface)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting),

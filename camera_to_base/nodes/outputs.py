@@ -10,19 +10,22 @@
 """What the camera node publishes of a frame: positions, and pictures if there are subscribers."""
 
 from array import array
+import math
 import time
 from typing import Callable, List, Optional, Sequence
 
-from camera_to_base.coordinate_transform import Pose
-from camera_to_base.detection import LocatedObject
+from camera_to_base.coordinate_transform import axis_angle, Pose
+from camera_to_base.detection import LocatedObject, Size
 from camera_to_base.drawing import (
     AreaOverlay, draw_ellipses, draw_left_out, draw_note, draw_objects, Label, object_mask)
+from camera_to_base.errors import HorizonError
 from camera_to_base.nodes.simulated import TruePositions
 from camera_to_base.pipeline import FrameUncertainty, Sighting
-from camera_to_base.ros import left_out_markers, NO_EVENTS, PositionTopics, UncertainPose
+from camera_to_base.ros import (
+    left_out_markers, NO_EVENTS, PositionTopics, SolidBox, UncertainPose)
 from camera_to_base.settings import NamedSource
 from camera_to_base.simulation import SimulatedBoard
-from camera_to_base.surface import Hull
+from camera_to_base.surface import Hull, Surface, towards_camera
 from camera_to_base.uncertainty import PositionCovariance
 import cv2
 import numpy as np
@@ -73,12 +76,13 @@ class PublishedPositions:
 
     def publish_sighting(
         self, header: Header, sighting: Sighting, hull: Optional[Hull],
-        uncertainty: FrameUncertainty,
+        uncertainty: FrameUncertainty, surface: Surface,
     ) -> None:
         """
         Publish the objects of a frame, unless the sighting has a reason not to.
 
         :param hull: The area that the calibration was measured in; None where it is not known.
+        :param surface: Maps the frame's pixels to the work surface.
         """
         if self._truth is not None:
             self._truth.publish(header)
@@ -88,6 +92,8 @@ class PublishedPositions:
                                   for found in sighting.objects],
                          lambda number: uncertainty.of(sighting.objects[number]))
             self._publish_left_out(header, sighting)
+            if self._topics.wants_boxes:
+                self._topics.publish_boxes(header, boxes_of(sighting.objects, surface))
 
     def publish(
         self, header: Header, poses: List[Pose],
@@ -130,6 +136,24 @@ class PublishedPositions:
                 f'the object at ({point.x:.2f}, {point.y:.2f}) cm, pixel ({pixel.u:g}, '
                 f'{pixel.v:g}), lies outside the area that the calibration was measured in: its '
                 'position may be less accurate', throttle_duration_sec=5.0)
+
+
+def boxes_of(objects: Sequence[LocatedObject], surface: Surface) -> List[SolidBox]:
+    """
+    Return the boxes around objects, in the camera frame.
+
+    :param surface: Maps the frame's pixels to the work surface.
+    """
+    boxes, up = [], towards_camera(surface)
+    for found in objects:
+        try:
+            size = found.size(surface)
+        except HorizonError:  # A part of it is not on the surface.
+            size = Size(0.0, 0.0, 0.0, 0.0)
+        middle = Pose(*found.point, up * size.height_cm / 2, axis_angle(
+            math.cos(size.angle), math.sin(size.angle)))
+        boxes.append(SolidBox(middle, size.length_cm, size.width_cm, size.height_cm))
+    return boxes
 
 
 class CameraPictures:

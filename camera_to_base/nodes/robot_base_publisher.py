@@ -21,9 +21,10 @@ from camera_to_base.errors import (
 from camera_to_base.parameters import (
     CAMERA_FRAME_SPEC, ParameterSpec, TRANSFORM_SPECS, TransformSettings, value_in_files)
 from camera_to_base.ros import (
-    Diagnostics, Health, Heartbeat, NameCheck, NodeParameters, point_from_message,
-    poses_from_message, poses_of_markers, position_from_message, PositionTopics, qos_mismatch,
-    run, uncertain_pose_from_message, UncertainPose, whole_or_gone)
+    boxes_of_markers, Diagnostics, Health, Heartbeat, NameCheck, NodeParameters,
+    point_from_message, poses_from_message, poses_of_markers, position_from_message,
+    PositionTopics, qos_mismatch, run, SolidBox, uncertain_pose_from_message, UncertainPose,
+    whole_or_gone)
 from camera_to_base.uncertainty import uncertain_transform_of
 from geometry_msgs.msg import PointStamped, PoseArray, PoseWithCovarianceStamped
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -96,6 +97,9 @@ class RobotBasePublisher(Node):
             WantedInput(
                 self, heartbeat, lambda: self._topics.wants_ellipses, lambda: self._subscribe(
                     MarkerArray, f'{_OBJECTS}/ellipses', self._on_ellipses))
+            WantedInput(
+                self, heartbeat, lambda: self._topics.wants_boxes, lambda: self._subscribe(
+                    MarkerArray, f'{_OBJECTS}/boxes', self._on_boxes))
             self.get_logger().info(self._settings.calibration)
             self.get_logger().info(f'publishing on {self._topics.name} what comes on '
                                    f'{self.resolve_topic_name(_POSITION)}')
@@ -148,6 +152,26 @@ class RobotBasePublisher(Node):
             self._topics.publish_ellipses(
                 self._header(header), map(self._in_base_frame, poses))
             self._published_count += 1
+
+    def _on_boxes(self, message: MarkerArray) -> None:
+        with self._dropping_what_is_wrong(f'{_OBJECTS}/boxes'):
+            boxes, header = boxes_of_markers(message), message.markers[0].header
+            self._settings.check_frame(header.frame_id)
+            self._topics.publish_boxes(
+                self._header(header), list(filter(None, map(self._base_box, boxes))))
+            self._published_count += 1
+
+    def _base_box(self, box: SolidBox) -> Optional[SolidBox]:
+        x, y, z, yaw = box.pose
+        try:
+            # As of the PoseArray: whether it is within reach is asked of where it stands.
+            self._settings.base_point(x, y, 0.0)
+        except OutOfReachError as error:
+            self._drop(f'{_OBJECTS}/boxes', error)
+            return None
+        conversion = self._settings.conversion
+        middle = conversion.convert([[x], [y], [z], [1.0]])[:3, 0].tolist()
+        return box._replace(pose=Pose(*middle, conversion.convert_yaw(yaw)))
 
     def _in_base_frame(self, uncertain: UncertainPose) -> UncertainPose:
         covariance = self._node_parameters.current.base_covariance(

@@ -10,9 +10,10 @@
 """Publishes positions in one coordinate frame: on the tutorial's topic, and stamped in metres."""
 
 import time
-from typing import Iterable
+from typing import Iterable, List, Optional
 
 from camera_to_base.coordinate_transform import Pose
+from camera_to_base.ros.boxes import box_markers, detection_type, detections_message, SolidBox
 from camera_to_base.ros.messages import (
     ellipse_markers, point_message, poses_message, position_message, uncertain_pose_message,
     UncertainPose)
@@ -43,7 +44,7 @@ class PositionTopics:
     :param node: The node that publishes.
     :param position: Name of the tutorial's topic; the same object's point and
         pose are beside it.
-    :param objects: Name of the topic of all objects; their ellipses are beside it.
+    :param objects: Name of the topic of all objects; their ellipses and boxes are beside it.
     :param live: Whether an old position is useless once newer ones exist.
     """
 
@@ -53,6 +54,10 @@ class PositionTopics:
         self._pose = _publisher(node, PoseWithCovarianceStamped, f'{position}/pose', live)
         self._objects = _publisher(node, PoseArray, objects, live)
         self._ellipses = _publisher(node, MarkerArray, f'{objects}/ellipses', live)
+        self._boxes = _publisher(node, MarkerArray, f'{objects}/boxes', live)
+        self._detections: Optional[Publisher] = None
+        if detection_type() is not None:
+            self._detections = _publisher(node, detection_type(), f'{objects}/detections', live)
 
     @property
     def name(self) -> str:
@@ -75,6 +80,12 @@ class PositionTopics:
         """Whether the ellipses have a subscriber."""
         return self._ellipses.get_subscription_count() > 0
 
+    @property
+    def wants_boxes(self) -> bool:
+        """Whether the boxes have a subscriber, as markers or as detections."""
+        return self._boxes.get_subscription_count() > 0 or (
+            self._detections is not None and self._detections.get_subscription_count() > 0)
+
     def publish_position(self, x: float, y: float) -> None:
         """Publish a position, in cm, on the tutorial's topic."""
         self._position.publish(position_message(x, y))
@@ -90,6 +101,12 @@ class PositionTopics:
     def publish_ellipses(self, header: Header, poses: Iterable[UncertainPose]) -> None:
         """Publish the ellipses of a frame's objects; earlier ones are deleted."""
         self._ellipses.publish(ellipse_markers(header, poses))
+
+    def publish_boxes(self, header: Header, boxes: List[SolidBox]) -> None:
+        """Publish the boxes around a frame's objects; earlier ones are deleted."""
+        self._boxes.publish(box_markers(header, boxes))
+        if self._detections is not None:
+            self._detections.publish(detections_message(header, boxes))
 
     def publish_objects(self, header: Header, poses: Iterable[Pose]) -> None:
         """Publish all objects of a frame, the largest first; an empty array if there are none."""

@@ -23,7 +23,7 @@ from camera_to_base.surface.lens import DISTORTION_MODELS, LensModel
 from camera_to_base.surface.models import (
     homogeneous, HomographySurface, PolynomialSurface, Surface, SURFACE_DEFAULTS, SURFACE_SPECS)
 from camera_to_base.surface.nudged import (
-    as_homography, is_same_surface, NudgedSurface, PictureMap)
+    as_homography, is_same_surface, NudgedSurface, PictureMap, towards_camera)
 from camera_to_base.surface.parameters import make_hull, make_surface, surface_values
 from camera_to_base.surface.pinhole import nearest_pinhole, PinholeSurface
 from camera_to_base.surface.points import (
@@ -38,5 +38,5 @@ __all__ = [
     'nearest_pinhole', 'NudgedSurface', 'on_one_line', 'Outline', 'PictureMap', 'PinholeSurface',
     'PointPairs', 'PolynomialSurface', 'RadialDistortion', 'RayedSilhouette', 'read_thumbnail',
     'sees_y_clockwise', 'shares_structure', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent',
-    'SURFACE_SPECS', 'surface_values', 'top_view', 'undivide', 'view_thumbnail',
+    'SURFACE_SPECS', 'surface_values', 'top_view', 'towards_camera', 'undivide', 'view_thumbnail',
 ]

@@ -103,6 +103,11 @@ class NudgedSurface:
         self._image_size = tuple(image_size)
 
     @property
+    def image_size(self) -> ImageSize:
+        """Width and height of the pictures, in px."""
+        return self._image_size
+
+    @property
     def distortion(self) -> Optional[Lens]:
         """The lens's distortion; None for none."""
         return self._surface.distortion
@@ -141,6 +146,20 @@ class NudgedSurface:
                 'camera to that size, or start the node again')
         return NudgedSurface(
             self._surface.for_image_size(image_size), self._map, self._image_size)
+
+
+def towards_camera(surface: Surface) -> int:
+    """
+    Tell on which side of the surface the camera is.
+
+    :returns: 1 where the camera frame's z points to it, -1 where z points away from it, as with x
+        and y along u and v.
+    """
+    # A parallel surface has no picture size of its own, and no horizon.
+    centre = (np.array(getattr(surface, 'image_size', (2, 2)), float) - 1) / 2
+    middle, right, below = surface.locate(centre + [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]])
+    (a, b), (c, d) = right - middle, below - middle
+    return -1 if a * d - b * c > 0 else 1
 
 
 def as_homography(surface: Surface, size: ImageSize) -> Optional[HomographySurface]:

@@ -11,12 +11,8 @@ import math
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.locator import ObjectLocator
-from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.simulation.view import BoardView, Oval
-from camera_to_base.surface.models import HomographySurface, ParallelSurface, SURFACE_DEFAULTS
-from camera_to_base.surface.parameters import make_surface
-import numpy as np
+from camera_to_base.surface.models import HomographySurface, ParallelSurface
 import pytest
 
 # The coin's whole round takes a minute.
