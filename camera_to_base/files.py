@@ -56,6 +56,53 @@ def write_files(contents: Mapping[str, bytes], *, keep_old: bool = False) -> Lis
     return [f'{target}.bak' for target in old]
 
 
+def write_with_history(path: str, content: bytes, most: int = 5) -> Optional[str]:
+    """
+    Write a file; the last ones that it replaces are kept as PATH.bak.1, the newest, and up.
+
+    A file that is the same already is not written.
+
+    :param most: How many are kept.
+    :returns: Where the file is kept that was there; None if there was none, or it was the same.
+    :raises InvalidValueError: If it cannot be written; then everything is as it was.
+    """
+    target = regular_target(path)
+    unfinished: Dict[str, str] = {}
+    try:
+        is_there = os.path.exists(target)
+        if is_there and _content(target) == content:
+            return None
+        _write_part(target, content, target, unfinished)
+        newest = f'{target}.bak.1'
+        if is_there:
+            _write_part(regular_target(newest), _content(target), target, unfinished)
+            _make_room(target, most)
+            os.replace(unfinished[newest], newest)
+        os.replace(unfinished[target], target)
+    except OSError as error:
+        raise InvalidValueError(f"cannot write '{path}': {error.strerror}") from error
+    finally:
+        for part in unfinished.values():
+            if os.path.exists(part):
+                os.remove(part)
+    return newest if is_there else None
+
+
+def history_of(path: str) -> List[str]:
+    """List the kept former files of a file, the newest first."""
+    target = os.path.realpath(path)
+    kept = (f'{target}.bak.{number}' for number in range(1, 100))
+    return [one for one in kept if os.path.isfile(one)]
+
+
+def _make_room(target: str, most: int) -> None:
+    """Give each kept file the next number, up to the first number that is free."""
+    free = next((number for number in range(1, most)
+                 if not os.path.lexists(f'{target}.bak.{number}')), most)
+    for number in range(free - 1, 0, -1):
+        os.replace(f'{target}.bak.{number}', f'{target}.bak.{number + 1}')
+
+
 def regular_target(path: str) -> str:
     """
     Follow a path's links to the file to write.

@@ -178,10 +178,13 @@ def _rviz(camera):
 def _dashboard(cameras):
     # The file that is installed with the package is not one to write to.
     own = [camera.params_file for camera in cameras if camera.params_file != DEFAULT.params_file]
+    files = '; '.join(f'/{camera.namespace.strip("/")}={camera.params_file}' for camera in cameras
+                      if camera.params_file in own)
     return Node(
         package='camera_to_base', executable='dashboard', name='dashboard', output='screen',
         respawn=True, respawn_delay=0.5, on_exit=_end_without_start, parameters=[
-            *own, {'params_file': own[0] if len(own) == 1 == len(cameras) else ''}])
+            *own, {'params_file': own[0] if len(own) == 1 == len(cameras) else '',
+                   'params_files': files}])
 
 
 def _require(package, argument):

@@ -14,7 +14,7 @@ from pathlib import Path
 import stat
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.files import regular_target, write_files
+from camera_to_base.files import history_of, regular_target, write_files, write_with_history
 import pytest
 
 
@@ -85,3 +85,31 @@ def test_what_is_no_file_stays_as_it_is():
                 refuse(path)
     assert stat.S_ISCHR(os.stat('/dev/null').st_mode) and stat.S_ISFIFO(os.stat('pipe').st_mode)
     assert names() == ['circle', 'device', 'folder', 'pipe']
+
+
+def test_the_last_five_files_are_kept_the_newest_first():
+    for number in range(8):
+        kept = write_with_history('a', str(number).encode())
+        assert (kept is None) == (number == 0)
+    assert Path('a').read_text() == '7'
+    assert [Path(path).read_text() for path in history_of('a')] == ['6', '5', '4', '3', '2']
+    assert names() == ['a', *(f'a.bak.{number}' for number in range(1, 6))]
+
+
+def test_a_file_that_is_the_same_pushes_no_former_one_out():
+    for content in (b'1', b'2', b'2', b'2'):
+        write_with_history('a', content)
+    assert [Path(path).read_text() for path in history_of('a')] == ['1']
+
+
+def test_a_disk_that_is_full_leaves_the_file_and_its_history(monkeypatch):
+    for content in (b'1', b'2'):
+        write_with_history('a', content)
+
+    def full(descriptor):
+        raise OSError(28, os.strerror(28))
+    monkeypatch.setattr(os, 'fsync', full)
+    with pytest.raises(InvalidValueError, match='No space left on device'):
+        write_with_history('a', b'3')
+    assert Path('a').read_text() == '2' and Path('a.bak.1').read_text() == '1'
+    assert names() == ['a', 'a.bak.1']

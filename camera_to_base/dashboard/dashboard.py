@@ -18,6 +18,7 @@ from camera_to_base.dashboard.backend import Backend, NodeThread
 from camera_to_base.dashboard.live.watch import WatchedCells
 from camera_to_base.dashboard.server.sockets import part_text
 from camera_to_base.dashboard.server.web_server import WebServer
+from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.cell_sessions import AllSessions
 from camera_to_base.dashboard.specs import dashboard_settings, DASHBOARD_SPECS
 from camera_to_base.parameters import all_names, TRANSFORM_SPECS
@@ -40,8 +41,9 @@ class Dashboard(Node):
                 others=all_names([*CAMERA_SPECS, *TRANSFORM_SPECS]),
                 cli_args=node_options.get('cli_args'))
             Heartbeat(self)
-            self._sessions = AllSessions(
-                parameters.current.params_file, self._on_part, self._on_board_picture)
+            files = CellFiles(parameters.current.params_file, parameters.current.params_files,
+                              self.get_namespace())
+            self._sessions = AllSessions(files, self._on_part, self._on_board_picture)
             cells = WatchedCells(self, self._on_part, self._on_picture, self._sessions)
             self._server = WebServer(
                 parameters.current, Backend(

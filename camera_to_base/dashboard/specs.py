@@ -33,7 +33,12 @@ DASHBOARD_SPECS = [
         'at each start, and this machine alone needs none.', fixed=True),
     ParameterSpec(
         'params_file', '',
-        'The parameter file that Save writes; empty to ask on the page.', fixed=True),
+        'The parameter file that Save writes; empty to ask on the page. Nothing is written '
+        'outside of its folder.', fixed=True),
+    ParameterSpec(
+        'params_files', '',
+        'With several cells, the parameter file of each: /cell_1=FILE; /cell_2=FILE.',
+        fixed=True),
 ]
 
 
@@ -43,12 +48,14 @@ class DashboardSettings(NamedTuple):
 
     :param token: What a page must know; '' if it needs nothing.
     :param params_file: The file that Save writes; '' for none.
+    :param params_files: Those of several cells.
     """
 
     host: str
     port: int
     token: str
     params_file: str
+    params_files: str
 
 
 def dashboard_settings(values: Values) -> DashboardSettings:
@@ -64,7 +71,8 @@ def dashboard_settings(values: Values) -> DashboardSettings:
             'leave it out, and one is made')
     if not token and not is_loopback(values['host']):
         token = secrets.token_urlsafe(24)
-    return DashboardSettings(values['host'], values['port'], token, values['params_file'])
+    return DashboardSettings(
+        values['host'], values['port'], token, values['params_file'], values['params_files'])
 
 
 def is_loopback(host: str) -> bool:

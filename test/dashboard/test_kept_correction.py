@@ -37,7 +37,9 @@ def node(ros):
 
 
 @pytest.fixture
-def page(ros, dashboard, node):
+def page(ros, dashboard, node, tmp_path, monkeypatch):
+    # Without params_file, it writes in the folder that it was started in.
+    monkeypatch.chdir(tmp_path)
     page = dashboard()
     page.look()
     ros.spin_until(lambda: page.parts.get('parameters', {}).get('camera') and 'save' in page.parts)

@@ -29,9 +29,9 @@ def cell(ros):
 
 
 @pytest.fixture
-def page(ros, dashboard, cell):
+def page(ros, dashboard, cell, tmp_path):
     """Open a page that knows both nodes' parameters."""
-    page = dashboard()
+    page = dashboard('-p', f'params_file:={tmp_path}/cell.yaml')
     page.look()
     ros.spin_until(lambda: page.parts.get('parameters', {}).get('camera')
                    and page.parts['parameters']['transform'] and 'save' in page.parts)
@@ -111,8 +111,8 @@ def test_a_full_disk_is_told_and_the_old_file_stays(page, tmp_path, monkeypatch)
     assert path.read_text() == '/**: {ros__parameters: {reach_cm: 30.0}}\n'
     assert os.listdir(tmp_path) == ['cell.yaml']
     monkeypatch.undo()
-    assert act(page, 'save', path=str(path))['saved']['sentence'].endswith('cell.yaml.bak.')
-    assert 'reach_cm' in (tmp_path / 'cell.yaml.bak').read_text()
+    assert act(page, 'save', path=str(path))['saved']['sentence'].endswith('cell.yaml.bak.1.')
+    assert 'reach_cm' in (tmp_path / 'cell.yaml.bak.1').read_text()
 
 
 def test_what_the_second_node_refuses_is_not_kept_by_the_first(ros, page, cell):

@@ -9,6 +9,7 @@
 
 """The sessions of one cell and of all cells, areas drawn on the picture, the simulated table."""
 
+import os
 import threading
 import time
 import traceback
@@ -17,6 +18,7 @@ from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
 from camera_to_base.calibration import marker_sheet_content, OfferedCorrection, report_lines
 from camera_to_base.checks import finite_numbers
 from camera_to_base.dashboard.sessions.board import BoardSession
+from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.markers import MarkerSession
 from camera_to_base.dashboard.sessions.placements import PANEL_NAMES
 from camera_to_base.dashboard.sessions.robot import RobotSession
@@ -151,11 +153,13 @@ class CellSessions:
     :param params_file: The file that Save writes; '' if it is not known.
     :param on_change: Called with a part's name when its state has changed, by any thread.
     :param on_picture: Called with each picture of the board as JPEG, by any thread.
+    :param owner_of: Returns another cell whose file has a path; None for none.
     """
 
     def __init__(
         self, params_file: str = '', on_change: Callable[[str], None] = lambda part: None,
         on_picture: Callable[[bytes], None] = lambda jpeg: None,
+        owner_of: Callable[[str], Optional[str]] = lambda path: None,
     ) -> None:
         self._lock = threading.RLock()
         self._on_change = on_change
@@ -168,7 +172,7 @@ class CellSessions:
         self._save = SaveSession(
             self._values, lambda: (self._robot.accepted_calibration,
                                    self._board.accepted_calibration),
-            params_file, lambda: on_change('save'))
+            params_file, lambda: on_change('save'), owner_of)
         self._actions = self._list_actions()
 
     @property
@@ -180,6 +184,16 @@ class CellSessions:
     def wants_objects(self) -> bool:
         """Whether :meth:`see_objects` and :meth:`see_background` are to be called."""
         return self._robot.wants_objects
+
+    @property
+    def file_path(self) -> str:
+        """The cell's parameter file; '' if it is not known."""
+        return self._save.path
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a node of the cell runs."""
+        return bool(self._values.camera or self._values.transform)
 
     @property
     def setup(self) -> Setup:
@@ -258,6 +272,8 @@ class CellSessions:
         with self._lock:
             if part == 'simulated':
                 self._robot.tool.forget()
+            if part == 'save':
+                self._save.set_loaded()
             if part == 'markers':
                 self._markers.set_learned()
             if name == 'accept':
@@ -336,6 +352,8 @@ class CellSessions:
             ('robot', 'base_z'): robot.set_base_z,
             ('robot', 'accept'): lambda body: robot.acceptance(),
             ('robot', 'cancel'): robot.cancel, ('save', 'save'): self._save.save,
+            ('save', 'cancel'): self._save.cancel, ('save', 'load'): self._save.load,
+            ('save', 'undo'): self._save.undo,
             ('areas', 'set'): lambda body: area_changes(values, body),
             ('simulated', 'show'): lambda body: show(values, body),
             ('simulated', 'touch'): lambda body: touch(values, robot.object_number(body))}
@@ -345,16 +363,16 @@ class AllSessions:
     """
     Makes a cell's sessions when somebody first looks at it, and keeps them.
 
-    :param params_file: The file that Save writes; '' if it is not known.
+    :param files: Which file belongs to which cell.
     :param on_state: Called with a cell, a part and its state, some time after it has changed, by
         a thread of its own.
     :param on_picture: Called with a cell and a JPEG of the board.
     """
 
     def __init__(
-        self, params_file: str, on_state: OnState, on_picture: Callable[[str, bytes], None]
+        self, files: CellFiles, on_state: OnState, on_picture: Callable[[str, bytes], None]
     ) -> None:
-        self._params_file = params_file
+        self._files = files
         self._on_state, self._on_picture = on_state, on_picture
         self._lock = threading.Lock()
         self._sessions: Dict[str, CellSessions] = {}
@@ -369,8 +387,9 @@ class AllSessions:
         with self._lock:
             if cell not in self._sessions:
                 self._sessions[cell] = CellSessions(
-                    self._params_file, lambda part: self._mark(cell, part),
-                    lambda jpeg: self._on_picture(cell, jpeg))
+                    self._files.of(cell), lambda part: self._mark(cell, part),
+                    lambda jpeg: self._on_picture(cell, jpeg),
+                    lambda path: self._owner_of(path, cell))
             return self._sessions[cell]
 
     def show(self, cell: str) -> None:
@@ -384,6 +403,11 @@ class AllSessions:
         self._has_changed.set()
         for sessions in self._sessions.values():
             sessions.close()
+
+    def _owner_of(self, path: str, cell: str) -> Optional[str]:
+        others = {name: one for name, one in list(self._sessions.items()) if name != cell}
+        return next((name for name, one in others.items() if one.is_running and os.path.realpath(
+            one.file_path) == os.path.realpath(path)), None)
 
     def _mark(self, cell: str, part: str) -> None:
         self._changed.add((cell, part))

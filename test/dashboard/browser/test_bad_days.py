@@ -77,6 +77,8 @@ def test_dead_dashboard_is_told_and_its_return(page, cell):
     page.wait_for('published', '#banner')
 
 
+OLD = '/**: {ros__parameters: {source: simulated, object_height_cm: 1.5}}\n'
+
 # Keeps the page's sockets, and each text that its banner shows.
 WATCH_SOCKETS = """
 window.sockets = [];
@@ -142,19 +144,26 @@ def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
     page.click('Moving objects', '#simulated')
 
 
-def test_full_disk_is_told_on_save_and_the_old_file_stays(page, cell, tmp_path):
+def test_full_disk_is_told_on_save_and_the_old_file_stays(start_cell, open_page, tmp_path):
     path = tmp_path / 'cell.yaml'
-    path.write_text('# the old one\n')
+    path.write_text(OLD)
+    cell = start_cell(params_file=str(path), namespace='/disk')
+    page = open_page(cell)
+    page.wait_for('/disk', '#cell-choice')
     page.go_to('save')
+    page.wait_for(str(path), '#part-save')
     number = cell.pid('dashboard')
     limits = resource.prlimit(number, resource.RLIMIT_FSIZE)
     resource.prlimit(number, resource.RLIMIT_FSIZE, (100, limits[1]))
     try:
-        page.fill('File', str(path), end='')
         page.click('Save', '#part-save')
         wait_until(lambda: page.read('#part-save .verdict') or page.read('#notices'),
                    lambda: page.read())
         assert 'cell.yaml' in page.read('#part-save .verdict') + page.read('#notices')
     finally:
         resource.prlimit(number, resource.RLIMIT_FSIZE, limits)
-    assert path.read_text() == '# the old one\n'
+    assert path.read_text() == OLD
+    page.click('Save', '#part-save')
+    page.wait_for('Written to', '#part-save')
+    page.wait_for('cell.yaml.bak.1', '#part-save')
+    cell.close()

@@ -13,6 +13,8 @@ import os
 from pathlib import Path
 
 from camera_to_base.calibration import file_status
+from camera_to_base.dashboard.sessions.cell_file import CellFiles
+from camera_to_base.dashboard.sessions.cell_sessions import AllSessions
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import read_node_parameters, read_parameter_file
 from camera_to_base.settings import read_node_settings
@@ -102,9 +104,9 @@ def test_what_changes_is_shown_by_name_with_old_and_new(calibrated, tmp_path):
     assert changes['period']['new'] is None
     assert 'other.thing' not in changes
     saved = cell.do('save', 'save')
-    assert saved['saved']['sentence'].endswith(f'; the old file is {path}.bak.')
+    assert saved['saved']['sentence'].endswith(f'; the old file is {path}.bak.1.')
     assert read_parameter_file(str(path)).values['other.thing'] == 3
-    assert read_parameter_file(f'{path}.bak').values['reach_cm'] == 80.0
+    assert read_parameter_file(f'{path}.bak.1').values['reach_cm'] == 80.0
 
 
 def test_a_node_that_does_not_run_keeps_what_the_file_holds(calibrated, tmp_path):
@@ -122,24 +124,27 @@ def test_a_node_that_does_not_run_keeps_what_the_file_holds(calibrated, tmp_path
 
 
 @pytest.mark.parametrize('name, said', [
-    ('none/cell.yaml', 'there is no folder'), ('cell.txt', 'must end in .yaml'),
-    ('other.yaml', 'has parameters for single nodes (/cell_1/camera_publisher)'),
+    ('none/cell.yaml', 'does not lie in'), ('cell.txt', 'must end in .yaml'),
+    ('/tmp/cell.yaml', 'does not lie in'), ('../cell.yaml', 'does not lie in'),
+    ('link.yaml', 'does not lie in'),
+    ('other.yaml', 'has parameters for single nodes'),
     ('text.yaml', 'is no parameter file for all nodes'), ('folder.yaml', 'cannot read')])
 def test_a_file_that_would_be_lost_is_not_overwritten(calibrated, tmp_path, name, said):
     Path(tmp_path, 'other.yaml').write_text(
         '/cell_1/camera_publisher:\n  ros__parameters: {period: 2.0}\n')
     Path(tmp_path, 'text.yaml').write_text('just: text\n')
     Path(tmp_path, 'folder.yaml').mkdir()
+    Path(tmp_path, 'link.yaml').symlink_to('/etc/hostname.yaml')
     before = {path: path.is_file() and path.read_bytes() for path in tmp_path.iterdir()}
-    cell = set_up(calibrated, '')
+    cell = set_up(calibrated, tmp_path / 'cell.yaml')
     with pytest.raises(CameraToBaseError) as refused:
-        cell.do('save', 'save', path=str(tmp_path / name))
+        cell.do('save', 'save', path=name)
     assert said in str(refused.value) and cell.state('save')['error'] == str(refused.value)
     assert {path: path.is_file() and path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 @pytest.mark.parametrize('body, said', [
-    ({}, 'name the file to write'), ({'path': 7}, 'expected the path of a file')])
+    ({}, 'name the file to write'), ({'path': 7}, 'expected the name of a file')])
 def test_a_save_without_a_file_asks_for_one(calibrated, body, said):
     cell = set_up(calibrated, '')
     with pytest.raises(CameraToBaseError, match=said):
@@ -173,3 +178,113 @@ def test_nodes_that_differ_in_a_shared_parameter_are_told_of(calibrated):
     cell.values['camera'] = {**cell.values['camera'], 'camera_frame_id': 'table'}
     cell.tell()
     assert 'The two nodes differ in camera_frame_id' in cell.state('save')['warnings'][0]
+
+
+def test_what_a_robot_node_that_does_not_run_has_in_the_file_is_kept(calibrated, tmp_path):
+    path = tmp_path / 'cell.yaml'
+    cell = set_up(calibrated, path)
+    cell.do('save', 'save')
+    before = read_parameter_file(str(path)).values
+    assert before['rotation_deg'] and before['displacement_cm'] and before['base_covariance']
+    # Its own parameters of the same names are the tutorial's: it only shows the base frame.
+    cell.values['camera'] = {**cell.values['camera'], 'detector.faintest': 9.5,
+                             'rotation_deg': [180.0, 0.0, 0.0],
+                             'displacement_cm': [-17.8, 24.4, 0.0]}
+    cell.tell()
+    cell.sessions.see_parameters('transform', None)
+    cell.do('save', 'save')
+    assert read_parameter_file(str(path)).values == {**before, 'detector.faintest': 9.5}
+
+
+def test_the_base_frame_of_a_former_surface_goes_with_its_covariance_once_that_is_allowed(
+        calibrated, tmp_path):
+    path = tmp_path / 'cell.yaml'
+    cell = set_up(calibrated, path)
+    cell.do('save', 'save')
+    cell.sessions.see_parameters('transform', None)
+    cell.values['camera'] = {**cell.values['camera'], 'surface.parallel.width_cm': 40.0}
+    cell.sessions.see_parameters('camera', cell.values['camera'])
+    before = path.read_bytes()
+    state = cell.do('save', 'save')
+    assert 'the base frame' in state['question']['sentence'] and state['saved'] is None
+    assert path.read_bytes() == before
+    assert cell.do('save', 'save', removes=[])['question']
+    assert path.read_bytes() == before
+    state = cell.do('save', 'save', removes=state['question']['removes'])
+    assert state['question'] is None and state['saved']
+    held = read_parameter_file(str(path)).values
+    assert not {'rotation_deg', 'displacement_cm', 'base_covariance', 'calibration.base'} & {*held}
+
+
+def test_a_base_frame_that_is_the_default_is_written_with_its_covariance(tmp_path):
+    path = tmp_path / 'cell.yaml'
+    cell = Cell(path)
+    cell.values['transform'] = {**cell.values['transform'], 'base_covariance': [0.0] * 21}
+    cell.tell()
+    cell.do('save', 'save')
+    assert read_parameter_file(str(path)).values['displacement_cm'] == [-17.8, 24.4, 0.0]
+
+
+def test_the_file_of_another_cell_is_not_overwritten(calibrated, tmp_path):
+    told = []
+    files = CellFiles(str(tmp_path / 'one.yaml'), own='/one')
+    sessions = AllSessions(files, lambda *state: told.append(state), lambda *picture: None)
+    try:
+        for name in ('/one', '/two'):
+            for node, values in calibrated.values.items():
+                sessions.of(name).see_parameters(node, values)
+        one, two = sessions.of('/one'), sessions.of('/two')
+        assert one.file_path == str(tmp_path / 'one.yaml')
+        assert two.file_path == str(tmp_path / 'two.yaml')
+        one.act('save', 'save', {})
+        before = Path(tmp_path, 'one.yaml').read_bytes()
+        with pytest.raises(CameraToBaseError, match='is the file of the cell /one'):
+            two.act('save', 'save', {'path': 'one.yaml'})
+        two.act('save', 'save', {})
+        assert Path(tmp_path, 'one.yaml').read_bytes() == before
+        # Where nobody knows whose file it is, the page asks.
+        Path(tmp_path, 'old.yaml').write_bytes(before)
+        two.act('save', 'save', {'path': 'old.yaml'})
+        assert 'Replace it?' in two.state('save')['question']['sentence']
+        two.act('save', 'cancel', {})
+        assert two.state('save')['question'] is None
+    finally:
+        sessions.close()
+
+
+def test_several_cells_have_the_files_that_they_were_started_with():
+    files = CellFiles('', '/one=/a/1.yaml; /two/left=/b/2.yaml')
+    assert (files.of('/one'), files.of('/two/left')) == ('/a/1.yaml', '/b/2.yaml')
+    assert files.of('/') not in ('/a/1.yaml', '/b/2.yaml')
+    assert CellFiles('/a/two.yaml').of('/two') == ''
+    assert CellFiles().of('/') == ''
+    with pytest.raises(CameraToBaseError, match='/cell_1=FILE'):
+        CellFiles('', 'cell_1: a.yaml')
+
+
+def test_the_last_five_files_are_kept_and_the_nodes_go_back_to_one(calibrated, tmp_path):
+    path = tmp_path / 'cell.yaml'
+    cell = set_up(calibrated, path)
+    for reach in range(51, 59):
+        cell.values['transform'] = {**cell.values['transform'], 'reach_cm': float(reach)}
+        cell.tell()
+        cell.do('save', 'save')
+    former = cell.state('save')['former']
+    assert [one['name'] for one in former] == [f'cell.yaml.bak.{number}' for number in range(1, 6)]
+    state = cell.do('save', 'load', number=3)
+    assert cell.values['transform']['reach_cm'] == 55.0
+    assert 'cell.yaml.bak.3' in state['saved']['sentence'] and state['can_undo']
+    assert read_parameter_file(str(path)).values['reach_cm'] == 58.0
+    assert not cell.do('save', 'undo')['can_undo']
+    assert cell.values['transform']['reach_cm'] == 58.0
+    for number in (6, 0.5, True, 'x', -1, 2 ** 70):
+        with pytest.raises(CameraToBaseError, match='no former file'):
+            cell.do('save', 'load', number=number)
+
+
+def test_an_error_does_not_tell_what_a_file_holds(calibrated, tmp_path):
+    Path(tmp_path, 'secret.yaml').write_text('password: [hunter2, *other\n')
+    cell = set_up(calibrated, tmp_path / 'cell.yaml')
+    with pytest.raises(CameraToBaseError) as refused:
+        cell.do('save', 'save', path='secret.yaml')
+    assert 'hunter2' not in str(refused.value) and 'other' not in str(refused.value)

@@ -15,7 +15,7 @@
 // Save: what changed against the loaded file, and the button that writes it.
 
 import {act} from '../base/actions.js';
-import {button, card, element, fillRow, row, setText, show, sync, table} from '../base/dom.js';
+import {button, card, element, fillRow, row, setAttribute, setText, show, sync, table} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
 import {sentence as asSentence} from '../base/numbers.js';
 import {hasAnotherSurface} from '../base/reasons.js';
@@ -27,8 +27,11 @@ const LONGEST_TEXT = 60;
 /** Make the part. */
 export function createSave(store) {
   const path = element('input', {type: 'text', id: 'path', autocomplete: 'off', class: 'long'});
-  const write = button('Save', () => attempt(
-    () => act('/api/save', path.value ? {path: path.value} : {}), () => null), {class: 'primary'});
+  const write = button('Save', () => save(), {class: 'primary'});
+  const save = (more = {}) => attempt(
+    () => act('/api/save', {...path.value ? {path: path.value} : {}, ...more}), () => null);
+  const question = createQuestion((removes) => save({removes}));
+  const former = createFormer();
   const keep = button('Keep the correction', () => attempt(
     () => act('/api/correction', path.value ? {path: path.value} : {}), () => null));
   const corrected = element('p');
@@ -45,6 +48,7 @@ export function createSave(store) {
   const sentence = element('p', {class: 'verdict', role: 'status'});
   const loaded = element('p', {class: 'quiet'});
   const calibration = element('p');
+  const folder = element('p', {class: 'quiet'});
   const warnings = element('ul', {class: 'warnings'});
   const changes = table('Parameters that differ from the file', ['Parameter', 'In the file', 'Now', 'Node'],
     {class: 'wrapped'});
@@ -57,6 +61,9 @@ export function createSave(store) {
     setText(loaded, state.from ? `Loaded from ${state.from}.` : 'No file was loaded.');
     setText(calibration, asSentence(state.calibration ?? ''));
     tell(sentence, state);
+    question.update(state);
+    former.update(state);
+    setText(folder, `The file lies in ${state.folder}: the dashboard writes nowhere else.`);
     write.disabled = Boolean(state.needs);
     sync(warnings, state.warnings ?? [], (text) => text, () => element('li'), setText);
     show(none, !state.changes.length);
@@ -68,11 +75,53 @@ export function createSave(store) {
   return {node: element('div', {}, nudged,
     card('File for both nodes',
       element('p', {class: 'lead'}, 'The file holds all parameters of both nodes. Start them with ' +
-        'it, and everything is as it is now. The old file is kept.'),
+        'it, and everything is as it is now. The last five files are kept.'),
       loaded, calibration, warnings,
       element('p', {class: 'buttons save-row'}, element('label', {for: 'path'}, 'File'), path, write, download),
-      sentence),
-    card('What changed', none, changes.node))};
+      question.node, sentence, folder),
+    card('What changed', none, changes.node), former.node)};
+}
+
+/** Asks before a calibration is removed from a file. */
+function createQuestion(allow) {
+  const sentence = element('p');
+  let removes = [];
+  const node = element('div', {class: 'question', role: 'alertdialog', 'aria-label': 'Before saving'},
+    sentence, element('div', {class: 'buttons'},
+      button('Keep the file as it is', () => saving('cancel'), {class: 'primary'}),
+      button('Remove, and save', () => allow(removes))));
+  const update = ({question}) => {
+    show(node, question);
+    setText(sentence, question?.sentence ?? '');
+    removes = question?.removes ?? [];
+  };
+  return {node, update};
+}
+
+/** The kept former files; the nodes can have the values of each. */
+function createFormer() {
+  const list = element('ul', {class: 'areas'});
+  const revert = button('Load the file', () => saving('load'));
+  const undo = button('Undo', () => saving('undo'), {'aria-label': 'Undo the loading'});
+  const node = card('Go back', element('p', {}, 'The running nodes take the values of the file, or ' +
+    'of one of those that it replaced. Nothing is written.'),
+  element('div', {class: 'buttons'}, revert, undo), list);
+  const update = ({former, from, can_undo: canUndo}) => {
+    show(node, from || former.length);
+    show(revert, from);
+    show(undo, canUndo);
+    sync(list, former, ({number}) => number, ({number}) => element('li', {}, element('span'),
+      button('Load', () => saving('load', {number}), {class: 'quiet small'})),
+    (item, {name, date}) => {
+      setText(item.firstChild, `${name}, replaced after ${date}`);
+      setAttribute(item.lastChild, 'aria-label', `Load ${name}`);
+    });
+  };
+  return {node, update};
+}
+
+function saving(action, body) {
+  return attempt(() => act(`/api/save/${action}`, body), () => null);
 }
 
 function tell(sentence, {error, needs, saved}) {
