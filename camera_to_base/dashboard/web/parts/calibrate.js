@@ -86,14 +86,16 @@ function createOptions() {
   const rows = countField('corners-y', 'Inner corners in a column');
   const square = countField('square', 'Edge of a square in mm');
   const charuco = element('input', {type: 'checkbox', id: 'charuco'});
-  const start = button('Start', () => board('start', {
+  let isEdited = false;
+  const start = button('Start', async () => { isEdited = !await board('start', {
     corners: [read(columns.input.value), read(rows.input.value)],
-    square_mm: read(square.input.value), charuco: charuco.checked}), {class: 'primary'});
+    square_mm: read(square.input.value), charuco: charuco.checked}); }, {class: 'primary'});
   const details = element('details', {}, element('summary', {}, 'Another board'),
     element('div', {class: 'inline-fields'}, columns.node, rows.node, square.node,
       element('p', {}, charuco, ' ', element('label', {for: 'charuco'}, 'Board with markers'))));
+  details.addEventListener('input', () => { isEdited = true; });
   const update = ({options}) => {
-    if (document.activeElement?.closest('.inline-fields')) return;
+    if (isEdited || document.activeElement?.closest('.inline-fields')) return;
     columns.input.value = options.corners[0];
     rows.input.value = options.corners[1];
     square.input.value = options.square_mm;

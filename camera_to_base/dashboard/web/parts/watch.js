@@ -59,10 +59,13 @@ export function createWatch(store) {
   };
   selection.onchange = draw;
   store.on('watch', draw);
-  picture.node.addEventListener('click', (event) => {
+  // Objects move during a press: where it began counts.
+  let pressed = null;
+  picture.node.addEventListener('pointerdown', (event) => {
     const watch = store.get('watch');
-    selection.choose(nearest(watch?.objects ?? [], picture.pixelAt(event), picture.size));
+    pressed = nearest(watch?.objects ?? [], picture.pixelAt(event), picture.size);
   });
+  picture.node.addEventListener('click', () => selection.choose(pressed));
 
   const node = element('div', {class: 'watch'}, setup.node, element('div', {class: 'columns'},
     element('div', {},
@@ -82,12 +85,16 @@ class Selection {
   onchange = () => {};
 
   choose(object) {
-    this.current = object && this.is(object) ? null : object;
+    this.current = object && this.same(object) ? null : object;
     this.onchange();
   }
 
   is(object) {
     return this.current?.number === object.number;
+  }
+
+  same(object) {
+    return this.current && apart(object, this.current) < SAME_OBJECT_CM;
   }
 
   numbered(number) {
@@ -97,11 +104,14 @@ class Selection {
   follow(objects) {
     this.#objects = objects;
     if (!this.current) return;
-    const away = (object) => Math.hypot(
-      object.camera.x - this.current.camera.x, object.camera.y - this.current.camera.y);
-    const near = objects.filter((object) => away(object) < SAME_OBJECT_CM);
-    this.current = near.sort((one, other) => away(one) - away(other))[0] ?? null;
+    const near = objects.filter((object) => this.same(object));
+    this.current = near.sort((one, other) =>
+      apart(one, this.current) - apart(other, this.current))[0] ?? null;
   }
+}
+
+function apart(one, other) {
+  return Math.hypot(one.camera.x - other.camera.x, one.camera.y - other.camera.y);
 }
 
 function nearest(objects, pixel, size) {

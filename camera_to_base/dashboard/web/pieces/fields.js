@@ -25,52 +25,88 @@ const KEEP_OWN_MS = 700;
  * Make a field.
  *
  * `change(value)` sends a value and is rejected with the node's sentence where it is refused; the
- * field then shows the sentence, and its old value again.
+ * field then shows the sentence, and its old value again. What a person types is never
+ * overwritten: a value that comes meanwhile is told below the field.
  */
 export function createField(spec, id, change) {
   const error = element('p', {class: 'field-error', id: `${id}-error`, role: 'alert', hidden: true});
+  const elsewhere = element('p', {class: 'elsewhere', role: 'status', hidden: true});
   const about = element('p', {class: 'quiet', id: `${id}-about`}, describe(spec));
   const reset = button('Default', () => {
     // What was typed last, and is not sent yet, must not come after the default.
     clearTimeout(waiting);
-    lastTouch = 0;
     control.set(spec.default);
     send(spec.default);
   }, {class: 'quiet small', 'aria-label': `${spec.name}: back to the default`});
   let known = spec.value;
-  let lastTouch = 0;
+  let told = spec.value;
+  let keepOwnUntil = 0;
   let waiting = null;
-  const control = makeControl(spec, id, (value) => {
-    lastTouch = Date.now();
+  let sending = 0;
+  let isEdited = false;
+  const control = makeControl(spec, id, (value, wait = 0) => {
     clearTimeout(waiting);
-    waiting = setTimeout(() => send(value), TELL_EVERY_MS);
+    keepOwnUntil = Infinity;
+    waiting = setTimeout(() => send(value), wait);
   });
+  const isTyped = () => isEdited || document.activeElement === control.typed;
+  const showKnown = () => {
+    control.set(known);
+    setText(elsewhere, '');
+    show(elsewhere, false);
+  };
   const tell = (sentence) => {
     setText(error, sentence);
     show(error, sentence);
     control.inputs.forEach((input) => setAttribute(input, 'aria-invalid', Boolean(sentence)));
   };
   const send = async (value) => {
+    isEdited = false;
+    sending += 1;
+    keepOwnUntil = Infinity;
     try {
       await change(value);
+      known = value;
       tell('');
     } catch (refusal) {
-      lastTouch = 0;
-      control.set(known);
+      if (!isEdited && sending === 1) showKnown();
       tell(refusal.errors?.[spec.name] ?? refusal.message);
+    }
+    sending -= 1;
+    if (sending) return;
+    keepOwnUntil = Date.now() + KEEP_OWN_MS;
+    setTimeout(takeTold, KEEP_OWN_MS + 1);
+  };
+  control.typed?.addEventListener('input', () => { isEdited = true; });
+  control.typed?.addEventListener('blur', () => {
+    if (!isEdited && Date.now() > keepOwnUntil) showKnown();
+  });
+  const takeTold = () => {
+    // What is sent comes back by itself, after values that are older.
+    if (Date.now() <= keepOwnUntil) return;
+    const isOther = JSON.stringify(told) !== JSON.stringify(known);
+    known = told;
+    if (!isTyped()) showKnown();
+    else if (isOther) {
+      setText(elsewhere, `It has been set to ${textOf(told)} elsewhere.`);
+      show(elsewhere, true);
     }
   };
   const update = ({value}) => {
-    known = value;
-    if (Date.now() - lastTouch > KEEP_OWN_MS) control.set(value);
+    told = value;
+    takeTold();
     show(reset, !spec.read_only && spec.default !== null && spec.default !== undefined &&
       JSON.stringify(value) !== JSON.stringify(spec.default));
   };
   const label = element('label', {for: id}, spec.name);
   const node = element('div', {class: 'field'}, element('div', {class: 'field-head'}, label, reset),
-    control.node, error, about);
+    control.node, elsewhere, error, about);
   update(spec);
   return {node, update};
+}
+
+function textOf(value) {
+  return Array.isArray(value) ? value.join('  ') || 'an empty list' : String(value);
 }
 
 function describe({description, constraints, read_only: isFixed}) {
@@ -113,7 +149,8 @@ function choiceControl(choices, shared, tell) {
 function numberControl({type, unit}, shared, tell) {
   const input = element('input', {type: 'text', inputmode: 'decimal', autocomplete: 'off', ...shared,
     onchange: () => tell(number(input.value, type))});
-  return {node: withUnit(input, unit), inputs: [input], set: (value) => { input.value = value; }};
+  return {node: withUnit(input, unit), inputs: [input], typed: input,
+    set: (value) => { input.value = value; }};
 }
 
 function sliderControl(spec, shared, tell) {
@@ -123,14 +160,14 @@ function sliderControl(spec, shared, tell) {
     disabled: shared.disabled, 'aria-label': `${spec.name}, slider`, oninput: () => {
       const value = spec.type === 'integer' ? Number(slider.value) : Number(fixedPlain(slider.value));
       input.value = value;
-      tell(value);
+      tell(value, TELL_EVERY_MS);
     }});
   const {node, inputs: [input]} = numberControl(spec, shared, tell);
   const set = (value) => {
     input.value = value;
     slider.value = value;
   };
-  return {node: element('div', {class: 'slider'}, slider, node), inputs: [input], set};
+  return {node: element('div', {class: 'slider'}, slider, node), inputs: [input], typed: input, set};
 }
 
 function fixedPlain(text) {
@@ -143,7 +180,7 @@ function textControl({type, unit}, shared, tell) {
     tell(isList ? list(input.value, type) : input.value);
   }});
   const set = (value) => { input.value = Array.isArray(value) ? value.join('  ') : value ?? ''; };
-  return {node: withUnit(input, isList ? unit : ''), inputs: [input], set};
+  return {node: withUnit(input, isList ? unit : ''), inputs: [input], typed: input, set};
 }
 
 function withUnit(input, unit) {

@@ -15,25 +15,44 @@
 // The map: the surface seen from above, in the base frame, in cm.
 
 import {fixed} from '../base/numbers.js';
-import {element, setAttribute, setText, svg} from '../base/dom.js';
+import {element, setAttribute, setText, svg, sync} from '../base/dom.js';
 
 const STEPS_CM = [1, 2, 5, 10, 20, 50, 100, 200, 500];
 const LARGEST_CM = 400;
 
 /** Make the map; `choose(object)` is called when an object is clicked. */
 export function createMap(choose) {
-  const drawing = svg('svg', {class: 'map', role: 'img'});
+  const layers = ['grid', 'areas', 'base', 'objects'].map((name) => svg('g', {'data-layer': name}));
+  const drawing = svg('svg', {class: 'map', role: 'img'}, ...layers);
   const note = element('p', {class: 'quiet'}, 'Waiting for the surface …');
+  let objects = [];
+  let pressed = null;
+  // Objects move and change their numbers during a press: the one that was pressed counts.
+  drawing.addEventListener('pointerdown', (event) => {
+    const number = event.target.closest('.object')?.dataset.key;
+    pressed = objects.find((object) => String(object.number) === number) ?? null;
+  });
+  drawing.addEventListener('click', () => pressed && choose(pressed));
   const update = (watch, selection) => {
     const box = frame(watch);
+    objects = watch.objects.filter((object) => object.base);
     setAttribute(drawing, 'viewBox', `${box.left} ${-box.top} ${box.width} ${box.height}`);
     setAttribute(drawing, 'aria-label', summary(watch));
-    drawing.replaceChildren(...grid(box), ...areas(watch.map), base(box),
-      ...watch.objects.filter((object) => object.base).map(
-        (object) => mark(object, box, selection.is(object), choose)));
+    const shapes = [grid(box), areas(watch.map), base(box),
+      objects.map((object) => mark(object, box, selection.is(object)))];
+    layers.forEach((layer, index) => draw(layer, shapes[index]));
     setText(note, legend(watch, box));
   };
   return {node: element('div', {}, drawing, note), update};
+}
+
+/** Draw shapes, each [key, tag, attributes, text or shapes in it]; nodes of known keys are kept. */
+function draw(parent, shapes) {
+  sync(parent, shapes, ([key]) => key, ([, tag]) => svg(tag), (node, [, , attributes, content]) => {
+    Object.entries(attributes).forEach(([name, value]) => setAttribute(node, name, value));
+    if (Array.isArray(content)) draw(node, content);
+    else if (content !== undefined) setText(node, content);
+  });
 }
 
 function summary({objects, map}) {
@@ -79,23 +98,23 @@ function grid(box) {
   const lines = [];
   const font = box.size * 0.035;
   for (let x = Math.ceil(box.left / step) * step; x <= box.left + box.width; x += step) {
-    lines.push(svg('line', {class: 'grid', x1: x, x2: x, y1: -box.top, y2: box.height - box.top}),
-      svg('text', {class: 'scale', x: x + font * 0.2, y: box.height - box.top - font * 0.3,
-        'font-size': font}, String(x)));
+    lines.push([`x${x}`, 'line', {class: 'grid', x1: x, x2: x, y1: -box.top, y2: box.height - box.top}],
+      [`x${x} text`, 'text', {class: 'scale', x: x + font * 0.2, y: box.height - box.top - font * 0.3,
+        'font-size': font}, String(x)]);
   }
   for (let y = Math.ceil((box.top - box.height) / step) * step; y <= box.top; y += step) {
-    lines.push(svg('line', {class: 'grid', y1: -y, y2: -y, x1: box.left, x2: box.left + box.width}),
-      svg('text', {class: 'scale', x: box.left + font * 0.2, y: -y - font * 0.2,
-        'font-size': font}, String(y)));
+    lines.push([`y${y}`, 'line', {class: 'grid', y1: -y, y2: -y, x1: box.left, x2: box.left + box.width}],
+      [`y${y} text`, 'text', {class: 'scale', x: box.left + font * 0.2, y: -y - font * 0.2,
+        'font-size': font}, String(y)]);
   }
   return lines;
 }
 
 function areas(map) {
-  const polygon = (corners, name) => svg('polygon', {
-    class: name, points: corners.map(([x, y]) => `${x},${-y}`).join(' ')});
+  const polygon = (corners, name) => [name, 'polygon', {
+    class: name, points: corners.map(([x, y]) => `${x},${-y}`).join(' ')}];
   return [
-    ...(reach(map) ?? []).filter(Boolean).map((r) => svg('circle', {class: 'reach', r})),
+    ...(reach(map) ?? []).filter(Boolean).map((r) => [`reach${r}`, 'circle', {class: 'reach', r}]),
     map?.view && polygon(map.view, 'view'),
     map?.work_area && polygon(map.work_area, 'work-area'),
   ].filter(Boolean);
@@ -103,28 +122,29 @@ function areas(map) {
 
 function base(box) {
   const unit = box.size * 0.05;
-  return svg('g', {class: 'base'},
-    svg('path', {class: 'axis x', d: `M0 0H${2 * unit}`}),
-    svg('path', {class: 'axis y', d: `M0 0V${-2 * unit}`}),
-    svg('rect', {x: -unit / 2, y: -unit / 2, width: unit, height: unit, rx: unit / 5}),
-    svg('text', {x: 0, y: unit * 1.5, 'font-size': unit * 0.8, 'text-anchor': 'middle'}, 'robot'));
+  return [['base', 'g', {class: 'base'}, [
+    ['x', 'path', {class: 'axis x', d: `M0 0H${2 * unit}`}],
+    ['y', 'path', {class: 'axis y', d: `M0 0V${-2 * unit}`}],
+    ['foot', 'rect', {x: -unit / 2, y: -unit / 2, width: unit, height: unit, rx: unit / 5}],
+    ['name', 'text', {x: 0, y: unit * 1.5, 'font-size': unit * 0.8, 'text-anchor': 'middle'}, 'robot'],
+  ]]];
 }
 
-function mark(object, box, isChosen, choose) {
+function mark(object, box, isChosen) {
   const {x, y, yaw_deg: yaw} = object.base;
   const unit = box.size * 0.03;
-  const node = svg('g', {class: isChosen ? 'object chosen' : 'object',
-    transform: `translate(${x} ${-y})`, onclick: () => choose(object)});
-  if (object.ellipse) {
+  const parts = [];
+  if (object.ellipse?.frame === 'base') {
     const {major_mm: major, minor_mm: minor, angle_deg: angle} = object.ellipse;
-    node.append(svg('ellipse', {class: 'ellipse', rx: major / 10, ry: minor / 10,
-      transform: `rotate(${-angle})`}));
+    parts.push(['ellipse', 'ellipse', {class: 'ellipse', rx: major / 10, ry: minor / 10,
+      transform: `rotate(${-angle})`}]);
   }
   if (yaw !== null && yaw !== undefined) {
-    node.append(svg('line', {class: 'yaw', x1: -2 * unit, x2: 2 * unit,
-      transform: `rotate(${-yaw})`}));
+    parts.push(['yaw', 'line', {class: 'yaw', x1: -2 * unit, x2: 2 * unit,
+      transform: `rotate(${-yaw})`}]);
   }
-  node.append(svg('circle', {r: unit}), svg('text', {
-    'font-size': unit * 1.3, 'text-anchor': 'middle', dy: '0.36em'}, String(object.number)));
-  return node;
+  parts.push(['disc', 'circle', {r: unit}], ['number', 'text', {
+    'font-size': unit * 1.3, 'text-anchor': 'middle', dy: '0.36em'}, String(object.number)]);
+  return [object.number, 'g', {class: isChosen ? 'object chosen' : 'object',
+    transform: `translate(${x} ${-y})`}, parts];
 }
