@@ -20,11 +20,14 @@ Each step is a module of its own:
   shows something else, in any colour.
 - `changes`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
+- `things`: what of a region is a thing, and what is shade, sun or a lamp, pixel by pixel; it says
+  nothing where the picture cannot tell.
 - `search`, `regions`: where such pixels are connected, for the long way, and what lies in the
   shade of an arm.
 - `outside_light`: shade from outside of the picture and a lamp that flickers: both no objects.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
-- `own_shadow`, `piece`: what of a region is its object's shade, and what its gloss.
+- `own_shadow`, `piece`: where `things` says nothing, what of a region is its object's shade, and
+  what its gloss.
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.
 

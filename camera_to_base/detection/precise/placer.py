@@ -14,12 +14,13 @@ from typing import Callable, List, Tuple
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
-    close_around_highlights, enlarged, make_piece, outline_of, Piece, reduced)
+    close_around_highlights, enclosed, enlarged, make_piece, outline_of, outlines_in, Piece,
+    reduced)
 from camera_to_base.detection.precise.plain import place_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import (
     filled, find_shaded, grown, places_to_look, Region, slices)
-from camera_to_base.detection.precise.shares import place, place_whole, Placed
+from camera_to_base.detection.precise.shares import place, place_thing, place_whole, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
@@ -54,6 +55,8 @@ class Placer:
         self, frame: np.ndarray, region: Region, reference: Reference
     ) -> List[Detection]:
         """Give the objects in a region of a frame."""
+        if region.is_thing:
+            return self._thing(frame, region, reference)
         is_at_edge = touches_edge(region.box, frame)
         if is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return unplaced(region.outline, frame)
@@ -72,6 +75,13 @@ class Placer:
         if found and found[0].cut_off:
             found += self._in_shade_of(window)
         return found
+
+    def _thing(
+        self, frame: np.ndarray, region: Region, reference: Reference
+    ) -> List[Detection]:
+        box = grown(region.box, _SURROUNDINGS, frame)
+        window = _Window(frame, reference, box, filled(region.outline, box))
+        return self._at(window, window.mask, place_thing)
 
     def _long_way(self, window: '_Window', is_at_edge: bool) -> List[Detection]:
         coarse, scale = window.reduced(_MOST_AT_EDGE if is_at_edge else _MOST_TO_TELL)
@@ -113,12 +123,23 @@ class Placer:
                    enlarged(placed.mask, scale, near.mask)), near.box)
 
     def _placed(self, placed: Placed, window: Box) -> List[Detection]:
-        parts = split_touching(placed.mask) if self._split_touching else [placed.mask]
+        parts = [placed.mask]
+        if placed.outline is None:
+            parts = self._separate(placed.mask)
+        if self._split_touching:
+            parts = [one for part in parts for one in split_touching(part)]
         if len(parts) == 1:
             return _detection(placed, window)
         nearest = nearest_part(parts)
         return [detection for index, part in enumerate(parts) for detection in _detection(
             Placed(placed.shares * (nearest == index), part), window)]
+
+    def _separate(self, mask: np.ndarray) -> List[np.ndarray]:
+        outlines = [one for one in outlines_in(mask) if enclosed(one) >= self._min_area]
+        if len(outlines) < 2:
+            return [mask]
+        whole = Box(0, 0, *mask.shape[::-1])
+        return [filled(outline, whole) for outline in outlines]
 
 
 class _Window:

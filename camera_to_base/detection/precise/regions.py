@@ -60,12 +60,14 @@ class Region(NamedTuple):
     :param box: The upright rectangle around it.
     :param strong_area: The largest connected part of it beyond the strong limit, in px².
     :param in_other_light: Whether the table has other light there than `Reference.lit` shows.
+    :param is_thing: Whether all of it is a thing, see `things`.
     """
 
     outline: np.ndarray
     box: Box
     strong_area: int
     in_other_light: bool = False
+    is_thing: bool = False
 
 
 def find_regions(

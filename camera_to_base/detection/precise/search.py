@@ -24,6 +24,7 @@ from camera_to_base.detection.precise.outside_light import (
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
+from camera_to_base.detection.precise.things import measure_tint, things_in
 import cv2
 import numpy as np
 
@@ -88,9 +89,21 @@ def _search(
         else:
             plain.append(one)
     regions = find_regions(frame, others, reference.limits, min_area)
+    tint = measure_tint(frame, regions, reference)
+    regions = [thing for region in regions
+               for thing in _things_of(frame, region, reference, tint, min_area)]
     # A window that grew may hold a plain object of another part.
     return Candidates(frame, plain, [region for region in regions if not any(
         region.box.is_inside(one.window) for one in plain)])
+
+
+def _things_of(
+    frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
+) -> List[Region]:
+    if _may_reach_border(frame, region):
+        return [region]
+    things = things_in(frame, region, reference, tint, min_area)
+    return [region] if things is None else things
 
 
 def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:

@@ -206,7 +206,9 @@ def test_plain_object_beside_a_cut_off_one_is_found_once():
 
 
 def test_large_object_whose_shadow_reaches_the_edge_is_found_whole():
-    frame = with_ellipse(table(size=(480, 640)), (352, 375), (100, 100), level=130)
+    frame = table(size=(480, 640))
+    shade = with_ellipse(np.zeros_like(frame), (352, 375), (100, 100), level=255) > 0
+    frame[shade] = np.rint(0.65 * frame[shade])
     frame = with_ellipse(frame, (320, 350), (100, 100))
     found = PreciseDifferenceDetector(table(size=(480, 640))).detect(frame)
     assert [one.cut_off for one in found] == [False]

@@ -1,0 +1,114 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""What is a thing and what is light, on tables with a texture and without one."""
+
+from camera_to_base.detection import PreciseDifferenceDetector
+import cv2
+import numpy as np
+import pytest
+
+SIZE = 240, 320
+TABLE = np.float32([0.28, 0.42, 0.55])  # light, B, G and R
+
+
+def coded(light, seed):
+    grey = 255 * np.clip(light, 0, 1) ** (1 / 2.2)
+    noise = np.random.default_rng(seed).normal(0, 1.5, light.shape)
+    jpeg = cv2.imencode('.jpg', np.uint8(np.clip(np.rint(grey + noise), 0, 255)))[1]
+    return cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
+
+
+def table(texture):
+    grain = np.random.default_rng(3).normal(0, 1, SIZE)
+    grain = cv2.GaussianBlur(grain, (0, 0), 3, sigmaY=1)
+    return TABLE * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
+
+
+def covered(*corners):
+    large = np.zeros((SIZE[0] * 4, SIZE[1] * 4), np.uint8)
+    cv2.fillPoly(large, [np.int32(np.array(corners) * 4)], 255)
+    shares = cv2.resize(large, SIZE[::-1], interpolation=cv2.INTER_AREA) / np.float32(255)
+    return cv2.GaussianBlur(shares, (0, 0), 0.7)[..., None]
+
+
+def square(u, v, half):
+    return covered((u - half, v - half), (u + half, v - half), (u + half, v + half),
+                   (u - half, v + half))
+
+
+def shaded(light, shares, depth=0.5, tint=(1, 1, 1)):
+    soft = cv2.GaussianBlur(shares, (0, 0), 1.5)[..., None]
+    return light * (1 - soft * (1 - (1 - depth) * np.float32(tint)))
+
+
+def painted(light, shares, colour):
+    return light * (1 - shares) + shares * np.float32(colour)
+
+
+def box_with_a_wall(light, u=150, v=120, colour=(0.5, 0.12, 0.1)):
+    light = shaded(light, covered((u - 20, v - 20), (u + 30, v - 20), (u + 70, v + 45),
+                                  (u + 20, v + 45)))
+    light = painted(light, square(u, v, 22), np.float32(colour))
+    return painted(light, covered((u - 22, v + 22), (u + 22, v + 22), (u + 18, v + 40),
+                                  (u - 18, v + 40)), 0.35 * np.float32(colour))
+
+
+def silhouette(u=150, v=120):
+    wall = covered((u - 22, v + 22), (u + 22, v + 22), (u + 18, v + 40), (u - 18, v + 40))
+    return (np.maximum(square(u, v, 22), wall) > 0.5)[..., 0]
+
+
+def detect(light, background):
+    detector = PreciseDifferenceDetector(coded(background, 1))
+    return detector.detect(coded(light, 2))
+
+
+def overlap(detection, true):
+    found = np.zeros(SIZE, np.uint8)
+    cv2.fillPoly(found, [detection.outline], 1)
+    return (found & true).sum() / (found | true).sum()
+
+
+@pytest.mark.parametrize('colour', [(0.5, 0.12, 0.1), (0.4, 0.4, 0.42), (0.8, 0.8, 0.8)])
+def test_wall_belongs_to_a_box_and_its_shade_does_not(colour):
+    found, = detect(box_with_a_wall(table(0.15), colour=colour), table(0.15))
+    assert overlap(found, silhouette()) > 0.95
+
+
+def test_two_boxes_whose_shades_overlap_are_two():
+    light = table(0.15)
+    for u in 100, 160:
+        light = box_with_a_wall(light, u)
+    found = detect(light, table(0.15))
+    assert len(found) == 2
+    for u in 100, 160:
+        assert max(overlap(one, silhouette(u)) for one in found) > 0.93
+
+
+@pytest.mark.parametrize('depth, tint', [
+    (0.5, (1, 1, 1)), (0.3, (1.05, 1, 0.97)), (-0.6, (1, 1, 1))])
+def test_shade_and_sun_on_a_texture_are_nothing(depth, tint):
+    light = shaded(table(0.15), square(150, 120, 40), depth, tint)
+    assert detect(light, table(0.15)) == []
+
+
+def test_sheet_without_a_texture_that_is_as_dark_as_shade_is_a_thing():
+    light = painted(table(0.15), square(150, 120, 40), 0.5 * TABLE)
+    found, = detect(light, table(0.15))
+    assert found.centre == pytest.approx((149.5, 119.5), abs=0.3)
+
+
+@pytest.mark.parametrize('gap', [4, 6])
+def test_things_with_a_gap_are_two(gap):
+    light = table(0.1)
+    for u in 100, 140 + gap:
+        light = painted(light, square(u, 120, 20), (0.1, 0.5, 0.3))
+    found = sorted(detect(light, table(0.1)), key=lambda one: one.centre.u)
+    assert [one.centre.u for one in found] == pytest.approx([99.5, 139.5 + gap], abs=0.3)
