@@ -26,13 +26,9 @@ from camera_to_base.pipeline import DamageCheck, FrameUncertainty
 from camera_to_base.settings import NodeSettings, read_node_settings
 from camera_to_base.sources import DEVICE, VIDEO_FILE
 from camera_to_base.uncertainty import uncertain_transform
-import cv2
 import numpy as np
 
 __all__ = ['Cell', 'Seen', 'SeenObject']
-
-# The outline goes through the middles of the outermost pixels.
-_PIXEL_CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
 
 class SeenObject(NamedTuple):
@@ -45,12 +41,13 @@ class SeenObject(NamedTuple):
     :param camera_yaw_deg: The direction of its length about z, from x towards y, in degrees, in
         (-90, 90]; None for an object without one, such as a coin.
     :param base_yaw_deg: The same in the base frame.
-    :param size_cm: Length and width of the smallest rectangle around its silhouette, seen on the
-        surface, in cm; None where a part of it is beyond the horizon.
+    :param size_cm: Length and width of what it stands on, in cm; None where a part of it is beyond
+        the horizon.
     :param camera_covariance_cm2: Of x and y in the camera frame, shape (2, 2), in cm².
     :param base_covariance_cm2: The same in the base frame, with what the transform makes
         uncertain.
     :param yaw_deviation_deg: Standard deviation of the yaw in the base frame, in degrees.
+    :param height_cm: Its height, see the parameter `object_height_cm`; 0 for a flat object.
     """
 
     pixel: Pixel
@@ -62,6 +59,7 @@ class SeenObject(NamedTuple):
     camera_covariance_cm2: np.ndarray
     base_covariance_cm2: np.ndarray
     yaw_deviation_deg: float
+    height_cm: float = 0.0
 
     @property
     def base_xy_cm(self) -> Optional[Tuple[float, float]]:
@@ -170,14 +168,12 @@ class Cell:
             None if found.yaw is None else math.degrees(found.yaw),
             math.degrees(base.yaw) if has_base_yaw else None, self._size_cm(found),
             camera_covariance[:2, :2], base_covariance[:2, :2],
-            math.degrees(math.sqrt(base_covariance[5, 5])))
+            math.degrees(math.sqrt(base_covariance[5, 5])),
+            0.0 if found.solid is None else found.solid.height_cm)
 
     def _size_cm(self, found: LocatedObject) -> Optional[Tuple[float, float]]:
-        outline = found.detection.outline[:, None] + _PIXEL_CORNERS
-        hull = cv2.convexHull(outline.reshape(-1, 2).astype(np.float32))[:, 0]
         try:
-            on_surface = self._pipeline.standpoint.surface.surface.locate(hull.astype(float))
+            size = found.size(self._pipeline.standpoint.surface.surface)
         except HorizonError:
             return None
-        sides = cv2.minAreaRect(on_surface.astype(np.float32))[1]
-        return max(sides), min(sides)
+        return size.length_cm, size.width_cm

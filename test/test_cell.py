@@ -66,7 +66,8 @@ def test_objects_are_given_in_both_frames_with_size_yaw_and_covariance(file):
     assert bar.size_cm == pytest.approx((81 * CM_PER_PX, 21 * CM_PER_PX), abs=0.15)
     disc = seen.objects[0]
     assert disc.base_yaw_deg is None
-    assert disc.size_cm == pytest.approx([(2 * RADIUS + 1) * CM_PER_PX] * 2, abs=0.1)
+    assert disc.size_cm == pytest.approx([2 * RADIUS * CM_PER_PX] * 2, abs=0.1)
+    assert disc.height_cm == 0
     assert np.linalg.eigvalsh(disc.base_covariance_cm2).min() > 0
     assert disc.base_covariance_cm2[0, 0] >= disc.camera_covariance_cm2[0, 0]
 

@@ -220,7 +220,8 @@ def _tell(
     if sighting.reason is not None:
         return 0
     uncertainty = counter.uncertainty(timed.frame)
-    found = list(positions(timed, sighting.objects, transform, uncertainty.of))
+    found = list(positions(timed, sighting.objects, transform, uncertainty.of,
+                           counter.surface))
     for position in found:
         _say(table_line(position), rows, csv_cells(position))
     return sum(position.base is None for position in found)

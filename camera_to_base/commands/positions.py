@@ -14,11 +14,12 @@ import math
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.detection import LocatedObject
-from camera_to_base.errors import CameraToBaseError, Level, OutOfReachError, Reason
+from camera_to_base.detection import LocatedObject, Size
+from camera_to_base.errors import CameraToBaseError, HorizonError, Level, OutOfReachError, Reason
 from camera_to_base.pipeline import DamageCheck, FrameUncertainty, Sighting
 from camera_to_base.settings import CameraSettings
 from camera_to_base.sources import SourceKind, TimedFrame, VIDEO_FILE
+from camera_to_base.surface import Surface
 from camera_to_base.uncertainty import (
     Ellipse, error_ellipse, PositionCovariance, UncertainTransform)
 import numpy as np
@@ -47,7 +48,8 @@ COLUMNS = (
     Column('x_base_cm', 9, 2), Column('y_base_cm', 9, 2), Column('z_base_cm', 0, 2),
     Column('yaw_base_deg', 12, 1),
     Column('long95_mm', 9, 1), Column('short95_mm', 0, 1), Column('angle95_base_deg', 0, 1),
-    Column('yaw_sd_deg', 0, 1))
+    Column('yaw_sd_deg', 0, 1), Column('length_cm', 0, 2), Column('width_cm', 0, 2),
+    Column('height_cm', 0, 2))
 _CSV_DECIMALS = 4
 _SHARE, _MM_PER_CM = 0.95, 10
 
@@ -62,6 +64,7 @@ class Position(NamedTuple):
     :param base: The pose in the base frame, in cm and rad; None beyond reach_cm.
     :param ellipse: Contains 95 % of the errors in the base frame, in cm; None beyond reach_cm.
     :param yaw_deviation: Standard deviation of the yaw, in rad.
+    :param size: Length, width and height; None where a part is beyond the horizon.
     """
 
     timed: TimedFrame
@@ -70,6 +73,7 @@ class Position(NamedTuple):
     base: Optional[Pose]
     ellipse: Optional[Ellipse]
     yaw_deviation: float
+    size: Optional[Size] = None
 
     @property
     def values(self) -> List[Optional[float]]:
@@ -80,7 +84,8 @@ class Position(NamedTuple):
         return [self.timed.number, self.timed.stamp_ns / 1e9, self.number,
                 *found.detection.centre, *found.point, *(nothing if base is None else base[:3]),
                 math.degrees(base.yaw) if has_yaw else None, *self._ellipse_values,
-                math.degrees(self.yaw_deviation) if has_yaw else None]
+                math.degrees(self.yaw_deviation) if has_yaw else None,
+                *(nothing if self.size is None else self.size[:3])]
 
     @property
     def _ellipse_values(self) -> List[Optional[float]]:
@@ -92,13 +97,14 @@ class Position(NamedTuple):
 
 def positions(
     timed: TimedFrame, objects: List[LocatedObject], transform: UncertainTransform,
-    covariance_of: Callable[[LocatedObject], PositionCovariance],
+    covariance_of: Callable[[LocatedObject], PositionCovariance], surface: Surface,
 ) -> Iterator[Position]:
     """
     Convert the objects of a frame to the base frame.
 
     :param objects: The largest first.
     :param covariance_of: Gives the covariance of an object's position in the camera frame.
+    :param surface: Maps the frame's pixels to the work surface.
     :raises CameraToBaseError: If a point cannot be converted.
     """
     for number, found in enumerate(objects, start=1):
@@ -109,7 +115,11 @@ def positions(
             base = transform.settings.base_pose(pose)
         except OutOfReachError:
             base = ellipse = None
-        yield Position(timed, number, found, base, ellipse, math.sqrt(covariance[5, 5]))
+        try:
+            size: Optional[Size] = found.size(surface)
+        except HorizonError:
+            size = None
+        yield Position(timed, number, found, base, ellipse, math.sqrt(covariance[5, 5]), size)
 
 
 def table_header() -> str:
@@ -176,6 +186,11 @@ class SightingCounter:
     def uncertainty(self, frame: np.ndarray) -> FrameUncertainty:
         """Return the uncertainty of the positions on the last frame."""
         return self._pipeline.frame_uncertainty(frame, self._uncertainty)
+
+    @property
+    def surface(self) -> Surface:
+        """The surface by which the last frame's objects were located."""
+        return self._pipeline.standpoint.surface.surface
 
     def check_any_used(self) -> None:
         """

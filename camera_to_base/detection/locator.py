@@ -174,10 +174,10 @@ class ObjectLocator:
         if camera is None:
             return LeftOut(detection, _PLACE_UNKNOWN, seen)
         try:
-            corners = self._surface.locate(silhouette(detection))
+            solid = solid_of(
+                silhouette(detection), self._surface, camera, self._settings.heights_cm)
         except HorizonError as error:
             return LeftOut(detection, _beyond_horizon(error), seen)
-        solid = solid_of(corners, camera, self._settings.heights_cm)
         if isinstance(solid, Reason):
             reason = self._reason_to_leave_out(detection, seen, area_cm2)
             return LeftOut(detection, reason or solid, seen)

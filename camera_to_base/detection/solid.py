@@ -8,7 +8,7 @@
 # the License.
 """Solid objects: what they stand on, and how long, wide and high they are."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -57,11 +57,18 @@ class Solid:
     :param height_cm: Its height, in cm.
     :param misfit_cm: Standard deviation of its place because it is no upright object of that
         height; 0 where it is.
+    :param surface: Maps the frame's pixels to the work surface.
     """
 
     footprint: Outline
     height_cm: float
-    misfit_cm: float = 0.0
+    misfit_cm: float
+    surface: Surface = field(repr=False, compare=False)
+
+    @property
+    def pixels(self) -> np.ndarray:
+        """The footprint on the picture, shape (n, 2), in px; NaN where it is not seen."""
+        return self.surface.pixels(self.footprint.corners)
 
     @property
     def yaw(self) -> Optional[float]:
@@ -154,15 +161,18 @@ def _area_and_centre(points: np.ndarray) -> Tuple[float, Tuple[float, float]]:
 
 
 def solid_of(
-    corners: np.ndarray, camera: CameraPlace, heights_cm: Sequence[float]
+    outline: np.ndarray, surface: Surface, camera: CameraPlace, heights_cm: Sequence[float]
 ) -> Union[Solid, Reason]:
     """
     Find what an object stands on.
 
-    :param corners: Its silhouette on the surface, shape (n, 2), in cm.
+    :param outline: Its silhouette on the picture, shape (n, 2), in px.
+    :param surface: Maps the frame's pixels to the work surface.
     :param heights_cm: The heights that it may have, ascending.
     :returns: The reason where it has none of the heights, or where that cannot be told.
+    :raises HorizonError: If a part of it lies on the horizon or beyond it.
     """
+    corners = surface.locate(outline)
     rayed = RayedSilhouette(corners, camera.foot_cm)
     found = [rayed.footprint(height / camera.height_cm) for height in heights_cm]
     best = max((index for index, footprint in enumerate(found) if footprint.fit >= _GOOD_FIT),
@@ -178,8 +188,9 @@ def solid_of(
             f'its outline is that of no upright object {height_cm:g} cm high (fit '
             f'{footprint.fit:.2f}): set object_height_cm to its height'), is_passing=True)
     if footprint.fit >= LEAST_FIT:
-        return Solid(footprint.outline, height_cm)
-    return _at_half_the_height(corners, camera, height_cm, footprint)
+        return Solid(footprint.outline, height_cm, 0.0, surface)
+    outline, misfit_cm = _at_half_the_height(corners, camera, height_cm, footprint)
+    return Solid(outline, height_cm, misfit_cm, surface)
 
 
 def _not_clear(
@@ -207,13 +218,13 @@ def _fit_of(rayed: RayedSilhouette, camera: CameraPlace, height_cm: float) -> fl
 
 def _at_half_the_height(
     corners: np.ndarray, camera: CameraPlace, height_cm: float, footprint: Footprint
-) -> Solid:
+) -> Tuple[Outline, float]:
     seen, foot = Outline.of(corners), np.array(camera.foot_cm)
     outline = Outline.of(foot + (corners - foot) * (1 - height_cm / camera.height_cm / 2))
     # The two guesses are apart by as much as either may be off, and the sweep by the height.
     apart = float(np.hypot(*(outline.centre - footprint.outline.centre)))
     sweep = height_cm / camera.height_cm * float(np.hypot(*(seen.centre - foot)))
-    return Solid(outline, height_cm, max(apart, sweep / 2, 0.1 * math.sqrt(seen.area)))
+    return outline, max(apart, sweep / 2, 0.1 * math.sqrt(seen.area))
 
 
 def flat_outline(surface: Surface, detection: Detection) -> Outline:

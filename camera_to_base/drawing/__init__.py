@@ -17,10 +17,10 @@ Callers: `nodes` and `commands`.
 """
 
 from camera_to_base.drawing.files import (
-    AnnotatedVideo, BackgroundFile, check_video_path)
+    AnnotatedVideo, BackgroundFile, check_picture_path, check_video_path, encoded_picture)
 from camera_to_base.drawing.pictures import (
-    AreaOverlay, check_picture_path, draw_ellipses, draw_left_out, draw_note, draw_objects,
-    encoded_picture, Label, object_label, object_mask)
+    AreaOverlay, draw_ellipses, draw_left_out, draw_note, draw_objects, Label, object_label,
+    object_mask)
 
 __all__ = [
     'AnnotatedVideo', 'AreaOverlay', 'BackgroundFile', 'check_picture_path', 'check_video_path',

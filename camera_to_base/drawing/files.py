@@ -13,7 +13,7 @@ import os
 import time
 from typing import NamedTuple, Optional
 
-from camera_to_base.checks import ImageSize
+from camera_to_base.checks import check_frame, ImageSize
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.files import check_folder, refuse_no_file, write_files
 from camera_to_base.sources import decode_compressed
@@ -152,3 +152,29 @@ def check_video_path(path: str) -> None:
     if not path.lower().endswith('.mp4'):
         raise InvalidValueError(f"a video's name must end in .mp4, got '{path}'")
     check_folder(path, 'video')
+
+
+def encoded_picture(path: str, picture: np.ndarray) -> bytes:
+    """
+    Encode a picture as the content of a file.
+
+    :param path: The file's name; the ending sets the format.
+    :raises InvalidValueError: If the ending is unknown, or the picture is invalid.
+    """
+    ending = check_picture_path(path)
+    check_frame(picture, 'picture')
+    return cv2.imencode(ending, picture)[1].tobytes()
+
+
+def check_picture_path(path: str) -> str:
+    """
+    Check that a picture's file name has a known ending, and that its folder exists.
+
+    :returns: The ending: '.png' or '.jpg'.
+    :raises InvalidValueError: If the ending is unknown, or the folder does not exist.
+    """
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in ('.png', '.jpg'):
+        raise InvalidValueError(f"a picture's name must end in .png or .jpg, got '{path}'")
+    check_folder(path, 'picture')
+    return ending

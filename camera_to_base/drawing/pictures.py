@@ -10,16 +10,13 @@
 """Draws on a frame: outlines, centres, labels, ellipses, areas, and what was left out."""
 
 import math
-import os
 import textwrap
 from typing import Callable, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.checks import check_frame
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection import (
     Area, Areas, Box, Detection, LeftOut, LocatedObject, Pixel, Point)
-from camera_to_base.errors import HorizonError, InvalidValueError
-from camera_to_base.files import check_folder
+from camera_to_base.errors import HorizonError
 from camera_to_base.surface import Surface
 from camera_to_base.uncertainty import error_ellipse, Spread
 import cv2
@@ -61,6 +58,7 @@ Label = Callable[[Point], str]
 
 _OUTLINE_COLOUR = (216, 160, 32)
 _BOX_COLOUR = (36, 200, 36)
+_FOOTPRINT_COLOUR = (36, 200, 230)
 _CENTRE_COLOUR = (32, 32, 240)
 
 
@@ -344,40 +342,33 @@ def object_mask(frame: np.ndarray, objects: Sequence[LocatedObject]) -> np.ndarr
     return mask
 
 
-def encoded_picture(path: str, picture: np.ndarray) -> bytes:
-    """
-    Encode a picture as the content of a file.
-
-    :param path: The file's name; the ending sets the format.
-    :raises InvalidValueError: If the ending is unknown, or the picture is invalid.
-    """
-    ending = check_picture_path(path)
-    check_frame(picture, 'picture')
-    return cv2.imencode(ending, picture)[1].tobytes()
-
-
-def check_picture_path(path: str) -> str:
-    """
-    Check that a picture's file name has a known ending, and that its folder exists.
-
-    :returns: The ending: '.png' or '.jpg'.
-    :raises InvalidValueError: If the ending is unknown, or the folder does not exist.
-    """
-    ending = os.path.splitext(path)[1].lower()
-    if ending not in ('.png', '.jpg'):
-        raise InvalidValueError(f"a picture's name must end in .png or .jpg, got '{path}'")
-    check_folder(path, 'picture')
-    return ending
-
-
 def _draw_object(picture: np.ndarray, found: LocatedObject) -> None:
     detection, box, width = found.detection, found.detection.box, line_width(picture)
     cv2.polylines(picture, [detection.outline], True, _OUTLINE_COLOUR, width, cv2.LINE_AA)
     cv2.rectangle(picture, (box.x, box.y), (box.x + box.width - 1, box.y + box.height - 1),
                   _BOX_COLOUR, 2 * width)
+    if found.solid is not None:
+        _draw_footprint(picture, found)
+        return
     _draw_centre(picture, detection.centre)
     if found.yaw is not None:
         _draw_axis(picture, detection)
+
+
+def _draw_footprint(picture: np.ndarray, found: LocatedObject) -> None:
+    solid, point = found.solid, np.array(found.point)
+    size = found.size(solid.surface)
+    along = np.array([math.cos(size.angle), math.sin(size.angle)]) * size.length_cm / 2
+    places = [point, point, point] if found.yaw is None else [point, point - along, point + along]
+    pixels = np.concatenate([solid.surface.pixels(np.array(places)), solid.pixels])
+    if not np.isfinite(pixels).all():
+        return
+    centre, start, end = (Pixel(*pixel) for pixel in pixels[:3].tolist())
+    cv2.polylines(picture, [np.round(pixels[3:]).astype(np.int32)], True, _FOOTPRINT_COLOUR,
+                  line_width(picture), cv2.LINE_AA)
+    cv2.line(picture, *((round(u), round(v)) for u, v in (start, end)), _CENTRE_COLOUR,
+             line_width(picture), cv2.LINE_AA)
+    _draw_centre(picture, centre)
 
 
 def _draw_centre(picture: np.ndarray, pixel: Pixel) -> None:

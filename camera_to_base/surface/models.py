@@ -120,6 +120,14 @@ class Surface(Protocol):
         :raises InvalidValueError: If the shape is another, or a number is not finite.
         """
 
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points of the work surface to pixels.
+
+        :param points: Shape (n, 2), columns x and y, in cm, in the camera frame.
+        :returns: Shape (n, 2), columns u and v, in px; NaN for a point without a pixel.
+        """
+
     def for_image_size(self, image_size: ImageSize) -> 'Surface':
         """
         Give the model for pictures of a size.

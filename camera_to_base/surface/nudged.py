@@ -137,6 +137,10 @@ class NudgedSurface:
             raise HorizonError(f'pixel ({u:g}, {v:g}) does not look at the work surface')
         return self._surface.locate(there)
 
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """Map points of the work surface to pixels, see :meth:`Surface.pixels`."""
+        return self._map.inverse.pixels(self._surface.pixels(points))
+
     def for_image_size(self, image_size: ImageSize) -> 'NudgedSurface':
         """Give the model for pictures of a size, see :meth:`Surface.for_image_size`."""
         if tuple(image_size) != self._image_size:

@@ -11,6 +11,7 @@
 import math
 
 from camera_to_base.detection import DetectorSettings, HEIGHT_SPECS, object_heights, ObjectLocator
+from camera_to_base.drawing import draw_objects
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values
 from camera_to_base.surface import LensModel, make_surface, PinholeSurface, SURFACE_SPECS
@@ -169,3 +170,15 @@ def test_parallel_camera_stands_above_the_pictures_centre_whatever_its_size():
         sized = surface.for_image_size(size)
         centre, = sized.locate([np.subtract(size, 1) / 2])
         assert sized.camera_place.foot_cm == pytest.approx(centre)
+
+
+def test_footprint_is_drawn_where_it_stands():
+    surface, place = camera(35), np.array([9.0, -6.0])
+    solid = prism(place, 5.0, 3.0, 0.4), 5.0
+    found, = find(surface, [5.0], solid).objects
+    drawn = draw_objects(picture(surface, solid), [found])
+    corners = surface.pixels(solid[0])
+    np.testing.assert_allclose(cv2.minAreaRect(found.solid.pixels.astype(np.float32))[0],
+                               corners.mean(axis=0), atol=2)
+    u, v = np.round(surface.pixels(place[None]))[0].astype(int)
+    assert drawn[v, u].tolist() == [32, 32, 240]

