@@ -29,7 +29,7 @@ from camera_to_base.detection import LocatedObject, Point
 from camera_to_base.drawing import draw_left_out, draw_objects, object_label
 from camera_to_base.pipeline import CameraPipeline
 from camera_to_base.simulation import CameraMove, SimulatedBoard, SimulatedScene
-from camera_to_base.simulation.view import WOOD
+from camera_to_base.simulation.specs import WOOD
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface import HomographySurface
 import cv2

@@ -35,7 +35,7 @@ class ParameterSpec:
     :param limits: Lowest and highest number, both allowed; of a list, for each number of it.
     :param step: Step between allowed whole numbers; 0 allows all.
     :param unit: Unit of the value: 'cm', 'deg'.
-    :param choices: Allowed values of a text; () allows any.
+    :param choices: Allowed values of a text, or of each text of a list; () allows any.
     :param lengths: Allowed lengths of a list; () allows any length.
     :param constraints: Further constraints, in words.
     :param fixed: Whether it cannot be changed while the node runs.
@@ -67,7 +67,8 @@ class ParameterSpec:
     @property
     def constraint_text(self) -> str:
         """All constraints in words, made from the limits, the unit and so on; '' for none."""
-        choices = f'one of {", ".join(self.choices)}' if self.choices else ''
+        each = 'each ' if isinstance(self.default, list) else ''
+        choices = f'{each}one of {", ".join(self.choices)}' if self.choices else ''
         return '; '.join(filter(None, (self._numbers_text(), choices, self.constraints)))
 
     def _numbers_text(self) -> str:
@@ -164,8 +165,8 @@ def grouped(values: Values, prefix: str) -> Dict[str, Any]:
 
 
 def _is_finite(value: Any) -> bool:
-    return isinstance(value, str) or all(map(
-        math.isfinite, value if isinstance(value, list) else [value]))
+    return all(isinstance(number, str) or math.isfinite(number)
+               for number in (value if isinstance(value, list) else [value]))
 
 
 def _numbers(text: str) -> Optional[List[float]]:

@@ -22,8 +22,9 @@ from camera_to_base.simulation.board import (
     SimulationSettings, Touch)
 from camera_to_base.simulation.disturbances import BoardConditions
 from camera_to_base.simulation.printed import SimulatedChessboard
+from camera_to_base.simulation.specs import SIMULATION_SPECS
 from camera_to_base.simulation.table import TrueObject
-from camera_to_base.simulation.view import CameraMove, move_parameters, SIMULATION_SPECS
+from camera_to_base.simulation.view import CameraMove, move_parameters
 
 __all__ = [
     'BoardConditions', 'CameraMove', 'move_parameters', 'SimulatedBoard', 'SimulatedChessboard',

@@ -21,11 +21,14 @@ from camera_to_base.markers import marker_cells
 from camera_to_base.parameters import Values
 from camera_to_base.simulation.disturbances import BoardConditions, BoardDisturbances
 from camera_to_base.simulation.printed import placed_board, PrintedMarkers
+from camera_to_base.simulation.solids import draw_solids, seen_ellipse
+from camera_to_base.simulation.specs import (
+    BOARD, OBJECTS, SIMULATION_DEFAULTS as _DEFAULTS, STILL_OBJECTS)
 from camera_to_base.simulation.table import BoardObjects, draw_oval, Table, true_object, TrueObject
 from camera_to_base.simulation.view import (
-    BOARD, BoardView, camera_move, CameraMove, largest_shift_px, OBJECTS, Oval, random_bump,
-    SIMULATION_DEFAULTS as _DEFAULTS, STILL_OBJECTS)
+    BoardView, camera_move, CameraMove, largest_shift_px, Oval, random_bump)
 from camera_to_base.sources import SIMULATED
+from camera_to_base.surface import PinholeSurface
 import numpy as np
 
 # One round of the objects' path takes this long.
@@ -122,6 +125,7 @@ class SimulatedBoard:
             self._surface = Table(scene.table, self._start, self._conditions, self._seed)
         self._scene, self._view = scene, view
         self._table = self._lay_out()
+        self._drawn: Tuple[Optional[List[Oval]], Optional[np.ndarray]] = None, None
 
     def random_bump(self, random: np.random.Generator) -> CameraMove:
         """Draw a bump of the camera, a few px from where it was at the start."""
@@ -146,6 +150,11 @@ class SimulatedBoard:
     def surface_from_pixel(self) -> np.ndarray:
         """Homography from px to cm in the camera frame, shape (3, 3): what calibration finds."""
         return self._view.surface_from_pixel.copy()
+
+    @property
+    def pinhole(self) -> PinholeSurface:
+        """The surface that a perfect calibration of the camera finds, with its place."""
+        return self._view.pinhole
 
     @property
     def true_point(self) -> Optional[Tuple[float, float]]:
@@ -178,11 +187,13 @@ class SimulatedBoard:
         :returns: Shape (h, w, 3), uint8, BGR.
         """
         number, self._frame_count = self._frame_count, self._frame_count + 1
-        picture, rounds = self._table.copy(), self._rounds(number)
+        rounds, ovals = self._rounds(number), self._ovals(number)
+        if ovals != self._drawn[0]:
+            self._drawn = ovals, self._draw(ovals)
+        picture = self._drawn[1].copy()
         self.true_objects = []
-        for oval in self._ovals(number):
-            draw_oval(picture, oval, self._view, self._conditions)
-            ellipse = self._view.ellipse(oval)
+        for oval in ovals:
+            ellipse = seen_ellipse(oval, self._view)
             self.true_objects.append(true_object(
                 oval, ellipse, self._view, self._disturbances.hides(ellipse, rounds)))
         self._disturbances.disturb(picture, number, rounds)
@@ -208,6 +219,15 @@ class SimulatedBoard:
         if self._scene.shows == BOARD:
             board = placed_board(*_PRINTED_BOARD, self._start, self._scene.placement)
             picture = board.paint(picture, self._view).astype(np.float32)
+        return picture
+
+    def _draw(self, ovals: List[Oval]) -> np.ndarray:
+        picture = self._table.copy()
+        for oval in ovals:
+            if oval.is_flat_disc:
+                draw_oval(picture, oval, self._view, self._conditions)
+        draw_solids(picture, [oval for oval in ovals if not oval.is_flat_disc], self._view,
+                    self._conditions)
         return picture
 
     def _ovals(self, number: int) -> List[Oval]:

@@ -14,7 +14,8 @@ import math
 from typing import Optional, Sequence
 
 from camera_to_base.checks import ImageSize
-from camera_to_base.simulation.view import SeenEllipse, SIMULATION_DEFAULTS as _DEFAULTS
+from camera_to_base.simulation.specs import SIMULATION_DEFAULTS as _DEFAULTS
+from camera_to_base.simulation.view import SeenEllipse
 import numpy as np
 
 _HAND_COLOUR = np.array([66.0, 86.0, 116.0], np.float32)
@@ -36,10 +37,12 @@ class BoardConditions:
     :param table_level: The table's brightness, in grey levels.
     :param contrast: Objects are darker than the table by this; lighter if it is negative.
     :param diameters_cm: The diameter of each object.
+    :param shapes: Of each object, one of `specs.SHAPES`; the first one follows the last one.
+    :param heights_cm: Of each object, 0 for a flat one; the first one follows the last one.
     :param elongation: Length / width of the objects, whose length is the diameter; 1 for coins.
-    :param yaw_deg: The direction of the first oval's length, from x towards y, in degrees; each
+    :param yaw_deg: The direction of the first object's length, from x towards y, in degrees; each
         further one is turned by 50 degrees more.
-    :param highlight: Whether objects have a spot that looks like the table.
+    :param highlight: Whether flat discs have a spot that looks like the table.
     :param texture: Standard deviation of the table's pattern, in grey levels.
     :param over_edge: Whether the objects' paths lead beyond the picture's edge.
     :param in_first_frame: Whether the objects lie there on the first frame, the background.
@@ -54,6 +57,8 @@ class BoardConditions:
     table_level: float = _DEFAULTS['table_level']
     contrast: float = _DEFAULTS['contrast']
     diameters_cm: Sequence[float] = tuple(_DEFAULTS['diameters_cm'])
+    shapes: Sequence[str] = tuple(_DEFAULTS['shapes'])
+    heights_cm: Sequence[float] = tuple(_DEFAULTS['heights_cm'])
     elongation: float = _DEFAULTS['elongation']
     yaw_deg: float = _DEFAULTS['yaw_deg']
     highlight: bool = _DEFAULTS['highlight']

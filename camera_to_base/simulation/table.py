@@ -13,7 +13,8 @@ import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.simulation.disturbances import BoardConditions
-from camera_to_base.simulation.view import BoardView, Oval, PRINTED, SeenEllipse, WOOD
+from camera_to_base.simulation.specs import DISC, PRINTED, WOOD
+from camera_to_base.simulation.view import BoardView, Oval, SeenEllipse
 import cv2
 import numpy as np
 
@@ -211,7 +212,7 @@ class TrueObject(NamedTuple):
     The true state of an object.
 
     :param point: Where its centre is on the surface, x and y, in cm, in the camera frame.
-    :param pixel: The centroid of its picture, u and v, in px.
+    :param pixel: The centroid of its picture, sides included, u and v, in px.
     :param radius: Radius of a disc of the same area in the picture, in px.
     :param cut_off: Distance by which it exceeds the picture's edge, in px; negative inside.
     :param hidden: Whether a hand covers or touches it.
@@ -266,10 +267,13 @@ class BoardObjects:
                 self._height_cm * (0.5 + reach_y * math.sin(3 * angle + index)))
 
     def _oval(self, index: int, length: float, point: Tuple[float, float]) -> Oval:
-        elongation = self._conditions.elongation
-        yaw_deg = self._conditions.yaw_deg + index * _YAW_STEP_DEG if elongation > 1 else 0.0
+        conditions, elongation = self._conditions, self._conditions.elongation
+        shape = conditions.shapes[index % len(conditions.shapes)]
+        is_turned = elongation > 1 or shape != DISC
+        yaw_deg = conditions.yaw_deg + index * _YAW_STEP_DEG if is_turned else 0.0
         return Oval(point, length / 2, length / 2 / elongation,
-                    math.radians(90 - (90 - yaw_deg) % 180))
+                    math.radians(90 - (90 - yaw_deg) % 180), shape,
+                    conditions.heights_cm[index % len(conditions.heights_cm)])
 
 
 def true_object(oval: Oval, ellipse: SeenEllipse, view: BoardView, hidden: bool) -> TrueObject:

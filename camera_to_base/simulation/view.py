@@ -7,110 +7,17 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""The simulated camera: a pinhole above the work surface, its parameters, and how it is moved."""
+"""The simulated camera: a pinhole above the work surface, and how it is moved."""
 
 import math
-from typing import Any, Dict, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, NamedTuple, Sequence, Tuple
 
 from camera_to_base.checks import check_image_size, finite_number, ImageSize
-from camera_to_base.parameters import default_values, grouped, ParameterSpec, Values
-from camera_to_base.surface import HomographySurface
+from camera_to_base.parameters import Values
+from camera_to_base.simulation.specs import DISC, LARGEST_TILT_DEG, SIMULATION_DEFAULTS
+from camera_to_base.surface import HomographySurface, LensModel, PinholeSurface
+import cv2
 import numpy as np
-
-LARGEST_TILT_DEG = 60.0
-SHOWN = OBJECTS, STILL_OBJECTS, BOARD, EMPTY = 'objects', 'still_objects', 'board', 'empty'
-TABLES = GREY, WOOD, PRINTED = 'grey', 'wood', 'printed'
-PLACEMENT_COUNT = 8
-MARKER_COUNT = 4
-
-# What a person changes while the node runs: the table, and where the camera is.
-_SCENE_SPECS = [
-    ParameterSpec('simulated.shows', OBJECTS,
-                  'simulated: what lies on the table: objects that move, five still objects, a '
-                  'printed chessboard of 9x6 corners and 25 mm squares, or nothing.',
-                  choices=SHOWN),
-    ParameterSpec('simulated.placement', 1,
-                  'simulated: where the chessboard lies: 1 in the middle, 2 to 5 towards the '
-                  'corners, 6 to 8 turned.', (1, PLACEMENT_COUNT)),
-    ParameterSpec('simulated.markers', False,
-                  'simulated: whether the markers 0 to 3, 40 mm wide, lie near the corners of '
-                  'the picture.'),
-    ParameterSpec('simulated.table', GREY,
-                  "simulated: the table's surface.", choices=TABLES),
-    ParameterSpec('simulated.touched', 0,
-                  'simulated: the number of the object that the robot touches, 1 for the largest '
-                  'in the picture; 0 for none. Its tool is published on simulated_tool.',
-                  (0, 100)),
-    ParameterSpec('simulated.touched_marker', -1,
-                  'simulated: the marker whose middle the robot touches; -1 for none.',
-                  (-1, MARKER_COUNT - 1)),
-    ParameterSpec('simulated.camera_shift_px', [0.0, 0.0],
-                  'simulated: the camera is moved, so that the picture of the table moves to '
-                  'the right and down.', (-2000, 2000), unit='px', lengths=(2,)),
-    ParameterSpec('simulated.camera_turn_deg', 0.0,
-                  'simulated: the camera is turned, so that the picture of the table turns '
-                  'clockwise about its middle.', (-180, 180), unit='deg'),
-    ParameterSpec('simulated.camera_tilt_deg', [0.0, 0.0],
-                  'simulated: the camera is tilted further, so that the top and the left of the '
-                  'picture show more distant points.', (-25, 25), unit='deg', lengths=(2,)),
-    ParameterSpec('simulated.camera_zoom', 1.0,
-                  'simulated: the camera comes nearer by this factor.', (0.3, 3)),
-]
-
-SIMULATION_SPECS = [
-    *_SCENE_SPECS,
-    ParameterSpec('simulated.tilt_deg', 0.0,
-                  "simulated: the camera's tilt, 0 looks straight down.", (0, LARGEST_TILT_DEG),
-                  unit='deg', fixed=True),
-    ParameterSpec('simulated.seed', 0, 'simulated: makes the noise.', (0, 2**31 - 1), fixed=True),
-    ParameterSpec('simulated.frame_rate', 10.0, 'simulated: frames per second.', (0.1, 1000),
-                  unit='Hz', fixed=True),
-    ParameterSpec('simulated.noise', 2.0,
-                  'simulated: standard deviation of the noise.', (0, 100),
-                  unit='grey levels', fixed=True),
-    ParameterSpec('simulated.light_drift', 0.0,
-                  'simulated: what the table gains (or loses) in a minute.',
-                  (-255, 255), unit='grey levels', fixed=True),
-    ParameterSpec('simulated.exposure_step', 1.0,
-                  "simulated: the factor by which the camera's exposure jumps every 15 s.",
-                  (0.01, 100), fixed=True),
-    ParameterSpec('simulated.shadow', 0.0,
-                  'simulated: what a soft shadow takes away.', (0, 255),
-                  unit='grey levels', fixed=True),
-    ParameterSpec('simulated.hands', 0,
-                  'simulated: how often a hand reaches into the picture in a minute.', (0, 100),
-                  fixed=True),
-    ParameterSpec('simulated.table_level', 202.0,
-                  "simulated: the table's brightness.", (1, 255), unit='grey levels',
-                  fixed=True),
-    ParameterSpec('simulated.contrast', 142.0,
-                  'simulated: objects are that much darker than the table (lighter, where '
-                  'negative).', (-255, 255), unit='grey levels', fixed=True),
-    ParameterSpec('simulated.diameters_cm', [2.4],
-                  'simulated: the diameter of each object.', (0.1, 100), unit='cm', fixed=True),
-    ParameterSpec('simulated.elongation', 1.0,
-                  'simulated: objects are ovals that much longer than wide, the diameter being '
-                  'their length; 1 for coins.', (1, 10), fixed=True),
-    ParameterSpec('simulated.yaw_deg', 0.0,
-                  "simulated: the direction of the first oval's length, from x towards y; each "
-                  'further one is turned by 50 degrees more.', (-180, 180), unit='deg',
-                  fixed=True),
-    ParameterSpec('simulated.highlight', False,
-                  'simulated: whether objects have a spot that looks like the table.', fixed=True),
-    ParameterSpec('simulated.texture', 0.0,
-                  "simulated: standard deviation of the table's pattern.",
-                  (0, 100), unit='grey levels', fixed=True),
-    ParameterSpec('simulated.over_edge', False,
-                  "simulated: whether the objects' paths lead beyond the picture's edge.",
-                  fixed=True),
-    ParameterSpec('simulated.in_first_frame', False,
-                  'simulated: whether the objects lie there on the first frame, the background.',
-                  fixed=True),
-    ParameterSpec('simulated.rests', False,
-                  'simulated: whether the objects stop on their way.', fixed=True),
-]
-# By their names without 'simulated.'.
-SIMULATION_DEFAULTS: Mapping[str, Any] = grouped(default_values(SIMULATION_SPECS), 'simulated.')
 
 _CAMERA_DISTANCE_CM = 60.0
 
@@ -187,18 +94,27 @@ def _about_v(angle: float) -> np.ndarray:
 
 class Oval(NamedTuple):
     """
-    An ellipse on the surface.
+    An ellipse on the surface, or what stands on it.
 
     :param point: Its centre, x and y, in cm.
     :param half_length: In cm.
     :param half_width: In cm.
     :param yaw: The direction of its length, from x towards y, in rad.
+    :param shape: One of `specs.SHAPES`: the ellipse, or a box or hexagon of its length and width.
+    :param height_cm: Of the object that stands there; 0 for a flat one.
     """
 
     point: Tuple[float, float]
     half_length: float
     half_width: float
     yaw: float
+    shape: str = DISC
+    height_cm: float = 0.0
+
+    @property
+    def is_flat_disc(self) -> bool:
+        """Whether it is an ellipse that lies on the surface."""
+        return self.shape == DISC and self.height_cm == 0
 
 
 class SeenEllipse(NamedTuple):
@@ -325,6 +241,34 @@ class BoardView:
         scaled = np.column_stack([points, np.ones(len(points))]) @ self.pixel_from_surface.T
         return scaled[:, :2] / scaled[:, 2:]
 
+    def pixels_above(self, points: np.ndarray) -> np.ndarray:
+        """
+        Map points above the surface to the picture.
+
+        :param points: Shape (n, 3), x, y and the height, in cm.
+        :returns: Shape (n, 2), u and v, in px.
+        """
+        flat = np.column_stack([points[:, :2], np.ones(len(points))]) @ self.pixel_from_surface.T
+        scaled = flat + points[:, 2:] * self._pixel_per_height
+        return scaled[:, :2] / scaled[:, 2:]
+
+    @property
+    def camera_cm(self) -> np.ndarray:
+        """Where the camera is: x and y of the surface below it, and its height, in cm."""
+        x, y, w = np.linalg.solve(
+            np.column_stack([self.pixel_from_surface[:, :2], self._pixel_per_height]),
+            -self.pixel_from_surface[:, 2])
+        return np.array([x, y, w])
+
+    @property
+    def pinhole(self) -> PinholeSurface:
+        """The surface that a perfect calibration of this camera finds."""
+        focal = _CAMERA_DISTANCE_CM / self.cm_per_px
+        lens = LensModel((self.width, self.height), (focal, focal),
+                         (self.width / 2, self.height / 2))
+        return PinholeSurface(
+            lens, cv2.Rodrigues(self._rotation)[0].ravel(), self.camera_cm * [1, 1, -1])
+
     @property
     def size_cm(self) -> np.ndarray:
         """Width and height of what the camera sees of the surface at tilt 0, in cm."""
@@ -341,7 +285,10 @@ class BoardView:
         centre = self.width / 2, self.height / 2
         focal = _CAMERA_DISTANCE_CM / self.cm_per_px
         camera = np.array([[focal, 0, centre[0]], [0, focal, centre[1]], [0, 0, 1]])
-        pose = move.rotation(tilt)
+        self._rotation = move.rotation(tilt)
+        # The height is counted against the camera frame's z.
+        self._pixel_per_height = -camera @ self._rotation[:, 2]
+        pose = self._rotation.copy()
         pose[:, 2] = 0, 0, _CAMERA_DISTANCE_CM / move.zoom
         to_centre = np.array([[1, 0, (move.shift_px[0] - centre[0]) * self.cm_per_px],
                               [0, 1, (move.shift_px[1] - centre[1]) * self.cm_per_px],

@@ -12,7 +12,7 @@ import math
 from camera_to_base.errors import HorizonError, InvalidValueError
 from camera_to_base.parameters.spec import checked_values
 from camera_to_base.simulation.board import SimulatedBoard
-from camera_to_base.simulation.view import SIMULATION_SPECS
+from camera_to_base.simulation.specs import SIMULATION_SPECS
 import numpy as np
 import pytest
 

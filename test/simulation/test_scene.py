@@ -13,7 +13,7 @@ from camera_to_base.calibration.boards.board import find_board
 from camera_to_base.errors import CalibrationError
 from camera_to_base.markers import find_markers
 from camera_to_base.simulation import CameraMove, SimulatedBoard, SimulatedScene, Touch
-from camera_to_base.simulation.view import PLACEMENT_COUNT, SHOWN, TABLES
+from camera_to_base.simulation.specs import PLACEMENT_COUNT, SHOWN, TABLES
 import cv2
 import numpy as np
 import pytest

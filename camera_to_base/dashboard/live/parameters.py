@@ -44,7 +44,8 @@ def parameter_data(
         'description': descriptor.description,
         'constraints': descriptor.additional_constraints,
         'range': _range(descriptor), 'read_only': descriptor.read_only,
-        'choices': list(spec.choices) if spec else [], 'unit': spec.unit if spec else '',
+        'choices': [] if spec is None or isinstance(spec.default, list) else list(spec.choices),
+        'unit': spec.unit if spec else '',
         'group': name.rpartition('.')[0]}
 
 
