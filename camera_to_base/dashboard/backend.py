@@ -98,7 +98,8 @@ class Backend:
 
     def look_away(self, cell: str) -> None:
         """Do not watch a cell any more."""
-        self._call(lambda: self._cells.look_away(cell))
+        self._call(lambda: self._cells.look_away(cell)).add_done_callback(
+            lambda done: self._sessions.forget_invented(cell))
 
     def look_at_picture(self, cell: str, kind: str) -> None:
         """Receive a kind of picture from now on."""

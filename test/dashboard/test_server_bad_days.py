@@ -138,3 +138,20 @@ def test_a_request_without_sense_is_refused_in_one_sentence(dashboard, content):
 def test_a_cell_without_a_proper_name_is_refused(dashboard):
     status, answer = dashboard().post('/api/background?cell=../etc', {})
     assert status == 400 and 'namespace' in answer['error']
+
+
+@pytest.mark.slow
+def test_cells_that_somebody_has_invented_are_few_and_forgotten(ros, dashboard):
+    page = dashboard()
+    sockets = [page.socket(f'/ws/state?cell=/invented_{number}') for number in range(16)]
+    more = page.socket('/ws/state?cell=/one_more')
+    while page.read(more) is not None:
+        pass
+    assert more.close_code == 1008 and 'close a page' in more.close_reason
+    sessions = page.node._sessions._sessions
+    assert len(sessions) == 16
+    for one in sockets:
+        page.close_socket(one)
+    ros.spin_until(lambda: not sessions)
+    again = page.socket('/ws/state?cell=/one_more')
+    assert page.read(again) is not None

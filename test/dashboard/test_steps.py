@@ -90,10 +90,15 @@ def test_a_step_that_is_not_possible_now_is_refused_with_the_cure(page):
 
 
 def test_the_sheet_and_the_file_are_given(page):
-    status, headers, content = page.fetch('/api/sheet?cell=/&kind=board&paper=A4')
+    status, headers, content = page.fetch('/api/sheet?cell=/', {'paper': 'A4'})
     assert status == 200 and headers['Content-Type'] == 'application/pdf'
     assert content.startswith(b'%PDF')
-    assert page.fetch('/api/sheet?cell=/&kind=board&paper=A99')[0] in (400, 409)
+    assert page.fetch('/api/sheet?cell=/', {'paper': 'A99'})[0] == 409
+    for wanted in ({'corners': [100, 100], 'square_mm': 1}, {'corners': [3, 41]}):
+        assert page.fetch('/api/sheet?cell=/', wanted)[0] == 409
+    # It takes a second: a page of another site cannot ask for it.
+    assert page.fetch('/api/sheet?cell=/')[0] == 405
+    assert page.fetch('/api/sheet?cell=/', {}, Origin=None)[0] == 403
     status, _, content = page.fetch('/api/file?cell=/')
     assert status == 200 and b'ros__parameters' in content
 

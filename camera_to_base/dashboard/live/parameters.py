@@ -16,11 +16,12 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Set, Tuple
 from camera_to_base.dashboard.live.cells import full_name
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import ParameterSpec
-from rcl_interfaces.msg import ParameterDescriptor, ParameterEvent
+from rcl_interfaces.msg import Parameter as ParameterMessage, ParameterDescriptor, ParameterEvent
 from rcl_interfaces.srv import (
     DescribeParameters, GetParameters, ListParameters, SetParametersAtomically)
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.serialization import serialize_message
 from rclpy.task import Future
 
 # A node that does not answer for so long is asked again.
@@ -69,6 +70,26 @@ def typed(kind: Parameter.Type, value: Any) -> Any:
     if kind is Parameter.Type.INTEGER and type(value) is float and value.is_integer():
         return int(value)
     return value
+
+
+def _message(parameter: Parameter) -> ParameterMessage:
+    """
+    Make the message of a parameter.
+
+    :raises RefusedError: If no message can hold the value, such as an integer of 70 bits.
+    """
+    try:
+        message = parameter.to_parameter_msg()
+        serialize_message(message)
+    except (AssertionError, TypeError, ValueError, OverflowError, SystemError):
+        raise _refused_value(parameter.name, parameter.value) from None
+    return message
+
+
+def _refused_value(name: str, value: Any) -> 'RefusedError':
+    sentence = (f'parameter {name} cannot be {str(value):.80}: another type, or a number of less '
+                'size, is expected')
+    return RefusedError(sentence, {name: sentence})
 
 
 def _range(descriptor: ParameterDescriptor) -> Optional[List[float]]:
@@ -163,10 +184,10 @@ class RemoteParameters:
         :raises RefusedError: If there is no such parameter, or the type does not fit.
         """
         parameters = [self._parameter(name, value) for name, value in values.items()]
+        messages = [_message(parameter) for parameter in parameters]
         answer = Future()
         self._call(
-            SetParametersAtomically.Request(
-                parameters=[parameter.to_parameter_msg() for parameter in parameters]),
+            SetParametersAtomically.Request(parameters=messages),
             lambda response: self._on_set(response, parameters, answer))
         return answer
 
@@ -196,14 +217,13 @@ class RemoteParameters:
 
     def _parameter(self, name: str, value: Any) -> Parameter:
         if name not in self._descriptors:
-            sentence = f'{self.remote} has no parameter {name}'
+            sentence = f'{self.remote} has no parameter {name:.80}'
             raise RefusedError(sentence, {name: sentence})
         try:
             kind = kind_of(self._descriptors[name], self._specs.get(name))
             return Parameter(name, kind, typed(kind, value))
         except (TypeError, ValueError, OverflowError):
-            sentence = f'parameter {name} cannot be {value!r:.80}: another type is expected'
-            raise RefusedError(sentence, {name: sentence}) from None
+            raise _refused_value(name, value) from None
 
     def _on_names(self, response: ListParameters.Response) -> None:
         names = list(response.result.names)

@@ -220,6 +220,8 @@ class WatchedCells:
         watch = self._watches.pop(namespace, None)
         if watch is not None:
             watch.close()
+        if not self._lines.get(namespace):
+            self._lines.pop(namespace, None)
 
     def look_at_picture(self, namespace: str, kind: str) -> None:
         """Receive a kind of picture."""

@@ -10,6 +10,7 @@
 """What all requests have in common: who may use the page, errors as JSON, and the page itself."""
 
 import hmac
+import http.client
 import ipaddress
 import json
 from pathlib import Path
@@ -75,8 +76,9 @@ class Access:
         """
         if origin is None:
             return 'a request that changes something needs the header Origin, as browsers send it'
-        parts = urlsplit(origin)
-        if parts.scheme in ('http', 'https') and _split(parts.netloc) == _split(host_header):
+        scheme, _, netloc = origin.partition('://')
+        if scheme in ('http', 'https') and '/' not in netloc \
+                and _split(netloc) == _split(host_header) != _NOWHERE:
             return None
         return f"the page '{origin:.80}' is not the dashboard: open the dashboard's own page"
 
@@ -87,12 +89,15 @@ class Access:
             hmac.compare_digest(one.encode(), wanted) for one in given if one)
 
 
+_NOWHERE = '', None
+
+
 def _split(netloc: Optional[str]) -> Tuple[str, Optional[int]]:
     try:
         parts = urlsplit(f'//{netloc or ""}')
         return (parts.hostname or '').rstrip('.'), parts.port
     except ValueError:
-        return '', None
+        return _NOWHERE
 
 
 def _is_address(name: str) -> bool:
@@ -180,7 +185,10 @@ class Guarded(tornado.web.RequestHandler):
             return error.data
         if status == 404:
             return {'error': f'there is no {self.request.path:.80}'}
-        return {'error': f'the dashboard cannot do this (HTTP {status}): its terminal says why'}
+        if status < 500:
+            name = http.client.responses.get(status, 'refused').lower()
+            return {'error': f'the dashboard does not serve this request: {name} (HTTP {status})'}
+        return {'error': f'the dashboard has a defect (HTTP {status}): its terminal says which'}
 
 
 WEB = Path(__file__).parents[1] / 'web'
@@ -203,6 +211,12 @@ class Page(Guarded):
 
 class WebFile(Guarded, tornado.web.StaticFileHandler):
     """A file of the page."""
+
+    def parse_url_path(self, url_path: str) -> str:
+        """Return the path below the page's folder; one that no file can have is not found."""
+        if '\0' in url_path or not url_path.isprintable():
+            raise tornado.web.HTTPError(404)
+        return super().parse_url_path(url_path)
 
     def set_extra_headers(self, path: str) -> None:
         """Let the browser ask whether a file has changed."""

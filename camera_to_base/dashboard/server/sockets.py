@@ -21,6 +21,8 @@ import tornado.websocket
 
 # A page that is loaded again finds the cell still watched, with its charts.
 _LINGER_S = 5.0
+# Each costs 1.6 MB and 15 subscriptions, also one that somebody has invented.
+_MOST_CELLS = 16
 
 Key = Tuple[str, str]
 
@@ -80,8 +82,14 @@ class StateHub:
         self._viewers: Dict[str, Set[Viewer]] = {}
 
     def add(self, cell: str, viewer: Viewer) -> None:
-        """Show the state of a cell to a page from now on."""
+        """
+        Show the state of a cell to a page from now on.
+
+        :raises Refused: If too many cells are looked at.
+        """
         if cell not in self._viewers:
+            if len(self._viewers) >= _MOST_CELLS:
+                raise Refused(503, f'{_MOST_CELLS} cells are looked at already: close a page')
             self._viewers[cell] = set()
             self._look_at(cell)
         self._viewers[cell].add(viewer)
@@ -250,8 +258,13 @@ class StateSocket(_Socket):
     def begin(self) -> None:
         """Show the state from now on."""
         self._outbox = Outbox(self.send)
-        self._cell = checked_cell(self.get_query_argument('cell', '/'))
-        self.settings['states'].add(self._cell, self)
+        try:
+            cell = checked_cell(self.get_query_argument('cell', '/'))
+            self.settings['states'].add(cell, self)
+        except Refused as error:
+            self.close(_POLICY_VIOLATION, error.data['error'][:120])
+            return
+        self._cell = cell
 
     def show(self, key: str, text: str) -> None:
         """Send a part of the state."""
@@ -278,7 +291,12 @@ class PictureSocket(_Socket):
             self.close(_POLICY_VIOLATION, f'kind must be one of {", ".join(PICTURE_KINDS)}')
             return
         self._outbox = Outbox(self.send)
-        self.key = checked_cell(self.get_query_argument('cell', '/')), kind
+        try:
+            cell = checked_cell(self.get_query_argument('cell', '/'))
+        except Refused as error:
+            self.close(_POLICY_VIOLATION, error.data['error'][:120])
+            return
+        self.key = cell, kind
         self.settings['pictures'].add(self.key, self)
 
     def on_message(self, message: Any) -> None:

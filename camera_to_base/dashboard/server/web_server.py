@@ -13,6 +13,7 @@ import asyncio
 import errno
 import json
 import logging
+import math
 import socket
 import threading
 from typing import Any, Callable, Dict, List, Optional
@@ -30,6 +31,8 @@ _TYPES = {'png': 'image/png', 'txt': 'text/plain; charset=utf-8'}
 
 _LARGEST_BODY = 1_000_000
 _LARGEST_MESSAGE = 10_000
+# Of a ROS parameter; above, a number is sent on as a float.
+_LARGEST_INTEGER = 2 ** 62
 _IDLE_S, _PING_S = 60.0, 20.0
 _LONGEST_END_S = 0.4
 
@@ -54,8 +57,11 @@ class Action(Guarded):
         :raises Refused: If it is none.
         """
         try:
-            body = json.loads(self.request.body or b'{}')
-        except ValueError:
+            body = json.loads(
+                self.request.body or b'{}', parse_int=_number, parse_constant=_number)
+            # Half a character, a surrogate, cannot be written to a file or a message.
+            json.dumps(body, ensure_ascii=False).encode()
+        except (ValueError, RecursionError):
             body = None
         if not isinstance(body, dict):
             raise Refused(400, 'expected a JSON object')
@@ -65,6 +71,14 @@ class Action(Guarded):
         """Answer with JSON."""
         self.set_header('Content-Type', 'application/json')
         self.finish(json.dumps(data))
+
+
+def _number(text: str) -> Any:
+    # No parameter and no count is larger, and no float of Python overflows then.
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(text[:40])
+    return int(text) if abs(value) < _LARGEST_INTEGER else value
 
 
 class Unknown(Action):
@@ -134,24 +148,18 @@ class ReportPart(Action):
 
 
 class Sheet(Action):
-    """The board to print, or the markers."""
+    """The board to print, or the markers; drawing takes a second: one at a time."""
 
-    async def get(self) -> None:
+    async def post(self) -> None:
         """Answer with a PDF."""
-        options = self._options()
-        content = await self.backend.ask_sessions(self.cell, lambda one: one.sheet(options))
+        options = self.body()
+        if self.settings['drawing'].locked():
+            raise Refused(503, 'another sheet is being drawn: try again in a second')
+        async with self.settings['drawing']:
+            content = await self.backend.ask_sessions(self.cell, lambda one: one.sheet(options))
         self.set_header('Content-Type', 'application/pdf')
         self.set_header('Content-Disposition', 'inline; filename="sheet.pdf"')
         self.finish(content)
-
-    def _options(self) -> Dict[str, Any]:
-        kind = self.get_query_argument('kind', 'board')
-        wanted: Dict[str, Any] = {'charuco': kind == 'charuco', 'markers': kind == 'markers'}
-        for name in ('paper', 'square_mm'):
-            if self.get_query_argument(name, None) is not None:
-                wanted[name] = self.get_query_argument(name)
-        corners = self.get_query_argument('corners', None)
-        return wanted if corners is None else {**wanted, 'corners': corners.lower().split('x')}
 
 
 class SavedFile(Action):
@@ -247,6 +255,7 @@ class WebServer:
             default_handler_class=Unknown,
             access=Access(self._settings.host, self._settings.token), port=self.port,
             states=self.states, pictures=self.pictures, backend=self._backend,
+            drawing=asyncio.Lock(),
             websocket_max_message_size=_LARGEST_MESSAGE, websocket_ping_interval=_PING_S,
             websocket_ping_timeout=_PING_S)
 

@@ -7,7 +7,7 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""The sessions of one cell and of all cells, areas drawn on the picture, the simulated table."""
+"""The sessions of one cell and of all cells: whichever thread acts, and whoever is told."""
 
 import os
 import threading
@@ -16,32 +16,19 @@ import traceback
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
 
 from camera_to_base.calibration import marker_sheet_content, OfferedCorrection, report_lines
-from camera_to_base.checks import finite_numbers
 from camera_to_base.dashboard.sessions.board import BoardSession
 from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.markers import MarkerSession
 from camera_to_base.dashboard.sessions.placements import PANEL_NAMES
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save import SaveSession
+from camera_to_base.dashboard.sessions.table import (
+    area_changes, areas_data, show, simulated_data, TOOL_TOPIC, touch)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, Setup, Worker
-from camera_to_base.detection import Area, read_areas
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import Values
-from camera_to_base.sources import kind_of, SIMULATED
-from camera_to_base.surface import Surface
 import cv2
 import numpy as np
-
-_MOST_CORNERS = 200
-
-_SHOWS, _PLACEMENT, _TOUCHED = 'simulated.shows', 'simulated.placement', 'simulated.touched'
-_PLACEMENTS = 8
-# Where the simulated robot publishes its tool's pose, in the cell's namespace.
-TOOL_TOPIC = 'simulated_tool'
-_WORDS = {'objects': 'Coins move over the simulated table.',
-          'still_objects': 'Five coins lie on the simulated table.',
-          'board': 'The printed board lies on the simulated table.',
-          'empty': 'The simulated table is empty.'}
 
 # The edge of a printed marker, in mm; the command `calibrate sheet --markers` has others.
 _MARKER_MM = 40.0
@@ -54,96 +41,6 @@ _PAUSE_S = 0.05
 OnState = Callable[[str, str, Any], None]
 
 
-def areas_data(values: CellValues) -> Dict[str, Any]:
-    """Describe the areas as JSON, in cm of the camera frame and in px."""
-    if values.camera is None:
-        return {'needs': 'camera_publisher does not run: start it.', 'work_area': None,
-                'ignored_areas': []}
-    areas = values.settings.detector.areas
-    return {'needs': None, 'work_area': areas.work and _area_data(areas.work, values),
-            'ignored_areas': [_area_data(area, values) for area in areas.ignored]}
-
-
-def area_changes(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
-    """
-    Return the parameters of areas that are drawn on the picture.
-
-    :param body: {'work_area': a polygon of pixels or None, 'ignored_areas': polygons}; what is
-        left out stays as it is.
-    :raises CameraToBaseError: If one is no polygon, or not on the surface.
-    """
-    surface, wanted = values.settings.surface, {}
-    if 'work_area' in body:
-        polygon = body['work_area']
-        corners = _corners(surface, polygon) if polygon else np.empty((0, 2))
-        wanted['work_area'] = corners.ravel().tolist()
-    if 'ignored_areas' in body:
-        if not isinstance(body['ignored_areas'], list):
-            raise InvalidValueError('ignored_areas must be a list of polygons')
-        wanted['ignored_areas'] = '; '.join(
-            _text(_corners(surface, polygon)) for polygon in body['ignored_areas'])
-    read_areas(wanted.get('work_area', []), wanted.get('ignored_areas', ''))
-    return CellChanges({'camera': wanted} if wanted else {}, [])
-
-
-def _corners(surface: Surface, polygon: Any) -> np.ndarray:
-    pixels = finite_numbers('the corners of an area', polygon, -1, 2)
-    if len(pixels) > _MOST_CORNERS:
-        raise InvalidValueError(f'an area may have {_MOST_CORNERS} corners, got {len(pixels)}')
-    # To a hundredth of a mm.
-    return np.round(surface.locate(pixels), 3)
-
-
-def _text(corners: np.ndarray) -> str:
-    return ', '.join(f'{x:.10g} {y:.10g}' for x, y in corners.tolist())
-
-
-def _area_data(area: Area, values: CellValues) -> Dict[str, Any]:
-    return {'px': [values.pixel_of(corner) for corner in area.corners.tolist()]}
-
-
-def simulated_data(values: CellValues) -> Dict[str, Any]:
-    """Describe the simulated table as JSON."""
-    known = values.camera or {}
-    shown = kind_of(known.get('source', 'auto')) == SIMULATED and _SHOWS in known
-    shows = known.get(_SHOWS) if shown else None
-    return {'shown': shown, 'shows': shows, 'placement': known.get(_PLACEMENT, 1),
-            'placements': _PLACEMENTS, 'touched': known.get(_TOUCHED, 0),
-            'sentence': _WORDS.get(shows, '')}
-
-
-def show(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
-    """
-    Return the parameters that lay something else on the table; the robot moves away.
-
-    :param body: {'shows': see the parameter, 'placement': of the board}.
-    :raises InvalidValueError: If it is no simulated table.
-    """
-    _refuse_real(values)
-    wanted = {_TOUCHED: 0}
-    if 'shows' in body:
-        wanted[_SHOWS] = body['shows']
-    if 'placement' in body:
-        wanted[_PLACEMENT] = body['placement']
-    return CellChanges({'camera': wanted}, [])
-
-
-def touch(values: CellValues, number: int) -> CellChanges:
-    """
-    Return the parameters that let the simulated robot touch an object.
-
-    :param number: The object's, see the parameter.
-    :raises InvalidValueError: If it is no simulated table.
-    """
-    _refuse_real(values)
-    return CellChanges({'camera': {_TOUCHED: number}}, [])
-
-
-def _refuse_real(values: CellValues) -> None:
-    if not simulated_data(values)['shown']:
-        raise InvalidValueError('this camera is not the simulated one')
-
-
 class CellSessions:
     """
     What people do with a cell on its pages, whichever thread says so.
@@ -154,6 +51,8 @@ class CellSessions:
     :param on_change: Called with a part's name when its state has changed, by any thread.
     :param on_picture: Called with each picture of the board as JPEG, by any thread.
     :param owner_of: Returns another cell whose file has a path; None for none.
+
+    `was_running` is whether a node of the cell was ever seen.
     """
 
     def __init__(
@@ -163,6 +62,7 @@ class CellSessions:
     ) -> None:
         self._lock = threading.RLock()
         self._on_change = on_change
+        self.was_running = False
         self._values = CellValues()
         self._worker = Worker(self._lock)
         self._board = BoardSession(
@@ -235,6 +135,7 @@ class CellSessions:
     def see_parameters(self, node: str, values: Optional[Values]) -> None:
         """Take all parameters of 'camera' or 'transform'; None where it does not run."""
         with self._lock:
+            self.was_running |= values is not None
             before = getattr(self._values, node)
             self._values.see(node, values)
             if before == getattr(self._values, node):
@@ -391,6 +292,12 @@ class AllSessions:
                     lambda jpeg: self._on_picture(cell, jpeg),
                     lambda path: self._owner_of(path, cell))
             return self._sessions[cell]
+
+    def forget_invented(self, cell: str) -> None:
+        """Forget the sessions of a cell whose nodes nobody has ever seen."""
+        with self._lock:
+            if cell in self._sessions and not self._sessions[cell].was_running:
+                self._sessions.pop(cell).close()
 
     def show(self, cell: str) -> None:
         """Tell all states of a cell."""

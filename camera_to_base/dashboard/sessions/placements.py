@@ -31,6 +31,9 @@ _NO_FRAMES = ('no pictures come from the camera node: is it running, and the cam
               'Then take the placement again')
 _OTHER_SIZE = 'the picture has changed its size: take it again'
 
+# A board of 40 x 40 takes a second to draw, one of 100 x 100 sixteen.
+_MOST_CORNERS = 40
+
 # Blue, green, red.
 _CORNER, _RIM, _TAKEN = (80, 220, 60), (0, 0, 0), (255, 170, 0)
 # Larger pictures are made smaller for the page.
@@ -74,11 +77,12 @@ class BoardOptions(NamedTuple):
         corners = wanted['corners']
         if not isinstance(corners, (list, tuple)) or len(corners) != 2:
             raise InvalidValueError(f'corners must be two counts as in 9 x 6, got {corners!r:.80}')
-        if wanted['paper'] not in PAPERS:
+        if wanted['paper'] not in list(PAPERS):
             raise InvalidValueError(
                 f'paper must be one of {", ".join(PAPERS)}, got {wanted["paper"]!r:.80}')
         return BoardOptions(
-            tuple(whole_number('the count of inner corners', count, 3, 100) for count in corners),
+            tuple(whole_number('the count of inner corners', count, 3, _MOST_CORNERS)
+                  for count in corners),
             finite_number('square_mm', wanted['square_mm'], 1, 1000), bool(wanted['charuco']),
             wanted['paper'])
 

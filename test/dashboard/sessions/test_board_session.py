@@ -127,7 +127,7 @@ def test_a_new_surface_drops_what_was_made_for_the_former_one(cell):
     ('accept', {}, 'fit the surface first'),
     ('remove', {'number': 1}, 'there is no placement 1'),
     ('remove', {'number': 'x'}, "there is no placement 'x'"),
-    ('start', {'corners': [2, 6]}, 'must be 3..100, got 2'),
+    ('start', {'corners': [2, 6]}, 'must be 3..40, got 2'),
     ('start', {'corners': 9}, 'corners must be two counts'),
     ('start', {'square_mm': 'wide'}, 'square_mm must be numbers'),
     ('start', {'paper': 'A9'}, 'paper must be one of A4')])

@@ -37,17 +37,35 @@ export async function ask(path) {
   return answer(path, {});
 }
 
+/** Post a body, and return the file that is answered. */
+export async function fetchFile(path, body = {}) {
+  return (await request(path, {method: 'POST', body: JSON.stringify(body)})).blob();
+}
+
+/** Let the browser keep a file, in its folder for downloads. */
+export function keepFile(content, name) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(content);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
 async function answer(path, options) {
+  return (await request(path, options)).json().catch(() => ({}));
+}
+
+async function request(path, options) {
   let response;
   try {
     response = await fetch(address(path), options);
   } catch {
     throw new Refused(NO_ANSWER);
   }
-  const content = await response.json().catch(() => ({}));
   if (!response.ok) {
+    const content = await response.json().catch(() => ({}));
     throw new Refused(content.error ?? `The dashboard answered ${response.status}.`,
       content.errors);
   }
-  return content;
+  return response;
 }

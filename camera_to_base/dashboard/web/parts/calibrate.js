@@ -17,10 +17,11 @@
 import {createBoardLook} from './board_look.js';
 import {createBoardReport} from './board_report.js';
 import {createMarkers} from './markers.js';
+import {fetchFile, keepFile} from '../base/actions.js';
 import {button, card, element, setText, show} from '../base/dom.js';
+import {attempt} from '../base/notices.js';
 import {read} from '../base/numbers.js';
 import {board} from '../base/sessions.js';
-import {address} from '../base/state.js';
 
 /** Make the part. */
 export function createCalibrate(store) {
@@ -66,17 +67,20 @@ function createSheets() {
   const paper = element('select', {id: 'paper'}, element('option', {}, 'A4'),
     element('option', {}, 'Letter'));
   const kinds = {board: 'Chessboard', charuco: 'Board with markers', markers: 'Markers'};
-  const links = Object.entries(kinds).map(([kind, name]) => [kind, element('a', {
-    class: 'button', target: '_blank', rel: 'noopener'}, `${name} (PDF)`)]);
-  const update = () => links.forEach(([kind, link]) => {
-    link.href = address('/api/sheet', {kind, paper: paper.value});
-  });
-  paper.addEventListener('change', update);
-  update();
+  const draw = async (event, kind) => {
+    const clicked = event.currentTarget;
+    clicked.disabled = true;
+    const sheet = await attempt(() => fetchFile('/api/sheet', {
+      charuco: kind === 'charuco', markers: kind === 'markers', paper: paper.value}), () => null);
+    clicked.disabled = false;
+    if (sheet) keepFile(sheet, `${kind}.pdf`);
+  };
+  const sheets = Object.entries(kinds).map(([kind, name]) =>
+    button(`${name} (PDF)`, (event) => draw(event, kind)));
   return card('1. Print a board', element('p', {}, 'Print it at 100 %, measure the ruler on the ' +
     'sheet (it must be 100 mm), and glue it to something flat.'),
   element('p', {class: 'buttons'}, element('label', {for: 'paper'}, 'Paper'), paper,
-    ...links.map(([, link]) => link)),
+    ...sheets),
   element('p', {class: 'quiet'}, 'The chessboard must lie completely in the picture. The board ' +
     'with markers may be cut off or covered in part.'));
 }

@@ -1,0 +1,121 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""Areas that are drawn on the picture, and what lies on the simulated table."""
+
+from typing import Any, Dict, Mapping
+
+from camera_to_base.checks import finite_numbers
+from camera_to_base.dashboard.sessions.values import CellChanges, CellValues
+from camera_to_base.detection import Area, read_areas
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.sources import kind_of, SIMULATED
+from camera_to_base.surface import Surface
+import numpy as np
+
+_MOST_CORNERS = 200
+
+_SHOWS, _PLACEMENT, _TOUCHED = 'simulated.shows', 'simulated.placement', 'simulated.touched'
+_PLACEMENTS = 8
+# Where the simulated robot publishes its tool's pose, in the cell's namespace.
+TOOL_TOPIC = 'simulated_tool'
+_WORDS = {'objects': 'Coins move over the simulated table.',
+          'still_objects': 'Five coins lie on the simulated table.',
+          'board': 'The printed board lies on the simulated table.',
+          'empty': 'The simulated table is empty.'}
+
+
+def areas_data(values: CellValues) -> Dict[str, Any]:
+    """Describe the areas as JSON, in cm of the camera frame and in px."""
+    if values.camera is None:
+        return {'needs': 'camera_publisher does not run: start it.', 'work_area': None,
+                'ignored_areas': []}
+    areas = values.settings.detector.areas
+    return {'needs': None, 'work_area': areas.work and _area_data(areas.work, values),
+            'ignored_areas': [_area_data(area, values) for area in areas.ignored]}
+
+
+def area_changes(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
+    """
+    Return the parameters of areas that are drawn on the picture.
+
+    :param body: {'work_area': a polygon of pixels or None, 'ignored_areas': polygons}; what is
+        left out stays as it is.
+    :raises CameraToBaseError: If one is no polygon, or not on the surface.
+    """
+    surface, wanted = values.settings.surface, {}
+    if 'work_area' in body:
+        polygon = body['work_area']
+        corners = _corners(surface, polygon) if polygon else np.empty((0, 2))
+        wanted['work_area'] = corners.ravel().tolist()
+    if 'ignored_areas' in body:
+        if not isinstance(body['ignored_areas'], list):
+            raise InvalidValueError('ignored_areas must be a list of polygons')
+        wanted['ignored_areas'] = '; '.join(
+            _text(_corners(surface, polygon)) for polygon in body['ignored_areas'])
+    read_areas(wanted.get('work_area', []), wanted.get('ignored_areas', ''))
+    return CellChanges({'camera': wanted} if wanted else {}, [])
+
+
+def _corners(surface: Surface, polygon: Any) -> np.ndarray:
+    pixels = finite_numbers('the corners of an area', polygon, -1, 2)
+    if len(pixels) > _MOST_CORNERS:
+        raise InvalidValueError(f'an area may have {_MOST_CORNERS} corners, got {len(pixels)}')
+    # To a hundredth of a mm.
+    return np.round(surface.locate(pixels), 3)
+
+
+def _text(corners: np.ndarray) -> str:
+    return ', '.join(f'{x:.10g} {y:.10g}' for x, y in corners.tolist())
+
+
+def _area_data(area: Area, values: CellValues) -> Dict[str, Any]:
+    return {'px': [values.pixel_of(corner) for corner in area.corners.tolist()]}
+
+
+def simulated_data(values: CellValues) -> Dict[str, Any]:
+    """Describe the simulated table as JSON."""
+    known = values.camera or {}
+    shown = kind_of(known.get('source', 'auto')) == SIMULATED and _SHOWS in known
+    shows = known.get(_SHOWS) if shown else None
+    return {'shown': shown, 'shows': shows, 'placement': known.get(_PLACEMENT, 1),
+            'placements': _PLACEMENTS, 'touched': known.get(_TOUCHED, 0),
+            'sentence': _WORDS.get(shows, '')}
+
+
+def show(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
+    """
+    Return the parameters that lay something else on the table; the robot moves away.
+
+    :param body: {'shows': see the parameter, 'placement': of the board}.
+    :raises InvalidValueError: If it is no simulated table.
+    """
+    _refuse_real(values)
+    wanted = {_TOUCHED: 0}
+    if 'shows' in body:
+        wanted[_SHOWS] = body['shows']
+    if 'placement' in body:
+        wanted[_PLACEMENT] = body['placement']
+    return CellChanges({'camera': wanted}, [])
+
+
+def touch(values: CellValues, number: int) -> CellChanges:
+    """
+    Return the parameters that let the simulated robot touch an object.
+
+    :param number: The object's, see the parameter.
+    :raises InvalidValueError: If it is no simulated table.
+    """
+    _refuse_real(values)
+    return CellChanges({'camera': {_TOUCHED: number}}, [])
+
+
+def _refuse_real(values: CellValues) -> None:
+    if not simulated_data(values)['shown']:
+        raise InvalidValueError('this camera is not the simulated one')
