@@ -199,7 +199,7 @@ def _checked(camera: LaunchedCamera) -> LaunchedCamera:
     if not os.path.isfile(camera.params_file):
         raise InvalidValueError(
             f"params_file: there is no file '{camera.params_file}': make it with ros2 run "
-            f'camera_to_base calibrate board --camera 0 --placements 4 -o {camera.params_file}')
+            f'camera_to_base calibrate board --camera 0 -o {camera.params_file}')
     camera = camera._replace(namespace=camera.namespace.strip('/'))
     for name in ('namespace', 'image_topic'):
         value = getattr(camera, name)

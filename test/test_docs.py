@@ -252,4 +252,4 @@ def test_page_of_pairs_shows_what_calibrate_prints(walked):
     shown = block_below(page, re.search('camera frame in the base frame: .*', page).group())
     assert len(shown) == 3
     assert '\n'.join(shown) in printed
-    assert re.search('error at 54 points: rms [0-9.]+ mm', page).group() in printed
+    assert re.search('error at 216 points: rms [0-9.]+ mm', page).group() in printed

@@ -20,13 +20,15 @@ Callers: `commands` and `dashboard`. The nodes do not import it.
 from camera_to_base.calibration.base import (
     calibrate_base, calibrate_touches, FRAMES, measured_place, pairs_text, Place, point_pairs,
     read_kept_pairs, read_typed_position, same_touch, suggested_places, Suggestion, TouchedPair)
+from camera_to_base.calibration.board_tilt import (
+    held_tilt, HeldTilt, rough_surface, tilt_suggestion, tilt_trouble)
 from camera_to_base.calibration.boards.placement import (
     BoardLook, covered_shares, look_for, make_placement, map_lines, NINTHS, Placement,
     PrintedBoard, refuse_unlike, renumbered, shares_of, uncovered)
 from camera_to_base.calibration.boards.sheets import (
     has_one_origin, marker_sheet_content, PAPERS, sheet_content)
 from camera_to_base.calibration.cell_file import (
-    BASE, cell_text, corrected_file_text, file_status, grown, MARKERS, next_step,
+    BASE, camera_fields, cell_text, corrected_file_text, file_status, grown, MARKERS, next_step,
     OfferedCorrection, part_values, parts_of, parts_to_lose, report_of, SURFACE, TITLE,
     without_report)
 from camera_to_base.calibration.marker_learning import learned_markers
@@ -34,20 +36,21 @@ from camera_to_base.calibration.report import Report, report_lines
 from camera_to_base.calibration.result import Calibration
 from camera_to_base.calibration.rigid_fit import pair_figures, PairFigures
 from camera_to_base.calibration.surface import (
-    add_camera_pose, calibrate_placements, calibrate_surface, check_surface)
+    calibrate_placements, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import (
     read_camera_info, read_pairs, read_points, refuse_other_size)
 
 __all__ = [
-    'add_camera_pose', 'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements',
-    'calibrate_surface', 'calibrate_touches', 'Calibration', 'cell_text', 'check_surface',
-    'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin',
-    'learned_markers', 'look_for', 'make_placement', 'map_lines', 'marker_sheet_content',
-    'MARKERS', 'measured_place', 'next_step', 'NINTHS', 'OfferedCorrection', 'pair_figures',
-    'PairFigures', 'pairs_text', 'PAPERS', 'part_values', 'parts_of', 'parts_to_lose', 'Place',
-    'Placement', 'point_pairs', 'PrintedBoard', 'read_camera_info', 'read_kept_pairs',
-    'read_pairs', 'read_points', 'read_typed_position', 'refuse_other_size', 'refuse_unlike',
-    'renumbered', 'Report', 'report_lines', 'report_of', 'same_touch', 'shares_of',
-    'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE', 'TITLE', 'TouchedPair',
+    'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements', 'calibrate_surface',
+    'calibrate_touches', 'Calibration', 'camera_fields', 'cell_text', 'check_surface',
+    'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown',
+    'has_one_origin', 'held_tilt', 'HeldTilt', 'learned_markers', 'look_for', 'make_placement',
+    'map_lines', 'marker_sheet_content', 'MARKERS', 'measured_place', 'next_step', 'NINTHS',
+    'OfferedCorrection', 'pair_figures', 'PairFigures', 'pairs_text', 'PAPERS', 'part_values',
+    'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs', 'PrintedBoard',
+    'read_camera_info', 'read_kept_pairs', 'read_pairs', 'read_points', 'read_typed_position',
+    'refuse_other_size', 'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of',
+    'rough_surface', 'same_touch', 'shares_of', 'sheet_content', 'suggested_places',
+    'Suggestion', 'SURFACE', 'tilt_suggestion', 'tilt_trouble', 'TITLE', 'TouchedPair',
     'uncovered', 'without_report',
 ]

@@ -20,7 +20,9 @@ from camera_to_base.errors import CalibrationError, CameraToBaseError
 from camera_to_base.parameters import (
     age_text, calibration_record, calibration_summary, parameter_text, ParameterFile)
 from camera_to_base.surface import make_hull, make_surface, SURFACE_DEFAULTS
-from camera_to_base.uncertainty import SURFACE_COVARIANCE
+from camera_to_base.uncertainty import (
+    CAMERA_COVARIANCE, camera_covariance, place_95, SURFACE_COVARIANCE)
+import numpy as np
 
 TITLE = 'Written by `calibrate` of camera_to_base.'
 SURFACE, BASE, MARKERS = 'the surface', 'the base frame', 'the markers'
@@ -33,13 +35,15 @@ _AREAS = ('work_area', 'ignored_areas')
 _HEIGHTS = 'object_height_cm', 'object_heights_cm'
 # What a person looks for stands first, what only a node reads last.
 _FIRST = ('source', 'surface', 'rotation_deg', 'displacement_cm')
-_LAST = ('calibration.thumbnail', SURFACE_COVARIANCE, 'base_covariance')
+_LAST = ('calibration.thumbnail', CAMERA_COVARIANCE, SURFACE_COVARIANCE, 'base_covariance')
 _SUMMARY = re.compile('(camera|pictures|surface|accuracy|base frame)  ')
 
 # The first line of a report, see `report_lines`.
-_TITLE = re.compile(r'(homography|polynomial|rigid|markers) from (.+), (\d{4}-\d\d-\d\dT\S+)')
+_TITLE = re.compile(
+    r'(homography|pinhole|polynomial|rigid|markers) from (.+), (\d{4}-\d\d-\d\dT\S+)')
 _FIGURES = ('error at ', *(f'{word}: 95 %' for word, *_ in VERDICTS))
 _WARNING = 'warning: '
+_SURFACE_MODELS = 'homography', 'pinhole', 'polynomial'
 
 
 class GrownFile(NamedTuple):
@@ -209,7 +213,7 @@ def next_step(path: str, values: Mapping[str, Any]) -> NextStep:
     """Tell what a file lacks first; `values` are its parameters, by full name."""
     source = str(values.get('source', '0'))
     if 'surface.model' not in values:
-        return NextStep(('board', '--camera', source, '--placements', '4', '-o', path), source)
+        return NextStep(('board', '--camera', source, '-o', path), source)
     if 'displacement_cm' not in values and 'rotation_deg' not in values:
         way = '--markers' if values.get('markers.numbers') else '--live'
         return NextStep(('base', way, path), source)
@@ -233,14 +237,17 @@ def file_status(
     sections = _sections(comments)
     holds, lacks = [], []
     if 'surface.model' in values:
-        holds += _surface_lines(values, _newest(sections, 'homography', 'polynomial'), now)
+        holds += _surface_lines(values, _newest(sections, *_SURFACE_MODELS), now)
     else:
         lacks.append('the surface')
-    if values.get('surface.camera_height_cm'):
+    camera = camera_fields(values)
+    if camera is not None:
+        holds.append(_camera_line(camera))
+    elif values.get('surface.camera_height_cm'):
         holds.append(f'camera: {values["surface.camera_height_cm"]:g} cm above the surface')
     else:
-        lacks.append("the camera's height, which objects that are not flat need (calibrate board "
-                     'with --intrinsics)')
+        lacks.append("the camera's height, which objects with a height need (calibrate board, "
+                     'with the board held at a tilt, too)')
     if values.get('markers.numbers'):
         names = ', '.join(f'{number:g}' for number in values['markers.numbers'])
         holds.append(f'markers: {names}')
@@ -251,7 +258,37 @@ def file_status(
     warnings = [line.removeprefix(_WARNING) for _, lines in sections for line in lines
                 if line.startswith(_WARNING)]
     return {'status_of': path, 'summary': calibration_summary(values, now), 'holds': holds,
-            'lacks': lacks, 'warnings': warnings}
+            'lacks': lacks, 'camera': camera, 'warnings': warnings}
+
+
+def camera_fields(values: Mapping[str, Any]) -> Optional[Dict[str, Any]]:
+    """
+    Return where the camera is by a file's parameters.
+
+    The keys that end in _95 say within how much the truth lies with a chance of 95 %; None for not
+    known.
+
+    :param values: By full name.
+    :returns: `height_cm`, `foot_cm` and `focal_px`; None if the file does not tell the place.
+    :raises CameraToBaseError: If the parameters make no surface.
+    """
+    surface = make_surface({**SURFACE_DEFAULTS, **values})
+    place = surface.camera_place if 'surface.model' in values else None
+    if place is None:
+        return None
+    lens = getattr(surface, 'lens', None)
+    found = {'height_cm': place.height_cm, 'height_cm_95': None, 'foot_cm': list(place.foot_cm),
+             'foot_cm_95': None, 'focal_px': None if lens is None else float(np.mean(lens.focal)),
+             'focal_px_95': None}
+    if values.get(CAMERA_COVARIANCE):
+        found.update(place_95(camera_covariance(values[CAMERA_COVARIANCE])))
+    return found
+
+
+def _camera_line(camera: Mapping[str, Any]) -> str:
+    sure = ('' if camera['height_cm_95'] is None else
+            ' (95 %: ± {height_cm_95:.2f} cm, foot point ± {foot_cm_95:.2f} cm)'.format(**camera))
+    return f'camera: {camera["height_cm"]:.4g} cm above the surface{sure}'
 
 
 def without_report(comments: List[str], model: str) -> List[str]:
@@ -271,7 +308,7 @@ def report_of(comments: List[str], part: str) -> List[str]:
 
     :param comments: The lines at a file's top.
     """
-    models = ('rigid',) if part == BASE else ('homography', 'polynomial')
+    models = ('rigid',) if part == BASE else _SURFACE_MODELS
     section = _newest(_sections(comments), *models)
     if section is None:
         return []

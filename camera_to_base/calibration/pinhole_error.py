@@ -45,11 +45,31 @@ class BoardError(NamedTuple):
     A board under the fit to the others.
 
     :param relative: Mean squared prediction error, relative to corners with an error of 1 px.
-    :param rms_px: Root of the mean squared prediction error of a coordinate.
+    :param errors: Shape (n, 2), of its corners that count, in px.
+    :param freedom: Of how many independent numbers the errors are.
     """
 
     relative: float
-    rms_px: float
+    errors: np.ndarray
+    freedom: int
+
+    @property
+    def rms_px(self) -> float:
+        """Root of the mean squared prediction error of a coordinate, in px."""
+        return float(np.sqrt(np.sum(self.errors ** 2) / self.freedom))
+
+
+class FurtherNumbers(NamedTuple):
+    """
+    Numbers that would make the fit better.
+
+    :param values: Shape (k,).
+    :param gain: By how much each of them lessens the sum of squared residuals, in variances of a
+        residual: about 1 for numbers that mean nothing.
+    """
+
+    values: np.ndarray
+    gain: float
 
 
 class PinholeEquations:
@@ -75,7 +95,12 @@ class PinholeEquations:
         return self._basis
 
     def left_out(self) -> List[BoardError]:
-        """Predict each board from the others."""
+        """Predict each board from the others; a single one has the residuals of its own fit."""
+        if len(self.parts) == 1:
+            part, = self.parts
+            square = float(part.residuals @ part.residuals)
+            return [BoardError(
+                square / part.freedom, part.residuals.reshape(-1, 2), part.freedom)]
         precision, slope = self._prior()
         normal = precision + sum(part.design.T @ part.design for part in self.parts)
         slope = slope + sum(part.design.T @ part.residuals for part in self.parts)
@@ -85,7 +110,9 @@ class PinholeEquations:
         """Return the variance of a corner's coordinate, in px²."""
         freedom = np.array([part.freedom for part in self.parts], float)
         squares = float(sum(freedom * [one.relative for one in left_out]))
-        return pooled_variance(squares, float(freedom.sum()), self.expected_px, _EXPECTED_WORTH)
+        # Errors of neighbouring corners are alike, which independent ones of this size stand for.
+        return max(self.expected_px ** 2, pooled_variance(
+            squares, float(freedom.sum()), self.expected_px, _EXPECTED_WORTH))
 
     def covariance(self, variance: float) -> np.ndarray:
         """Return the covariance of all numbers, shape (size, size)."""
@@ -93,22 +120,24 @@ class PinholeEquations:
         _, deviations = self._problem.prior()
         return variance * _inverse(design.T @ design + np.diag(variance / deviations ** 2))
 
-    def further(self, columns: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def further(self, columns: np.ndarray, expected: Sequence[float]) -> 'FurtherNumbers':
         """
-        Estimate numbers that the fit does not have, and their standard deviations.
+        Estimate numbers that the fit does not have.
 
         :param columns: Shape (2 n, k), how the pixels' coordinates move by them.
+        :param expected: Shape (k,), how large they may be: their standard deviations.
         """
         design = np.hstack([self._jacobian, columns])[self._rows]
+        residuals, count = self._residuals[self._rows], columns.shape[1]
         _, deviations = self._problem.prior()
-        count = columns.shape[1]
-        precision = np.diag([*(self.expected_px / deviations) ** 2, *[0.0] * count])
+        precision = np.diag((self.expected_px / np.append(deviations, expected)) ** 2)
         inverse = _inverse(design.T @ design + precision)
-        found = -inverse @ (design.T @ self._residuals[self._rows])
-        rest = self._residuals[self._rows] + design @ found
+        step = -inverse @ (design.T @ residuals)
+        rest = residuals + design @ step
         variance = max(float(rest @ rest) / max(len(rest) - design.shape[1], 1),
                        (self.expected_px / 4) ** 2)
-        return found[-count:], np.sqrt(variance * np.diag(inverse)[-count:])
+        found, own = step[-count:], inverse[-count:, -count:]
+        return FurtherNumbers(found, float(found @ np.linalg.solve(own, found)) / count / variance)
 
     def _prior(self) -> Tuple[np.ndarray, np.ndarray]:
         expected, deviations = self._problem.prior()
@@ -154,7 +183,7 @@ def _left_out(part: BoardPart, normal: np.ndarray, slope: np.ndarray) -> BoardEr
     # (1 + A N^-1 A')^-1 = 1 - A (N + A'A)^-1 A', where N is of the others.
     along = part.design.T @ error
     square = float(error @ error - along @ _inverse(normal) @ along)
-    return BoardError(square / part.freedom, float(np.sqrt(error @ error / part.freedom)))
+    return BoardError(square / part.freedom, error.reshape(-1, 2), part.freedom)
 
 
 def _inverse(normal: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@
 
 """Fits a pinhole camera to a board that lies on the table and is held at a tilt."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import List, Optional, Sequence, Tuple
 
@@ -26,12 +26,12 @@ import numpy as np
 
 # The sets of coefficients of k1 k2 p1 p2 k3 that are tried.
 CANDIDATES = ((), (0,), (0, 1), (0, 1, 2, 3), (0, 1, 2, 3, 4))
-# More coefficients are taken if they predict left-out boards better by this share.
-_WORTH_IT = 0.0
 # Focal lengths that the search starts from, in widths of the picture.
 _START_FOCAL = (0.6, 1.0, 2.0)
 # A corner is a bad one if it is off by so many robust standard deviations, and usual errors.
 _BAD_DEVIATIONS, _BAD_EXPECTED, _ROUNDS = 6.0, 5.0, 3
+# Of a picture's corners; more are no single bad ones.
+_MOST_BAD = 0.1
 # Median length of a vector of two normal numbers.
 _MEDIAN_LENGTH = 1.1774
 NO_CAMERA = ('no camera sees the board at these pixels: are the pictures of one camera, at one '
@@ -46,18 +46,18 @@ class PinholeFit:
     :param problem: What was fitted.
     :param numbers: The solution.
     :param kept: Shape (n,), which of all boards' corners count; the others are bad ones.
+    :param richest: The fit with all coefficients; None if this is it, or the lens is known.
     """
 
     problem: PinholeProblem
     numbers: np.ndarray
     kept: np.ndarray
+    richest: Optional['PinholeFit'] = None
 
     @cached_property
     def surface(self) -> PinholeSurface:
         """The camera over the surface."""
-        pose = self.problem.table_pose(self.numbers)
-        matrix = cv2.Rodrigues(np.ascontiguousarray(pose[:3]))[0]
-        return PinholeSurface(self.problem.lens(self.numbers), pose[:3], -matrix.T @ pose[3:])
+        return self.problem.surface(self.numbers)
 
     @cached_property
     def equations(self) -> PinholeEquations:
@@ -114,10 +114,9 @@ def fit_pinhole(
         start, best = _start_lens([*flat, *tilted], image_size), None
         for free in CANDIDATES:
             fit = _solved(PinholeProblem(flat, tilted, image_size, free), start)
-            if best is None or _prediction_square(fit) < (1 - _WORTH_IT) * _prediction_square(
-                    best):
+            if best is None or _prediction_square(fit) < _prediction_square(best):
                 best = fit
-        return best
+        return replace(best, richest=None if fit is best else fit)
     except (cv2.error, np.linalg.LinAlgError, InvalidValueError) as error:
         raise CalibrationError(NO_CAMERA) from error
 
@@ -161,11 +160,21 @@ def _solved(problem: PinholeProblem, start: LensModel) -> PinholeFit:
         errors = np.linalg.norm(problem.residuals(numbers).reshape(-1, 2), axis=1)
         limit = max(_BAD_DEVIATIONS * float(np.median(errors[kept])) / _MEDIAN_LENGTH,
                     _BAD_EXPECTED * expected_px(problem.image_size))
-        previous, kept = kept, errors <= limit
+        previous, kept = kept, _single(errors > limit, problem)
         numbers = _least_squares(problem, numbers, kept)
         if np.array_equal(previous, kept):
             break
     return PinholeFit(problem, numbers, kept)
+
+
+def _single(bad: np.ndarray, problem: PinholeProblem) -> np.ndarray:
+    """Return which corners count: all but single bad ones; many make a picture a bad one."""
+    kept = ~bad
+    for rows in problem.rows:
+        own = slice(rows.start // 2, rows.stop // 2)
+        if bad[own].mean() > _MOST_BAD:
+            kept[own] = True
+    return kept
 
 
 def _least_squares(

@@ -13,7 +13,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.calibration.homography_fit import moved
 from camera_to_base.checks import ImageSize
-from camera_to_base.surface import LensModel, MatchedPoints
+from camera_to_base.surface import LensModel, MatchedPoints, PinholeSurface
 import cv2
 import numpy as np
 
@@ -67,15 +67,15 @@ def shown_by(lens: LensModel, points: np.ndarray) -> Shown:
     if lens.model == 'equidistant':
         pixels, slopes = cv2.fisheye.projectPoints(
             points[:, None], nothing, nothing, lens.matrix, coefficients)
-        moves, by_lens = slopes[:, 11:14], np.zeros((2 * count, LENS_NUMBERS))
+        moves, own = slopes[:, 11:14], slopes[:, :4]
     else:
         pixels, slopes = cv2.projectPoints(
             points, nothing, nothing, lens.matrix, coefficients)
-        moves = slopes[:, 3:6]
-        by_lens = np.zeros((2 * count, LENS_NUMBERS))
-        by_lens[:, FOCAL] = slopes[:, 6:8] @ lens.focal
-        by_lens[:, CENTRE] = slopes[:, 8:10]
-        by_lens[:, COEFFICIENTS] = slopes[:, 10:15]
+        moves, own = slopes[:, 3:6], slopes[:, 6:15]
+    by_lens = np.zeros((2 * count, LENS_NUMBERS))
+    by_lens[:, FOCAL], by_lens[:, CENTRE] = own[:, :2] @ lens.focal, own[:, 2:4]
+    if lens.model == 'plumb_bob':
+        by_lens[:, COEFFICIENTS] = own[:, 4:9]
     return Shown(pixels.reshape(count, 2), moves.reshape(count, 2, 3),
                  by_lens.reshape(count, 2, LENS_NUMBERS))
 
@@ -162,6 +162,12 @@ class PinholeProblem:
         """Return the camera frame's rotation vector and shift in the optical frame, (6,)."""
         return numbers[self.pose_at:self.pose_at + POSE_NUMBERS]
 
+    def surface(self, numbers: np.ndarray) -> PinholeSurface:
+        """Return the camera over the surface."""
+        pose = self.table_pose(numbers)
+        matrix = cv2.Rodrigues(np.ascontiguousarray(pose[:3]))[0]
+        return PinholeSurface(self.lens(numbers), pose[:3], -matrix.T @ pose[3:])
+
     def placed(self, numbers: np.ndarray, board: int) -> np.ndarray:
         """Return where a flat placement's points lie in the camera frame, shape (n, 2)."""
         points = self.boards[board].points
@@ -187,6 +193,13 @@ class PinholeProblem:
             if 0 < board < self.flat_count:
                 slopes[rows, self.own(board)] = self._by_motion(numbers, board, shown, pose)
         return slopes
+
+    def by_lens(self, numbers: np.ndarray) -> np.ndarray:
+        """Return how the pixels move by the numbers of the lens, known or not, (2 n, 8)."""
+        lens = self.lens(numbers)
+        return np.concatenate([
+            shown_by(lens, self._pose(numbers, board).points(self._points(numbers, board))).by_lens
+            for board in range(len(self.boards))]).reshape(-1, LENS_NUMBERS)
 
     def by_motion_of_first(self, numbers: np.ndarray) -> np.ndarray:
         """Return how the first placement's pixels move if it is shifted and turned, (2 n, 3)."""

@@ -123,10 +123,27 @@ def _tilt(report: Mapping[str, Any]) -> Iterator[str]:
            'down' if told else "the camera's tilt cannot be told from these points")
 
 
-def _camera(report: Mapping[str, Any]) -> Iterator[str]:
-    yield (f'the camera is {report["camera_height_cm"]:.1f} cm above the surface, its foot point '
-           'is at ({:.1f}, {:.1f}) cm'.format(*report['camera_foot_cm'])
-           + f'; with these intrinsics the points are off by rms {report["pose_rms_px"]:.2f} px')
+def _pinhole(report: Mapping[str, Any]) -> Iterator[str]:
+    lens, camera = report['lens'], report['camera']
+    spread = 'known' if lens['is_known'] else f'95 %: ± {camera["focal_px_95"]:.1f} px'
+    numbers = ', '.join(f'{value:.4f}' for value in lens['coefficients']) or 'none'
+    yield (f'lens: focal length {camera["focal_px"]:.1f} px ({spread}), centre '
+           '({:.1f}, {:.1f}) px, '.format(*lens['centre_px'])
+           + f'distortion ({lens["model"]}): {numbers}')
+    yield ('the camera is {height_cm:.1f} cm above the surface (95 %: ± {height_cm_95:.2f} cm), '
+           'its foot point at ({}, {}) cm (± {foot_cm_95:.2f} cm)'.format(
+               *(f'{value:.1f}' for value in camera['foot_cm']), **camera))
+
+
+def _pictures(report: Mapping[str, Any]) -> Iterator[str]:
+    for picture in report['pictures']:
+        kind = 'tilted' if picture['is_tilted'] else 'flat'
+        yield (f'{picture["name"]} ({kind}): off by {picture["rms_px"]:.2f} px rms, left out of '
+               f'the fit: {picture["left_out_rms_px"]:.2f} px')
+
+
+def _heights(report: Mapping[str, Any]) -> Iterator[str]:
+    yield report['heights']
 
 
 def _axes(report: Mapping[str, Any]) -> Iterator[str]:
@@ -179,7 +196,9 @@ _PARTS = {
     'distortion_coefficient': _lens,
     'equations': _equations,
     'tilt_deg': _tilt,
-    'camera_height_cm': _camera,
+    'lens': _pinhole,
+    'pictures': _pictures,
+    'heights': _heights,
     'origin_px': _axes,
     'rotation_deg': _rotation,
     'markers': _markers,

@@ -20,6 +20,7 @@ from camera_to_base.calibration.figures import (
     coverage, error_figures, left_out_errors, surface_errors, tilt, warnings)
 from camera_to_base.calibration.homography_fit import fit_homography, POINTS_FOR_DISTORTION
 from camera_to_base.calibration.marker_learning import with_markers
+from camera_to_base.calibration.pinhole import calibrate_pinhole, NO_HEIGHTS
 from camera_to_base.calibration.polynomial_fit import fit_polynomial
 from camera_to_base.calibration.report import ErrorMap, figure_lines, Report
 from camera_to_base.calibration.result import (
@@ -30,13 +31,10 @@ from camera_to_base.checks import ImageSize
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values
 from camera_to_base.surface import (
-    camera_pose, CameraIntrinsics, Hull, make_hull, make_surface, MatchedPoints, SURFACE_SPECS,
-    surface_values, view_thumbnail)
+    Hull, LensModel, make_hull, make_surface, MatchedPoints, SURFACE_SPECS, surface_values,
+    view_thumbnail)
 from camera_to_base.uncertainty import SURFACE_COVARIANCE, triangle_of
 import numpy as np
-
-# Corners are found to 0.1 to 0.2 px; the right intrinsics reproduce them to the same accuracy.
-LARGEST_POSE_RMS_PX = 1.0
 
 
 def calibrate_surface(
@@ -90,34 +88,6 @@ def calibrate_surface(
     return Calibration(report, values, report_picture(panels, figure_lines(report)), panels)
 
 
-def add_camera_pose(
-    calibration: Calibration, matched: MatchedPoints, intrinsics: CameraIntrinsics
-) -> Calibration:
-    """
-    Add the camera's position above the surface.
-
-    :param calibration: A surface's calibration.
-    :param matched: The points that it was made from.
-    :raises CameraToBaseError: If the intrinsics have another picture size, or the points do not
-        determine the pose.
-    """
-    report = calibration.report
-    _check_intrinsics_size(intrinsics.image_size, report['image_size'])
-    pose = camera_pose(matched, intrinsics)
-    # Rounded to a micrometre, which is finer than the accuracy.
-    found = {'camera_height_cm': round(pose.height_cm, 4),
-             'camera_foot_cm': [round(value, 4) for value in pose.foot_cm]}
-    doubts = [] if pose.rms_px < LARGEST_POSE_RMS_PX else [
-        f'with these intrinsics the points are off by rms {pose.rms_px:.1f} px: are they those of '
-        'this camera, at this zoom and focus?']
-    return replace(
-        calibration,
-        report={**report, **found, 'pose_rms_px': pose.rms_px,
-                'warnings': [*report['warnings'], *doubts]},
-        values={**calibration.values,
-                **{f'surface.{name}': value for name, value in found.items()}})
-
-
 def check_surface(
     values: Mapping[str, Any], matched: MatchedPoints, table_size: Optional[ImageSize] = None
 ) -> Report:
@@ -157,43 +127,57 @@ def _parts(matched: MatchedPoints, counts: Sequence[int]) -> List[MatchedPoints]
             for count, end in zip(counts, np.cumsum(counts))]
 
 
-def _check_intrinsics_size(intrinsics_size: ImageSize, image_size: Sequence[int]) -> None:
-    if list(intrinsics_size) != list(image_size):
+def _check_lens_size(lens_size: ImageSize, image_size: ImageSize) -> None:
+    if tuple(lens_size) != tuple(image_size):
         raise InvalidValueError(
             'the intrinsics are for pictures of {} x {} px, but this one has {} x {} px: use '
-            'those of its size'.format(*intrinsics_size, *image_size))
+            'those of its size'.format(*lens_size, *image_size))
 
 
 def calibrate_placements(
-    board: PrintedBoard, placements: Sequence[Placement],
-    intrinsics: Optional[CameraIntrinsics] = None,
+    board: PrintedBoard, placements: Sequence[Placement], lens: Optional[LensModel] = None,
+    tilted: Sequence[Placement] = (),
 ) -> Calibration:
     """
     Fit the surface to all placements of a board, which lies on it in each.
 
-    The values hold a thumbnail of the surface, and markers that lie beside the board, too.
+    The values hold a thumbnail of the surface, and markers that lie beside the board, too. The
+    camera's place is told if the lens is known, or the board was held at a tilt, too.
 
     :param placements: The first one defines the camera frame.
-    :param intrinsics: The lens; it gives the camera's height. None if it is not known.
+    :param lens: The lens; None if it is not known.
+    :param tilted: Pictures of the board held at a tilt above the surface.
     :raises CalibrationError: If the placements do not fit each other.
     """
     first, *further = placements
     height, width = first.image.shape[:2]
-    columns, rows = board.corners
-    names = ', '.join(dict.fromkeys(one.name for one in placements))
-    calibration = calibrate_surface(
-        first.matched, (width, height), image=first.image,
-        lattice=board.first_points().reshape(rows, columns, 2), points_are='corner',
-        further=[placement.matched for placement in further],
-        source=f'{board.text}, in {names}'
-               + (f', in {len(placements)} places' if further else ''))
-    if intrinsics is not None:
-        calibration = add_camera_pose(calibration, first.matched, intrinsics)
+    source = _source_of(board, placements, tilted)
+    if lens is not None:
+        _check_lens_size(lens.image_size, (width, height))
+    if lens is not None or tilted:
+        calibration = calibrate_pinhole(board, placements, tilted, source, lens)
+    else:
+        columns, rows = board.corners
+        calibration = calibrate_surface(
+            first.matched, (width, height), image=first.image,
+            lattice=board.first_points().reshape(rows, columns, 2), points_are='corner',
+            further=[placement.matched for placement in further], source=source)
+        calibration.report['heights'] = NO_HEIGHTS
     report = calibration.report
-    report['warnings'] += [doubt for placement in placements for doubt in placement.doubts]
+    report['warnings'] += [
+        doubt for placement in (*placements, *tilted) for doubt in placement.doubts]
     report['covered_map'] = map_lines(shares_of(placements))
     report['not_covered'] = uncovered(shares_of(placements))
     thumbnail = view_thumbnail(first.image, [outer_edge(first)])
     return with_markers(replace(
         calibration, values={'calibration.thumbnail': thumbnail, **calibration.values}),
         first.image)
+
+
+def _source_of(
+    board: PrintedBoard, placements: Sequence[Placement], tilted: Sequence[Placement]
+) -> str:
+    names = ', '.join(dict.fromkeys(one.name.partition(', placement ')[0] for one in placements))
+    places = f', in {len(placements)} places' if len(placements) > 1 else ''
+    held = f', held at {len(tilted)} tilts' if tilted else ''
+    return f'{board.text}, in {names}{places}{held}'

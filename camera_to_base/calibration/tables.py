@@ -17,7 +17,7 @@ from typing import Any, List, Mapping, NamedTuple, Optional, Tuple
 from camera_to_base.checks import finite_numbers, ImageSize
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import load_yaml
-from camera_to_base.surface import CameraIntrinsics, MatchedPoints, PointPairs
+from camera_to_base.surface import LensModel, MatchedPoints, PointPairs
 import numpy as np
 
 Record = Tuple[int, List[str]]
@@ -38,8 +38,6 @@ SIZE_COLUMNS = ('width_px', 'height_px')
 PAIR_COLUMNS = ('x_cam_cm', 'y_cam_cm', 'x_base_cm', 'y_base_cm')
 LARGEST = 1e6  # In cm and px: a larger number is a typing error, and its square could overflow.
 PAIR_HEIGHTS = ('z_cam_cm', 'z_base_cm')
-
-DISTORTION_MODELS = ('plumb_bob', 'rational_polynomial')
 
 
 class PointTable(NamedTuple):
@@ -234,7 +232,7 @@ def _image_size(sizes, rows):
     return int(width), int(height)
 
 
-def read_camera_info(path: str) -> CameraIntrinsics:
+def read_camera_info(path: str) -> LensModel:
     """
     Read a camera_info file.
 
@@ -243,20 +241,21 @@ def read_camera_info(path: str) -> CameraIntrinsics:
     """
     _, content = load_yaml(path, 'camera_info file')
     try:
-        return _intrinsics(content)
+        return _lens(content)
     except InvalidValueError as error:
         raise InvalidValueError(f"'{path}' is no camera_info file: {error}") from error
 
 
-def _intrinsics(content: Any) -> CameraIntrinsics:
+def _lens(content: Any) -> LensModel:
     size = [_value(content, 'image_width'), _value(content, 'image_height')]
     # Older files have no such key; ROS reads them the same way.
-    model = content.get('distortion_model', DISTORTION_MODELS[0])
-    if model not in DISTORTION_MODELS:
-        raise InvalidValueError(
-            f'distortion_model must be {" or ".join(DISTORTION_MODELS)}, got {model!r}')
+    model = content.get('distortion_model', 'plumb_bob')
+    if not isinstance(model, str):
+        raise InvalidValueError(f'distortion_model must be a name, got {model!r}')
     matrix = finite_numbers('camera_matrix.data', _data(content, 'camera_matrix'), 9)
-    return CameraIntrinsics(size, matrix.reshape(3, 3), _data(content, 'distortion_coefficients'))
+    coefficients = finite_numbers(
+        'distortion_coefficients', _data(content, 'distortion_coefficients'), -1)
+    return LensModel.of_matrix(size, matrix.reshape(3, 3), coefficients, model)
 
 
 def _data(content: Any, key: str) -> Any:

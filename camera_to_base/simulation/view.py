@@ -9,6 +9,7 @@
 
 """The simulated camera: a pinhole above the work surface, and how it is moved."""
 
+import copy
 import math
 from typing import Any, Dict, NamedTuple, Sequence, Tuple
 
@@ -169,6 +170,18 @@ class BoardView:
         :raises HorizonError: If the picture would reach the horizon.
         """
         return BoardView(*self._from, move)
+
+    def of_plane(self, surface_from_plane: np.ndarray) -> 'BoardView':
+        """
+        Return the view of another plane, whose points are then those of the surface.
+
+        :param surface_from_plane: Shape (3, 3), in cm: where the surface shows the plane's points.
+        """
+        view = copy.copy(self)
+        view.pixel_from_surface = self.pixel_from_surface @ surface_from_plane
+        inverse = np.linalg.inv(view.pixel_from_surface)
+        view.surface_from_pixel = inverse / inverse[2, 2]
+        return view
 
     def points(self, rows: slice, columns: slice) -> np.ndarray:
         """

@@ -23,9 +23,9 @@ OpenCV.
 from camera_to_base.uncertainty.calibration_error import (
     base_covariance, base_error, fit_error, FitError, pooled_variance)
 from camera_to_base.uncertainty.covariance import (
-    CENTRE_FLOOR, checked_covariance, FrameState, HEIGHT_TOLERANCE, PositionCovariance,
-    SURFACE_COVARIANCE, surface_covariance, symmetric, triangle_length, triangle_of,
-    UNCERTAINTY_SPECS)
+    CAMERA_COVARIANCE, camera_covariance, CENTRE_FLOOR, checked_covariance, FrameState,
+    HEIGHT_TOLERANCE, place_95, PositionCovariance, SURFACE_COVARIANCE, surface_covariance,
+    symmetric, triangle_length, triangle_of, UNCERTAINTY_SPECS)
 from camera_to_base.uncertainty.position import (
     position_uncertainty, PositionUncertainty, scales_at)
 from camera_to_base.uncertainty.terms import (
@@ -36,12 +36,13 @@ from camera_to_base.uncertainty.transform import (
     uncertain_transform_of, UncertainTransform)
 
 __all__ = [
-    'base_covariance', 'base_error', 'centre_covariance', 'CENTRE_FLOOR',
-    'checked_covariance', 'Ellipse', 'ellipse_covariance', 'error_ellipse', 'fit_error',
-    'FitError', 'FrameState', 'height_slopes', 'HEIGHT_TOLERANCE', 'HOMOGRAPHY_NUMBERS', 'Lens',
-    'likely_place', 'pooled_variance', 'position_uncertainty', 'PositionCovariance',
-    'PositionUncertainty', 'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread',
-    'SURFACE_COVARIANCE', 'surface_covariance', 'symmetric', 'triangle_length', 'triangle_of',
-    'uncertain_transform', 'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS',
-    'UNKNOWN_ANGLE', 'warp_design', 'WARP_NUMBERS', 'yaw_variance',
+    'base_covariance', 'base_error', 'CAMERA_COVARIANCE', 'camera_covariance',
+    'centre_covariance', 'CENTRE_FLOOR', 'checked_covariance', 'Ellipse', 'ellipse_covariance',
+    'error_ellipse', 'fit_error', 'FitError', 'FrameState', 'height_slopes',
+    'HEIGHT_TOLERANCE', 'HOMOGRAPHY_NUMBERS', 'Lens', 'likely_place', 'place_95',
+    'pooled_variance', 'position_uncertainty', 'PositionCovariance', 'PositionUncertainty',
+    'radius_for', 'scales_at', 'Shape', 'ShiftMean', 'Spread', 'SURFACE_COVARIANCE',
+    'surface_covariance', 'symmetric', 'triangle_length', 'triangle_of', 'uncertain_transform',
+    'uncertain_transform_of', 'UncertainTransform', 'UNCERTAINTY_SPECS', 'UNKNOWN_ANGLE',
+    'warp_design', 'WARP_NUMBERS', 'yaw_variance',
 ]

@@ -10,7 +10,7 @@
 """The covariance of a position: what it is made of, its parameters, and matrices as parameters."""
 
 import math
-from typing import List, NamedTuple, Sequence
+from typing import Dict, List, NamedTuple, Sequence
 
 from camera_to_base.checks import ImageSize
 from camera_to_base.errors import InvalidValueError
@@ -19,6 +19,9 @@ from camera_to_base.uncertainty.terms import HOMOGRAPHY_NUMBERS, UNKNOWN_ANGLE, 
 import numpy as np
 
 SURFACE_COVARIANCE = 'surface.covariance'
+CAMERA_COVARIANCE = 'surface.camera_covariance'
+# Foot point, x and y, height, and focal length.
+PLACE_NUMBERS = 4
 CENTRE_FLOOR = 'uncertainty.centre_floor_px'
 HEIGHT_TOLERANCE = 'uncertainty.height_tolerance_cm'
 
@@ -60,6 +63,11 @@ UNCERTAINTY_SPECS: List[ParameterSpec] = [
                   "picture's diagonal; `calibrate` writes it. Empty for not known: about 5 mm in "
                   'the centre and 15 mm in the corners of a picture that is 36 cm wide.',
                   lengths=(0, triangle_length(WARP_NUMBERS))),
+    ParameterSpec(CAMERA_COVARIANCE, [],
+                  "How uncertain the camera's place and lens are: the upper triangle of the "
+                  "covariance of the foot point's x and y (cm), the height (cm) and the focal "
+                  'length (px); `calibrate board` writes it. Empty for not known.',
+                  lengths=(0, triangle_length(PLACE_NUMBERS))),
     ParameterSpec(CENTRE_FLOOR, 0.2,
                   "Standard deviation of u and v of an object's centre that light causes: shade, "
                   'highlights, shining edges.', (0, 1000), unit='px'),
@@ -67,6 +75,8 @@ UNCERTAINTY_SPECS: List[ParameterSpec] = [
                   'Standard deviation of object_height_cm: by how much the heights of your '
                   'objects differ from it.', (0, 1000), unit='cm'),
 ]
+# Standard deviations that hold 95 % along a line, and in a plane.
+_ALONG_A_LINE, _IN_A_PLANE = 1.96, 2.4477
 # Without a measured covariance.
 _UNKNOWN_HOMOGRAPHY, _UNKNOWN_LENS = 0.02, (0.05, 0.0, 0.0, 0.0, 0.0, 0.0)
 # Rounding may make an eigenvalue slightly negative.
@@ -84,6 +94,32 @@ def surface_covariance(numbers: Sequence[float]) -> np.ndarray:
     if not len(numbers):
         return np.diag(np.square([_UNKNOWN_HOMOGRAPHY] * HOMOGRAPHY_NUMBERS + [*_UNKNOWN_LENS]))
     return checked_covariance(SURFACE_COVARIANCE, numbers, WARP_NUMBERS)
+
+
+def camera_covariance(numbers: Sequence[float]) -> np.ndarray:
+    """
+    Make the covariance of the camera's place of its parameter.
+
+    :param numbers: 'surface.camera_covariance'; empty where it is not known, which gives zeros.
+    :returns: Shape (4, 4), of the foot point's x and y and of the height, in cm, and of the focal
+        length, in px.
+    :raises InvalidValueError: If they are no covariance.
+    """
+    if not len(numbers):
+        return np.zeros((PLACE_NUMBERS, PLACE_NUMBERS))
+    return checked_covariance(CAMERA_COVARIANCE, numbers, PLACE_NUMBERS)
+
+
+def place_95(covariance: np.ndarray) -> Dict[str, float]:
+    """
+    Tell within how much the camera's true place and lens lie with a chance of 95 %.
+
+    :param covariance: Shape (4, 4), see :func:`camera_covariance`.
+    """
+    along = np.linalg.eigvalsh(covariance[:2, :2])[-1]
+    return {'height_cm_95': round(_ALONG_A_LINE * float(np.sqrt(covariance[2, 2])), 4),
+            'foot_cm_95': round(_IN_A_PLANE * float(np.sqrt(max(along, 0.0))), 4),
+            'focal_px_95': round(_ALONG_A_LINE * float(np.sqrt(covariance[3, 3])), 3)}
 
 
 def checked_covariance(name: str, numbers: Sequence[float], size: int) -> np.ndarray:

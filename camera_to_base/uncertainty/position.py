@@ -18,8 +18,8 @@ from camera_to_base.coordinate_transform import CameraPlace
 from camera_to_base.errors import HorizonError
 from camera_to_base.parameters import Values
 from camera_to_base.uncertainty.covariance import (
-    CENTRE_FLOOR, FrameState, HEIGHT_TOLERANCE, LEAST_Z_CM, PositionCovariance,
-    SURFACE_COVARIANCE, surface_covariance, UNKNOWN_POSITION)
+    CAMERA_COVARIANCE, camera_covariance, CENTRE_FLOOR, FrameState, HEIGHT_TOLERANCE, LEAST_Z_CM,
+    PositionCovariance, SURFACE_COVARIANCE, surface_covariance, UNKNOWN_POSITION)
 from camera_to_base.uncertainty.terms import (
     centre_covariance, height_slopes, Lens, likely_place, Shape, Spread,
     TUTORIAL_FLOOR_PX, UNKNOWN_ANGLE, warp_design, yaw_variance)
@@ -70,6 +70,7 @@ class PositionUncertainty:
     :param centre_floor_px: What light does to a centre, see `terms`.
     :param height_tolerance_cm: Standard deviation of the objects' height.
     :param is_tutorial: Whether the detector is the tutorial's.
+    :param place_covariance: Of the camera's foot point and height, shape (3, 3), in cm².
     """
 
     surface: SurfaceModel
@@ -78,6 +79,8 @@ class PositionUncertainty:
     centre_floor_px: float = 0.0
     height_tolerance_cm: float = 0.0
     is_tutorial: bool = False
+    place_covariance: np.ndarray = field(
+        default_factory=lambda: np.zeros((3, 3)), compare=False)
     _places: Dict = field(default_factory=dict, compare=False, repr=False)
 
     def covariance(self, shape: Shape, frame: FrameState) -> PositionCovariance:
@@ -91,6 +94,7 @@ class PositionUncertainty:
         x, y = place.slope
         height = self.height_tolerance_cm ** 2
         if shape.height_cm:
+            xx, xy, yy = self._with_place((xx, xy, yy), shape.height_cm, (x, y), frame.image_size)
             x, y = _CENTRE_SHARE * x, _CENTRE_SHARE * y
         misfit = shape.misfit_cm ** 2
         found = PositionCovariance(
@@ -99,6 +103,17 @@ class PositionUncertainty:
             yy + place.surface[2] + height * y * y + misfit, max(height, LEAST_Z_CM ** 2),
             min(yaw_variance(shape, in_picture) + self._rotation_variance, UNKNOWN_ANGLE))
         return found if all(map(math.isfinite, found)) else UNKNOWN_POSITION
+
+    def _with_place(
+        self, covariance: Tuple[float, float, float], height_cm: float,
+        slope: Tuple[float, float], image_size: ImageSize,
+    ) -> Tuple[float, float, float]:
+        """Add what the error of the camera's place does to an object of a height."""
+        _, camera = self._of_size(image_size)
+        share = _CENTRE_SHARE * height_cm / camera.height_cm
+        moves = share * np.array([[1.0, 0.0, -slope[0]], [0.0, 1.0, -slope[1]]])
+        (xx, xy), (_, yy) = (moves @ self.place_covariance @ moves.T).tolist()
+        return covariance[0] + xx, covariance[1] + xy, covariance[2] + yy
 
     def of_pixel(
         self, pixel: Tuple[float, float], image_size: ImageSize
@@ -208,8 +223,9 @@ def position_uncertainty(values: Values, surface: SurfaceModel) -> PositionUncer
 
     :param values: The camera node's parameters, by full name.
     :param surface: Made of the same parameters.
-    :raises InvalidValueError: If surface.covariance is no covariance.
+    :raises InvalidValueError: If surface.covariance or surface.camera_covariance is none.
     """
     return PositionUncertainty(
         surface, surface_covariance(values[SURFACE_COVARIANCE]), surface.camera_place,
-        values[CENTRE_FLOOR], values[HEIGHT_TOLERANCE], values['detector.method'] == 'tutorial')
+        values[CENTRE_FLOOR], values[HEIGHT_TOLERANCE], values['detector.method'] == 'tutorial',
+        camera_covariance(values[CAMERA_COVARIANCE])[:3, :3])

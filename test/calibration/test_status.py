@@ -55,7 +55,7 @@ def test_file_that_was_written_by_hand_tells_no_figures():
                                   'good')
     assert status['lacks'][0] == 'the surface'
     assert next_step('my cell.yaml', TRANSFORM).arguments == (
-        'board', '--camera', '0', '--placements', '4', '-o', 'my cell.yaml')
+        'board', '--camera', '0', '-o', 'my cell.yaml')
 
 
 def test_older_report_of_a_base_frame_is_left_out():

@@ -19,6 +19,7 @@ from camera_to_base.checks import DEFAULT_IMAGE_SIZE
 from camera_to_base.commands.calibrate.files import camera_values, check_outputs, write_part
 from camera_to_base.commands.calibrate.live_camera import FreshFrames
 from camera_to_base.commands.calibrate.prompts import ask, tell, until_right
+from camera_to_base.commands.calibrate.tilted import take_tilted
 from camera_to_base.errors import CameraToBaseError, InputEndedError, InvalidValueError
 from camera_to_base.parameters import ParameterFile, Values
 from camera_to_base.simulation import CameraMove, move_parameters, SimulatedChessboard
@@ -27,16 +28,20 @@ from camera_to_base.sources import FrameSource, median_frame, open_frame_source,
 
 def run_board(options: argparse.Namespace) -> Report:
     """Calibrate the surface, and write the file."""
-    outputs = check_outputs(options, SURFACE, *options.pictures, options.intrinsics)
-    intrinsics = read_camera_info(options.intrinsics) if options.intrinsics else None
+    outputs = check_outputs(
+        options, SURFACE, *options.pictures, *options.tilted, options.intrinsics)
+    lens = read_camera_info(options.intrinsics) if options.intrinsics else None
     board, source_values = _printed_board(options), {}
     if options.camera is None:
-        placements = [_from_file(board, path, number, len(options.pictures) > 1)
+        says_name = len(options.pictures) + len(options.tilted) > 1
+        placements = [_from_file(board, path, number, says_name)
                       for number, path in enumerate(options.pictures)]
-        refuse_unlike(placements)
+        tilted = [_from_file(board, path, number, says_name)
+                  for number, path in enumerate(options.tilted, len(placements))]
+        refuse_unlike([*placements, *tilted])
     else:
-        placements, source_values = _from_camera(board, options, outputs.old)
-    calibration = calibrate_placements(board, placements, intrinsics)
+        placements, tilted, source_values = _from_camera(board, options, outputs.old)
+    calibration = calibrate_placements(board, placements, lens, tilted)
     return write_part(calibration, outputs, SURFACE, source_values)
 
 
@@ -62,8 +67,8 @@ def _from_file(
 
 def _from_camera(
     board: PrintedBoard, options: argparse.Namespace, old: Optional[ParameterFile]
-) -> Tuple[List[Placement], Dict[str, Any]]:
-    """Take the pictures, guided from one placement to the next; return the source's values."""
+) -> Tuple[List[Placement], List[Placement], Dict[str, Any]]:
+    """Take the pictures, guided from one to the next: flat ones, tilted ones, source's values."""
     source, values = _open_camera(options, old)
     placements: List[Placement] = []
     try:
@@ -74,9 +79,10 @@ def _from_camera(
             if placement is None:
                 break
             placements.append(placement)
+        tilted = take_tilted(board, source, placements, options.tilted_placements)
     finally:
         source.release()
-    return placements, values
+    return placements, tilted, values
 
 
 def _taken(
@@ -92,7 +98,7 @@ def _taken(
         picture = median_frame(source)
         tell('looking for the board ...')
         found = make_placement(
-            board, picture, f'camera {options.camera}', number, says_name=number > 0)
+            board, picture, _name(options, number), number, says_name=number > 0)
         refuse_unlike([*placements, found])
         return found
 
@@ -107,6 +113,11 @@ def _taken(
         if not placements:
             raise
         return None
+
+
+def _name(options: argparse.Namespace, number: int) -> str:
+    name = f'camera {options.camera}'
+    return name if options.placements == 1 else f'{name}, placement {number + 1}'
 
 
 def _guide(placements: List[Placement], wanted: int, source: FrameSource) -> bool:

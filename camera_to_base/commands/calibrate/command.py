@@ -86,7 +86,7 @@ def _run_sheet(options: argparse.Namespace) -> Report:
     return {'file': output, 'paper': options.paper, 'corners': [columns, rows],
             'square_mm': options.square_mm, 'warnings': doubts, 'kept': kept,
             'next': full_command(
-                'calibrate', 'board', '--camera', '0', '--placements', '4',
+                'calibrate', 'board', '--camera', '0',
                 '--corners', f'{columns}x{rows}', '--square-mm', f'{options.square_mm:g}',
                 *(['--charuco'] if options.charuco else []), '-o', 'cell.yaml')}
 

@@ -28,7 +28,7 @@ from camera_to_base.shell_commands import full_command, run_command
 from camera_to_base.sources import DEVICE, kind_of, lasting_name
 
 # Name of a part, and the step that gives it.
-_EARLIER = {SURFACE: ('surface', 'calibrate board --camera {} --placements 4 -o {}'),
+_EARLIER = {SURFACE: ('surface', 'calibrate board --camera {} -o {}'),
             MARKERS: ('markers', 'calibrate markers --camera {} -o {}')}
 
 # A hand that crosses the view, or a picture that comes late, does not end the command.

@@ -19,6 +19,7 @@ from camera_to_base.calibration import PAPERS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import misspelt_name
 from camera_to_base.shell_commands import full_command
+from camera_to_base.sources import kind_of, SIMULATED
 
 BOLD, RED, GREEN, YELLOW = '1', '31', '32', '33'
 
@@ -29,21 +30,20 @@ Print it at 100 % (not "fit to page"), measure the ruler on it, and glue it to s
   calibrate sheet -o board.pdf
   calibrate sheet --paper Letter --corners 8x5 --square-mm 28 -o board.pdf""",
     'board': """
-Print a chessboard, lay it flat on the work surface, and take one picture of it.
+Print a chessboard, lay it flat on the work surface, and take pictures of it.
 
   calibrate board --camera 0 --corners 9x6 --square-mm 25 -o cell.yaml
-  calibrate board picture.png --corners 9x6 --square-mm 25 -o cell.yaml
 
-A board that covers only a part of the table is laid in several places, the camera stays where it
-is. The command says where to lay it next:
+With a camera, the board is laid in four places, and then held above the table at four tilts, which
+give the lens, the camera's height and its foot point. The camera stays where it is; the command
+says where to lay the board next, and which edge to raise. Pictures work the same:
 
-  calibrate board --camera 0 --placements 4 -o cell.yaml
+  calibrate board a.png b.png c.png d.png --tilted t1.png t2.png t3.png t4.png -o cell.yaml
 
 The camera frame lies on the board: its origin is the first inner corner, x runs along the rows
 of corners, y along the columns. The report and its picture show the result.
 
-Objects that are not flat need the camera's height, too. It is computed from the intrinsics that
-ROS's camera_calibration writes:
+With the intrinsics that ROS's camera_calibration writes, flat pictures are enough:
 
   calibrate board picture.png --corners 9x6 --square-mm 25 --intrinsics lens.yaml -o cell.yaml""",
     'points': """
@@ -213,14 +213,34 @@ def _check_board_source(options: argparse.Namespace) -> None:
         raise InvalidValueError(
             'expected pictures of the board, or --camera: calibrate board board.png -o cell.yaml, '
             'or calibrate board --camera 0 -o cell.yaml')
-    if options.placements < 1 or options.placements > 20:
-        raise InvalidValueError(f'--placements must be 1..20, got {options.placements}')
+    for name, least in (('placements', 1), ('tilted_placements', 0)):
+        count = getattr(options, name)
+        if count is not None and not least <= count <= 20:
+            raise InvalidValueError(
+                f'--{name.replace("_", "-")} must be {least}..20, got {count}')
+        if count is not None and options.camera is None:
+            raise InvalidValueError(
+                f'--{name.replace("_", "-")} needs --camera: of pictures, give one for each '
+                'place' + (', and --tilted' if least == 0 else ''))
+    if options.tilted and options.camera is not None:
+        raise InvalidValueError('--tilted names pictures: with --camera, --tilted-placements '
+                                'says how many are taken')
+    _fill_counts(options)
     if options.charuco and options.camera == 'simulated':
         raise InvalidValueError(
             'the simulated camera shows a chessboard without markers: leave out --charuco')
-    if options.placements > 1 and options.camera is None:
-        raise InvalidValueError(
-            '--placements needs --camera: of pictures, give one for each place')
+
+
+def _fill_counts(options: argparse.Namespace) -> None:
+    """Take four flat and four tilted pictures, unless one number or the lens is given."""
+    kind = kind_of(options.camera or '')
+    # A video shows one placement.
+    is_single = options.camera is None or not (kind.is_live or kind == SIMULATED)
+    if options.tilted_placements is None:
+        is_told = options.placements is not None or options.intrinsics is not None
+        options.tilted_placements = 0 if is_told or is_single else 4
+    if options.placements is None:
+        options.placements = 1 if is_single else 4
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -300,9 +320,16 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--camera', metavar='SOURCE',
                        help="instead of a picture: a device, a video, a stream's URL, or "
                             'simulated; the median of several frames')
-    board.add_argument('--placements', type=int, default=1, metavar='N',
+    board.add_argument('--tilted', nargs='+', default=[], metavar='PICTURE',
+                       help='pictures of the same board, held above the table at a tilt: they '
+                            "give the lens, the camera's height and the foot point")
+    board.add_argument('--placements', type=int, metavar='N',
                        help='number of places that the board is laid in, with --camera; it asks '
-                            'for each, and says where to (default: %(default)s)')
+                            'for each, and says where to (default: 4)')
+    board.add_argument('--tilted-placements', type=int, metavar='N',
+                       help='number of pictures with the board held at a tilt, with --camera; '
+                            'each is taken when the board is still (default: 4; 0 with '
+                            '--placements or --intrinsics)')
     board.add_argument('--corners', default='9x6', metavar='9x6',
                        help='number of inner corners, where four squares meet, along a row and '
                             'along a column: one less than the squares (default: %(default)s)')
@@ -321,8 +348,8 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--yaw-deg', type=decimal, default=0.0, metavar='DEG',
                        help="turn the camera frame from the board's x towards its y")
     board.add_argument('--intrinsics', metavar='CAMERA_INFO.yaml',
-                       help="the lens as ROS's camera_calibration writes it: gives the camera's "
-                       'height and foot point, which object_height_cm needs')
+                       help="the lens as ROS's camera_calibration writes it: then flat pictures "
+                            "are enough for the camera's height and foot point")
     add_image_size(board, 'requested from --camera')
     board.add_argument('--simulated-tilt-deg', type=decimal, default=0.0, metavar='DEG',
                        help='tilt of --camera simulated (default: %(default)s)')

@@ -51,7 +51,7 @@ def test_markers_are_learned_where_they_lie(cell):
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     assert np.abs(sides - 4.0).max() < 0.05
     assert 'marker 0: middle at' in '\n'.join(file.comments)
-    assert 'homography from a chessboard' in '\n'.join(file.comments)
+    assert 'pinhole from a chessboard' in '\n'.join(file.comments)
 
 
 def test_touched_markers_give_the_base_frame(cell, run_main, monkeypatch):
