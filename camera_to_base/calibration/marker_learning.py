@@ -19,7 +19,7 @@ from camera_to_base.markers import (
     Corners, has_markers, LEAST_MARKERS, lens_of_values, marker_surface, marker_values,
     refuse_polynomial, see_markers, TABLE_MARKERS)
 from camera_to_base.parameters import checked_values
-from camera_to_base.surface import on_one_line, SURFACE_SPECS
+from camera_to_base.surface import Hull, make_hull, on_one_line, SURFACE_SPECS
 import numpy as np
 
 # Of the frames, a marker is seen in this share.
@@ -45,12 +45,13 @@ def learned_markers(
     """
     refuse_polynomial(values)
     surface = marker_surface(values)
-    corners = {number: surface.locate(pixels) for number, pixels in steady_corners(frames).items()}
+    steady = steady_corners(frames)
+    corners = {number: surface.locate(pixels) for number, pixels in steady.items()}
     edges_mm = {number: _edge_mm(found) for number, found in corners.items()}
     report = {**origin_fields('markers', source),
               'markers': [[number, *(corners[number].mean(axis=0).round(3) + 0.0).tolist(),
                            round(edges_mm[number], 2)] for number in sorted(corners)],
-              'warnings': _doubts(edges_mm, marker_mm)}
+              'warnings': [*_doubts(edges_mm, marker_mm), *_outside(steady, make_hull(values))]}
     return Calibration(report, marker_values(corners))
 
 
@@ -103,6 +104,17 @@ def steady_corners(frames: Sequence[Corners]) -> Corners:
         raise CalibrationError('the markers lie in one line: lay them near the corners of the '
                                'working area')
     return found
+
+
+def _outside(pixels: Corners, hull: Optional[Hull]) -> List[str]:
+    """Warn of markers that lie where no board was measured."""
+    beyond = [] if hull is None else [
+        number for number in sorted(pixels) if not hull.contains(pixels[number].mean(axis=0))]
+    if not beyond:
+        return []
+    return [f'marker(s) {", ".join(map(str, beyond))} lie outside the area that the board '
+            'covered: their places, and what is computed from them, may be off by millimetres; '
+            'calibrate with the board beside the markers, too']
 
 
 def _edge_mm(corners: np.ndarray) -> float:

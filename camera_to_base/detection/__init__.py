@@ -27,7 +27,7 @@ from camera_to_base.detection.on_surface import object_on_surface
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.settings import (
     Area, AREA_SPECS, Areas, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings,
-    HEIGHT_SPECS, read_areas)
+    HEIGHT_SPECS, read_areas, read_polygons)
 from camera_to_base.detection.solid import object_heights, Size
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 
@@ -37,5 +37,5 @@ __all__ = [
     'Found', 'has_changed_block', 'HEIGHT_SPECS', 'LeftOut', 'locate_pixel', 'LocatedObject',
     'mean_blocks', 'median_of', 'object_heights', 'object_on_surface', 'object_shape',
     'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas',
-    'Size', 'smoothed_noise', 'touches_edge', 'white_noise',
+    'read_polygons', 'Size', 'smoothed_noise', 'touches_edge', 'white_noise',
 ]

@@ -164,8 +164,19 @@ def read_areas(work_area: Sequence[float], ignored_areas: str) -> Areas:
         raise InvalidValueError(
             f'work_area must be x and y in turn, got {len(work_area)} numbers')
     work = _named('work_area', np.array(work_area)) if len(work_area) else None
-    texts = [text for text in ignored_areas.split(';') if text.strip()]
-    return Areas(work, tuple(_named('ignored_areas', _corners(text)) for text in texts))
+    return Areas(work, read_polygons('ignored_areas', ignored_areas))
+
+
+def read_polygons(name: str, polygons: str) -> Tuple[Area, ...]:
+    """
+    Read a parameter that holds polygons.
+
+    :param name: Its name in errors.
+    :param polygons: Corners with , between them, polygons with ; between them.
+    :raises InvalidValueError: If one is no polygon.
+    """
+    texts = [text for text in polygons.split(';') if text.strip()]
+    return tuple(_named(name, _corners(name, text)) for text in texts)
 
 
 def _named(name: str, corners: np.ndarray) -> Area:
@@ -175,14 +186,14 @@ def _named(name: str, corners: np.ndarray) -> Area:
         raise InvalidValueError(f'{name}: {error}') from error
 
 
-def _corners(text: str) -> np.ndarray:
+def _corners(name: str, text: str) -> np.ndarray:
     try:
         corners = [[float(number) for number in corner.split()] for corner in text.split(',')]
     except ValueError:
         corners = []
     if not corners or any(len(corner) != 2 for corner in corners):
         raise InvalidValueError(
-            f"ignored_areas must be polygons as '0 0, 5 0, 5 3; 30 0, 36 0, 36 27', got '{text}'")
+            f"{name} must be polygons as '0 0, 5 0, 5 3; 30 0, 36 0, 36 27', got '{text}'")
     return np.array(corners)
 
 

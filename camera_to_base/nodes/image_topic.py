@@ -28,6 +28,9 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import CompressedImage, Image
 
+# A raw picture of this size comes in thousands of packets, which a busy machine drops.
+_LARGE_BYTES = 4_000_000
+
 
 class ImageTopic(ReaderStatus):
     """
@@ -62,6 +65,7 @@ class ImageTopic(ReaderStatus):
         self._refused_at = -LOST_AFTER_S
         self._mismatch: Optional[FrameSourceError] = None
         self._last_number: Optional[int] = None
+        self._last_bytes = 0
         self._message_type = CompressedImage if compressed else Image
         self._topic = 'image/compressed' if compressed else 'image'
         # A large picture comes in many packets: on a busy machine most pictures are lost unless
@@ -112,6 +116,7 @@ class ImageTopic(ReaderStatus):
 
     def _on_message(self, message: Union[Image, CompressedImage], info: Dict[str, Any]) -> None:
         arrived_at = _arrived_at(info)
+        self._last_bytes = len(message.data)
         self._count_replaced(info)
         try:
             frame = self._decode(message)
@@ -174,6 +179,11 @@ class ImageTopic(ReaderStatus):
 
     def _cause_of_silence(self) -> FrameSourceError:
         silence = f'no picture on {self.topic_name}'
+        if self._subscription.get_publisher_count() and self._last_bytes > _LARGE_BYTES:
+            return FrameSourceError(
+                f'{silence}, though a camera driver publishes there: raw pictures of '
+                f'{self._last_bytes / 1e6:.0f} MB are lost on the way; use compressed_topic, or a '
+                'smaller picture')
         if self._subscription.get_publisher_count():
             return FrameSourceError(
                 f'{silence}, though a camera driver publishes there: is its camera plugged in?')

@@ -13,7 +13,7 @@ from collections import Counter
 import time
 from typing import Callable, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection import LeftOut, LocatedObject
+from camera_to_base.detection import LeftOut, LocatedObject, read_polygons
 from camera_to_base.errors import CameraToBaseError, FrameSizeError, Level, Reason
 from camera_to_base.parameters import default_values, ParameterSpec, Values
 
@@ -44,6 +44,12 @@ LIMIT_SPECS = [
         'view.correct_error_mm', 1.0,
         'Nothing is corrected, and nothing published, if one of a hundred positions would be off '
         'by more than this after the correction.', (0.01, 1000), unit='mm'),
+    ParameterSpec(
+        'view.fixed_areas', '',
+        'What stands still with the robot (its foot, a bracket), on the picture: where it has not '
+        'moved but the rest has, the table was pushed, and nothing is corrected or published. In '
+        'px, corners with , between them, polygons with ; between them.',
+        constraints="such as '0 0, 80 0, 80 60'"),
 ]
 _DEFAULTS = default_values(LIMIT_SPECS)
 
@@ -60,6 +66,7 @@ class Limits(NamedTuple):
     max_changed_share: float = _DEFAULTS['view.max_changed_share']
     correct_up_to_px: float = _DEFAULTS['view.correct_up_to_px']
     correct_error_mm: float = _DEFAULTS['view.correct_error_mm']
+    fixed_areas: str = _DEFAULTS['view.fixed_areas']
 
     @property
     def may_correct(self) -> bool:
@@ -72,7 +79,9 @@ def make_limits(values: Values) -> Limits:
     Make the limits from their parameters.
 
     :param values: By full name, as the specs allow them.
+    :raises InvalidValueError: If `view.fixed_areas` are no polygons.
     """
+    read_polygons('view.fixed_areas', values['view.fixed_areas'])
     return Limits(*(values[spec.name] for spec in LIMIT_SPECS))
 
 

@@ -10,9 +10,9 @@
 """What the pipeline publishes after its camera was nudged."""
 
 from camera_to_base.detection import DetectorSettings
-from camera_to_base.errors import Level
+from camera_to_base.errors import InvalidValueError, Level
 from camera_to_base.parameters import default_values
-from camera_to_base.pipeline import SurfaceInForce
+from camera_to_base.pipeline import LIMIT_SPECS, make_limits, SurfaceInForce
 from camera_to_base.settings import CAMERA_SPECS
 from camera_to_base.sources import VIDEO_FILE
 from camera_to_base.uncertainty import position_uncertainty, triangle_of
@@ -264,3 +264,37 @@ def test_recording_is_corrected_as_a_camera_is():
     watched = Watched(kind=VIDEO_FILE)
     assert watched.see(nudge(6, 2), [COIN], 12).reason is None
     assert watched.pipeline.doubt.kind == 'view_corrected'
+
+
+FIXED = '0 0, 110 0, 110 90, 0 90'
+
+
+def pushed(watched, matrix):
+    """Let it see the table pushed below a camera and a robot's foot that stand still."""
+    still = watched.table.shoot()
+    for _ in range(6):
+        watched._now += 0.1
+        frame = watched.table.shoot(matrix)
+        frame[:90, :110] = still[:90, :110]
+        watched.sighting = watched.pipeline.process(frame, watched._now)
+    return watched.sighting
+
+
+def test_pushed_table_is_not_corrected_where_a_part_of_the_robot_is_in_view():
+    watched = Watched(limits=LIMITS._replace(fixed_areas=FIXED))
+    reason = pushed(watched, nudge(6, 2)).reason
+    assert reason.kind == 'view_moved' and 'the table was pushed' in reason.sentence
+    watched = Watched(limits=LIMITS._replace(fixed_areas=FIXED))
+    assert watched.see(nudge(6, 2), [COIN], 6).reason is None
+    assert watched.pipeline.doubt.kind == 'view_corrected'
+
+
+def test_both_cases_are_named_where_the_picture_cannot_tell():
+    watched = Watched()
+    pushed(watched, nudge(6, 2))
+    assert 'If the table was pushed instead' in watched.pipeline.doubt.sentence
+
+
+def test_fixed_areas_that_are_none_are_refused():
+    with pytest.raises(InvalidValueError, match="view.fixed_areas must be polygons.*'0 0, 3'"):
+        make_limits({**default_values(LIMIT_SPECS), 'view.fixed_areas': '0 0, 3'})

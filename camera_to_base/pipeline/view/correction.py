@@ -12,6 +12,7 @@
 from typing import Any, Dict, NamedTuple, Optional
 
 from camera_to_base.checks import ImageSize
+from camera_to_base.detection import read_polygons
 from camera_to_base.errors import HorizonError, InvalidValueError, Level, Reason
 from camera_to_base.pipeline.place import SurfaceInForce
 from camera_to_base.pipeline.sighting import Limits
@@ -21,6 +22,7 @@ from camera_to_base.surface import (
 from camera_to_base.uncertainty import (
     PositionUncertainty, radius_for, scales_at, SURFACE_COVARIANCE, triangle_of, warp_design,
     WARP_NUMBERS)
+import cv2
 import numpy as np
 
 # The error is that of an ellipse with so many of all errors, at the worst of these places.
@@ -34,6 +36,10 @@ _SAME_PX, _USUAL_LENGTH, _SAME_DEVIATIONS = 0.3, 960, 1.5
 _LEAST_NUDGE_PX = 0.5
 # A shift that is not held back is measured where it stays above this, in px, for so many frames.
 _DRIFT_PX, _DRIFT_FRAMES = 0.8, 4
+# What stands still differs from the background by this share of what it would if it had moved.
+_STANDS_STILL = 0.7
+# An edge at the rim of what both pictures show is none; the blur reaches this far.
+_RIM_PX, _AROUND_EDGES = 2.0, np.ones((9, 9), np.uint8)
 # Of frames that are not held back so many are measured in a row; from then on two of each so many.
 _AT_ONCE, _PERIOD = 8, 8
 
@@ -63,7 +69,9 @@ class Correction(NamedTuple):
             f'the camera was nudged by {self.shift_px:.1f} px ({self.shift_mm:.1f} mm): positions '
             f'are corrected, to about {max(self.error_mm, 0.1):.1f} mm: move the camera back, or '
             'keep the correction with `calibrate keep FILE` or on the dashboard (otherwise, after '
-            'a restart, only a background_file tells that it was nudged)'))
+            'a restart, only a background_file tells that it was nudged). If the table was pushed '
+            f'instead, positions are off by {self.shift_mm:.1f} mm: push it back; '
+            'view.fixed_areas would tell'))
 
 
 def correction_of(nudge: Nudge, surface: Surface, size: ImageSize) -> Correction:
@@ -219,9 +227,32 @@ class Corrector:
             self.doubt = nudge
             return None
         correction = correction_of(nudge, self._surface, self._size)
-        self.doubt = _doubt(correction, limits)
+        self.doubt = _doubt(correction, limits) or self._pushed(frame, nudge, limits.fixed_areas)
         self.is_refused = self.doubt is not None
         return correction if self.doubt is None else None
+
+    def _pushed(self, frame: np.ndarray, nudge: Nudge, fixed_areas: str) -> Optional[str]:
+        """Say that the table was pushed, where what stands still with the robot has not moved."""
+        areas = read_polygons('view.fixed_areas', fixed_areas)
+        if not areas:
+            return None
+        fixed = np.zeros(frame.shape[:2], np.uint8)
+        cv2.fillPoly(fixed, [np.round(area.corners).astype(np.int32) for area in areas], 1)
+        places = nudge.frame_from_background.inverse.grid(self._size)
+        inside = [side - 1.0 - _RIM_PX for side in self._size]
+        known = cv2.erode(cv2.inRange(places, (_RIM_PX, _RIM_PX), tuple(inside)), _AROUND_EDGES)
+        fixed &= known
+        if not fixed.any():
+            return None
+        moved = cv2.remap(self._background, places, None, cv2.INTER_LINEAR)
+        # By their edges, which do not depend on the light.
+        seen, still, moved = (_edges(picture)[fixed > 0] for picture in (
+            frame, self._background, moved))
+        off_still, off_moved = np.abs(seen - still).mean(), np.abs(seen - moved).mean()
+        if off_still < _STANDS_STILL * off_moved:
+            return ('what stands in view.fixed_areas has not moved, so the table was pushed: push '
+                    'it back, or calibrate the base again')
+        return None
 
     def _is_same(self, one: Correction, other: Correction) -> bool:
         limit = max(_SAME_PX * max(1.0, max(self._size) / _USUAL_LENGTH),
@@ -247,6 +278,12 @@ class Corrector:
         apart = one.frame_from_background.pixels(places) - other.frame_from_background.pixels(
             places)
         return float(np.hypot(*apart.T).max())
+
+
+def _edges(picture: np.ndarray) -> np.ndarray:
+    grey = cv2.GaussianBlur(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), (5, 5), 0)
+    grey = np.log(np.maximum(grey, 8).astype(np.float32))
+    return np.stack([cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)], axis=2)
 
 
 def _doubt(correction: Correction, limits: Limits) -> Optional[str]:
