@@ -9,12 +9,13 @@
 
 """The surface from a board that a person lays on the table, one placement after the other."""
 
-from typing import Any, Callable, Dict, Mapping, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from camera_to_base.calibration import (
     calibrate_placements, Calibration, part_values, Placement, SURFACE)
+from camera_to_base.dashboard.sessions.kept import History
 from camera_to_base.dashboard.sessions.placements import (
-    BoardOptions, BoardWatch, PictureTaker, PlacementList, report_data)
+    BoardOptions, BoardWatch, found_again, PictureTaker, PlacementList, report_data)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
@@ -49,6 +50,28 @@ class BoardSession:
         self.calibration: Optional[Calibration] = None
         self._accepted: Optional[Dict[str, Any]] = None
         self.accepted_calibration: Optional[Calibration] = None
+        self._history = History()
+        self._reading: List[np.ndarray] = []
+
+    @property
+    def kept(self) -> Tuple[Dict[str, Any], List[np.ndarray]]:
+        """What a new start of the dashboard needs, as JSON, and the placements' pictures."""
+        return ({'options': self._options.data, 'is_on': self._is_on},
+                self._reading or self._placements.images)
+
+    def restore(self, kept: Mapping[str, Any], images: List[np.ndarray]) -> None:
+        """
+        Go on where the dashboard has ended.
+
+        :raises CameraToBaseError: If that is not possible.
+        """
+        options = self._options.changed(kept['options'])
+        self._options, self._is_on = options, bool(kept['is_on'])
+        self._watch.start(options.board if self._is_on else None)
+        if images:
+            self._reading = images
+            self._begin('Reading the placements from before …')
+            self._worker.run(lambda: found_again(options.board, images), self._take_again)
 
     @property
     def wants_frames(self) -> bool:
@@ -80,7 +103,8 @@ class BoardSession:
             'suggestion': self._placements.suggestion if self._is_on else None,
             'busy': self._busy, 'error': self._error,
             'report': self.calibration and report_data(self.calibration, len(self._placements)),
-            'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted}
+            'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted,
+            'undo': self._history.sentence}
 
     def start(self, body: Mapping[str, Any]) -> None:
         """
@@ -91,6 +115,7 @@ class BoardSession:
         """
         options = self._options.changed(body)
         if options.board != self._options.board:
+            self._remember('another board')
             self._forget()
         self._options, self._is_on, self._error = options, True, None
         self._watch.start(options.board)
@@ -98,6 +123,7 @@ class BoardSession:
 
     def cancel(self) -> None:
         """End, and drop the placements."""
+        self._remember('stop')
         self._is_on, self._error = False, None
         self._watch.start(None)
         self._forget()
@@ -136,8 +162,24 @@ class BoardSession:
         :raises InvalidValueError: If there is none.
         """
         _refuse_unless(not self._busy, _BUSY)
+        before = self._former
         self._placements.remove(self._options.board, body.get('number'))
+        self._history.push(f'placement {body["number"]} removed', before)
         self.calibration = self._accepted = None
+        self._on_change()
+
+    def undo(self) -> None:
+        """
+        Bring back what was removed last.
+
+        :raises CameraToBaseError: If nothing was.
+        """
+        _refuse_unless(not self._busy, _BUSY)
+        self._options, placements, self._is_on, self.calibration, self._accepted = (
+            self._history.pop())
+        self._placements.put_back(placements)
+        self._error = None
+        self._watch.start(self._options.board if self._is_on else None)
         self._on_change()
 
     def fit(self) -> None:
@@ -211,6 +253,22 @@ class BoardSession:
         self._end(found)
         if isinstance(found, Calibration) and self._placements:
             self.calibration, self._accepted = found, None
+        self._on_change()
+
+    @property
+    def _former(self) -> Any:
+        return (self._options, self._placements.all, self._is_on, self.calibration,
+                self._accepted)
+
+    def _remember(self, sentence: str) -> None:
+        if self._placements:
+            self._history.push(sentence, self._former)
+
+    def _take_again(self, found: Any) -> None:
+        self._end(found)
+        self._reading = []
+        if not isinstance(found, Exception):
+            self._placements.put_back([*found, *self._placements.all])
         self._on_change()
 
     def _begin(self, sentence: str) -> None:

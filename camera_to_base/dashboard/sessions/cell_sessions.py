@@ -18,6 +18,7 @@ from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
 from camera_to_base.calibration import marker_sheet_content, OfferedCorrection, report_lines
 from camera_to_base.dashboard.sessions.board import BoardSession
 from camera_to_base.dashboard.sessions.cell_file import CellFiles
+from camera_to_base.dashboard.sessions.kept import KeptSteps, Steps
 from camera_to_base.dashboard.sessions.markers import MarkerSession
 from camera_to_base.dashboard.sessions.placements import PANEL_NAMES
 from camera_to_base.dashboard.sessions.robot import RobotSession
@@ -25,7 +26,7 @@ from camera_to_base.dashboard.sessions.save import SaveSession
 from camera_to_base.dashboard.sessions.table import (
     area_changes, areas_data, show, simulated_data, TOOL_TOPIC, touch)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, Setup, Worker
-from camera_to_base.errors import InvalidValueError
+from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import Values
 import cv2
 import numpy as np
@@ -61,8 +62,9 @@ class CellSessions:
         owner_of: Callable[[str], Optional[str]] = lambda path: None,
     ) -> None:
         self._lock = threading.RLock()
-        self._on_change = on_change
-        self.was_running = False
+        self._on_change = self._kept_before(on_change)
+        on_change = self._on_change
+        self.was_running = self._is_restored = False
         self._values = CellValues()
         self._worker = Worker(self._lock)
         self._board = BoardSession(
@@ -74,6 +76,8 @@ class CellSessions:
                                    self._board.accepted_calibration),
             params_file, lambda: on_change('save'), owner_of)
         self._actions = self._list_actions()
+        self._kept = KeptSteps(self._save.path)
+        self._restore()
 
     @property
     def wants_frames(self) -> bool:
@@ -233,8 +237,31 @@ class CellSessions:
         return CellChanges({'camera': dict(offered.values)}, [])
 
     def close(self) -> None:
-        """End the worker."""
+        """End the worker; what was measured is kept."""
         self._worker.close()
+        self._kept.write()
+
+    def _kept_before(self, on_change: Callable[[str], None]) -> Callable[[str], None]:
+        def changed(part: str) -> None:
+            self._keep(part)
+            on_change(part)
+        return changed
+
+    def _keep(self, part: str) -> None:
+        if part in ('board', 'robot') and self._is_restored:
+            board, images = self._board.kept
+            if self._kept.see(Steps(board, self._robot.kept, images)):
+                self._worker.run(self._kept.write, lambda result: None)
+
+    def _restore(self) -> None:
+        steps = self._kept.read()
+        if steps is not None:
+            try:
+                self._board.restore(steps.board, steps.images)
+                self._robot.restore(steps.robot)
+            except (CameraToBaseError, KeyError, TypeError, ValueError):
+                pass  # not of this version
+        self._is_restored = True
 
     def _list_actions(self) -> Dict[Tuple[str, str], Action]:
         board, markers, robot, values = (
@@ -242,6 +269,7 @@ class CellSessions:
         return {
             ('board', 'start'): board.start, ('board', 'take'): lambda body: board.take(),
             ('board', 'remove'): board.remove, ('board', 'fit'): lambda body: board.fit(),
+            ('board', 'undo'): lambda body: board.undo(),
             ('board', 'accept'): lambda body: board.acceptance(),
             ('board', 'cancel'): lambda body: board.cancel(),
             ('markers', 'start'): markers.start, ('markers', 'learn'): markers.learn,
@@ -252,9 +280,9 @@ class CellSessions:
             ('robot', 'again'): robot.again, ('robot', 'remove'): robot.remove,
             ('robot', 'base_z'): robot.set_base_z,
             ('robot', 'accept'): lambda body: robot.acceptance(),
-            ('robot', 'cancel'): robot.cancel, ('save', 'save'): self._save.save,
-            ('save', 'cancel'): self._save.cancel, ('save', 'load'): self._save.load,
-            ('save', 'undo'): self._save.undo,
+            ('robot', 'undo'): robot.undo, ('robot', 'cancel'): robot.cancel,
+            ('save', 'save'): self._save.save, ('save', 'cancel'): self._save.cancel,
+            ('save', 'load'): self._save.load, ('save', 'undo'): self._save.undo,
             ('areas', 'set'): lambda body: area_changes(values, body),
             ('simulated', 'show'): lambda body: show(values, body),
             ('simulated', 'touch'): lambda body: touch(values, robot.object_number(body))}

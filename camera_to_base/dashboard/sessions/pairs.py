@@ -102,7 +102,8 @@ class MeasuredWith(NamedTuple):
         for name, before, after in (('camera', self.source, now.source),
                                     ('surface', self.surface, now.surface),
                                     ('background', self.background, now.background)):
-            if before != after:
+            # The background is not known at once after a start.
+            if before != after and not (name == 'background' and None in (before, after)):
                 return (f'it was measured with another {name}: measure it again, or remove it')
         return None
 
@@ -246,6 +247,14 @@ def suggestion_data(place: Suggestion) -> Dict[str, Any]:
                         'hand and the robot out of the picture, and click the object.'}
 
 
+def _pair(number: int, touched: Sequence[Any], measured: Sequence[Any]) -> Pair:
+    (name, pixel, point), camera_point, base_point = touched
+    surface, source, background = measured
+    numbers = [tuple(map(float, one)) for one in (pixel, point, camera_point, base_point)]
+    return Pair(int(number), TouchedPair(Suggestion(str(name), *numbers[:2]), *numbers[2:]),
+                MeasuredWith(dict(surface), str(source), background and tuple(background)))
+
+
 class PairBook:
     """
     Keeps pairs by their numbers.
@@ -260,6 +269,31 @@ class PairBook:
 
     def __len__(self) -> int:
         return len(self._pairs)
+
+    @property
+    def all(self) -> List[Pair]:  # noqa: A003
+        """All pairs, by their numbers."""
+        return list(self._pairs)
+
+    @property
+    def kept(self) -> List[Any]:
+        """The pairs as JSON, see :meth:`restore`."""
+        return [[pair.number, pair.touched, pair.measured_with] for pair in self._pairs]
+
+    def restore(self, kept: Sequence[Any]) -> None:
+        """
+        Take the pairs that were kept as JSON.
+
+        :raises InvalidValueError: If they are none.
+        """
+        try:
+            self.put_back([_pair(*one) for one in kept])
+        except (TypeError, ValueError) as error:
+            raise InvalidValueError('the pairs from before cannot be read') from error
+
+    def put_back(self, pairs: Sequence[Pair]) -> None:
+        """Take pairs in place of the present ones."""
+        self._pairs, self._fitted, self.fit = list(pairs), None, None
 
     @property
     def next_number(self) -> int:
@@ -291,8 +325,9 @@ class PairBook:
         self._pairs, self._fitted, self.fit = [], None, None
 
     def tell_background(self, mark: Any) -> None:
-        """Say with which background the pairs were measured, which was not known."""
-        self._pairs = [pair.with_background(mark) for pair in self._pairs]
+        """Say with which background the pairs were measured for which it was not known."""
+        self._pairs = [pair if pair.measured_with.background else pair.with_background(mark)
+                       for pair in self._pairs]
 
     def fit_again(self, now: MeasuredWith, surface_values: Values, base_z: str) -> bool:
         """

@@ -158,6 +158,17 @@ def _outline(corners: np.ndarray) -> np.ndarray:
     return cv2.convexHull(corners.astype(np.float32)).reshape(-1, 2)
 
 
+def found_again(board: PrintedBoard, images: Sequence[np.ndarray]) -> List[Placement]:
+    """
+    Make the placements of pictures that were kept.
+
+    :param images: Each of shape (h, w, 3), uint8, BGR.
+    :raises CalibrationError: If one shows no such board.
+    """
+    return [make_placement(board, image, f'placement {number + 1}', number)
+            for number, image in enumerate(images)]
+
+
 class PlacementList:
     """Keeps the placements in the order in which they were taken."""
 
@@ -166,6 +177,20 @@ class PlacementList:
 
     def __len__(self) -> int:
         return len(self._placements)
+
+    @property
+    def all(self) -> List[Placement]:  # noqa: A003
+        """All placements."""
+        return list(self._placements)
+
+    @property
+    def images(self) -> List[np.ndarray]:
+        """The picture of each, of shape (h, w, 3), uint8, BGR."""
+        return [one.image for one in self._placements]
+
+    def put_back(self, placements: Sequence[Placement]) -> None:
+        """Take placements in place of the present ones."""
+        self._placements = list(placements)
 
     @property
     def outlines(self) -> List[np.ndarray]:

@@ -14,6 +14,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 from camera_to_base.calibration import (
     BASE, Calibration, part_values, read_typed_position, TouchedPair)
 from camera_to_base.checks import finite_number
+from camera_to_base.dashboard.sessions.kept import History
 from camera_to_base.dashboard.sessions.pairs import (
     fit_data, FollowedObject, marker_place, measured_with, MeasuredWith, Pair, PairBook, Point,
     suggested, suggestion_data, surface_values)
@@ -78,6 +79,22 @@ class RobotSession:
         self._base_z = 'up'
         self.accepted_calibration: Optional[Calibration] = None
         self.tool = ToolPlace()
+        self._history = History()
+
+    @property
+    def kept(self) -> Dict[str, Any]:
+        """What a new start of the dashboard needs, as JSON."""
+        return {'pairs': self._pairs.kept, 'is_on': self._is_on, 'base_z': self._base_z}
+
+    def restore(self, kept: Mapping[str, Any]) -> None:
+        """
+        Go on where the dashboard has ended.
+
+        :raises CameraToBaseError: If that is not possible.
+        """
+        self._pairs.restore(kept['pairs'])
+        self._is_on = bool(kept['is_on'])
+        self._base_z = 'down' if kept['base_z'] == 'down' else 'up'
 
     @property
     def wants_objects(self) -> bool:
@@ -94,7 +111,8 @@ class RobotSession:
             'markers': sorted(self._values.markers),
             'pairs': self._pairs.data(self._now(), self._values.pixel_of),
             'fit': self._pairs.fit and fit_data(self._pairs.fit), 'base_z': self._base_z,
-            'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted}
+            'tool': self.tool.data, 'error': self._error, 'accepted': self._accepted,
+            'undo': self._history.sentence}
 
     def start(self, body: Mapping[str, Any]) -> None:
         """
@@ -110,6 +128,7 @@ class RobotSession:
 
     def cancel(self, body: Mapping[str, Any]) -> None:
         """End, and drop the pairs."""
+        self._remember('stop')
         self._is_on, self._accepted = False, None
         self._pairs.clear()
         self._close()
@@ -210,8 +229,22 @@ class RobotSession:
         :param body: {'number'}.
         :raises InvalidValueError: If there is none.
         """
-        self._pairs.remove(self._pairs.numbered(body.get('number')))
+        pair = self._pairs.numbered(body.get('number'))
+        self._remember(f'pair {pair.number} removed')
+        self._pairs.remove(pair)
         self._again = None
+        self.check_again()
+
+    def undo(self, body: Mapping[str, Any]) -> None:
+        """
+        Bring back what was removed last.
+
+        :raises CameraToBaseError: If nothing was.
+        """
+        pairs, self._is_on = self._history.pop()
+        self._pairs.put_back(pairs)
+        self._again = None
+        self._close()
         self.check_again()
 
     def set_base_z(self, body: Mapping[str, Any]) -> None:
@@ -276,11 +309,17 @@ class RobotSession:
         suggestion = suggested(self._values, number)
         if self._open.marker is not None:
             suggestion = suggestion._replace(name=f'marker {self._open.marker}')
+        if self._again is not None:
+            self._remember(f'pair {number} measured again')
         touched = TouchedPair(suggestion, (place.x, place.y), base_point)
         self._pairs.put(Pair(number, touched, self._open.measured_with))
         self._again = None
         self._close()
         self.check_again()
+
+    def _remember(self, sentence: str) -> None:
+        if self._pairs:
+            self._history.push(sentence, (self._pairs.all, self._is_on))
 
     def _close(self) -> None:
         self._open = self._error = None

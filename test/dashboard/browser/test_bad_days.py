@@ -77,7 +77,7 @@ def test_dead_dashboard_is_told_and_its_return(page, cell):
     page.wait_for('published', '#banner')
 
 
-OLD = '/**: {ros__parameters: {source: simulated, object_height_cm: 1.5}}\n'
+OLD = '/**: {ros__parameters: {source: simulated, reach_cm: 55.5}}\n'
 
 # Keeps the page's sockets, and each text that its banner shows.
 WATCH_SOCKETS = """
@@ -142,6 +142,30 @@ def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
     page.wait_for('54 corners', '#part-calibrate .placements')
     page.click('Stop, and drop the placements', '#part-calibrate')
     page.click('Moving objects', '#simulated')
+
+
+def test_killed_dashboard_loses_no_placement_and_a_stop_is_undone(
+        start_cell, open_page, tmp_path):
+    path = tmp_path / 'cell.yaml'
+    path.write_text(OLD)
+    cell = start_cell(params_file=str(path), namespace='/kept')
+    page = open_page(cell)
+    page.wait_for('/kept', '#cell-choice')
+    page.go_to('calibrate')
+    page.click('Board', '#simulated')
+    page.click('Start', '#part-calibrate')
+    page.click('Keep this placement', '#part-calibrate')
+    page.wait_for('54 corners', '#part-calibrate .placements')
+    wait_until((tmp_path / '.cell.yaml.steps').exists, lambda: 'nothing is kept')
+    cell.kill('dashboard')
+    page.wait_for('The dashboard does not answer', '#banner')
+    cell.start('dashboard')
+    page.wait_for('Connected', '#connection')
+    page.wait_for('54 corners', '#part-calibrate .placements')
+    page.click('Stop, and drop the placements', '#part-calibrate')
+    page.click('Undo: stop', '#part-calibrate')
+    page.wait_for('54 corners', '#part-calibrate .placements')
+    cell.close()
 
 
 def test_full_disk_is_told_on_save_and_the_old_file_stays(start_cell, open_page, tmp_path):

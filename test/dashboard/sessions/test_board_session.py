@@ -10,6 +10,8 @@
 """Calibrating the surface on the page: look, take, fit, accept."""
 
 import json
+from pathlib import Path
+import time
 
 from camera_to_base.calibration import calibrate_placements, make_placement, PrintedBoard
 from camera_to_base.errors import CameraToBaseError
@@ -190,3 +192,56 @@ def test_each_sheet_is_a_pdf_of_its_own(cell):
     sheets = [cell.sessions.sheet(body) for body in bodies]
     assert all(sheet.startswith(b'%PDF') for sheet in sheets)
     assert len({len(sheet) for sheet in sheets}) == len(sheets)
+
+
+@pytest.mark.slow
+def test_a_placement_that_was_removed_and_a_stop_can_be_undone(cell):
+    cell.do('board', 'start')
+    cell.take()
+    cell.board.lay(*cell.board.free_place(1))
+    cell.take()
+    before = cell.state('board')['placements']
+    assert len(before) == 2 and cell.state('board')['undo'] is None
+    state = cell.do('board', 'remove', number=1)
+    assert len(state['placements']) == 1 and state['undo'] == 'placement 1 removed'
+    assert cell.do('board', 'cancel')['placements'] == []
+    assert len(cell.do('board', 'undo')['placements']) == 1
+    state = cell.do('board', 'undo')
+    assert state['placements'] == before and state['step'] == 'looking' and state['undo'] is None
+    with pytest.raises(CameraToBaseError, match='nothing to undo'):
+        cell.do('board', 'undo')
+
+
+def until(condition):
+    end = time.monotonic() + 30
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_the_placements_are_there_after_a_restart_of_the_dashboard(tmp_path):
+    path = tmp_path / 'cell.yaml'
+    cell = Cell(path)
+    cell.do('board', 'start', square_mm=24.0)
+    assert cell.take()['error'] is None
+    before = cell.state('board')
+    until(lambda: Path(tmp_path, '.cell.yaml.steps').exists())
+    # It is killed: nothing is closed.
+    again = Cell(path)
+    until(lambda: again.state('board')['placements'])
+    after = again.state('board')
+    for name in ('placements', 'options', 'step', 'covered'):
+        assert after[name] == before[name]
+    assert again.fit()['report']['rms_mm'] < 0.5
+    again.do('board', 'cancel')
+    until(lambda: not Path(tmp_path, '.cell.yaml.steps').exists())
+    for one in (cell, again):
+        one.sessions.close()
+
+
+@pytest.mark.parametrize('content', [b'', b'PK', b'x' * 1000])
+def test_steps_that_cannot_be_read_are_left_alone(tmp_path, content):
+    Path(tmp_path, '.cell.yaml.steps').write_bytes(content)
+    cell = Cell(tmp_path / 'cell.yaml')
+    assert cell.state('board')['step'] == 'off' and cell.state('robot')['pairs'] == []
+    cell.sessions.close()

@@ -20,8 +20,8 @@ ALLOWED = ('camera_to_base.dashboard.sessions.', 'camera_to_base.calibration',
            'camera_to_base.files', 'camera_to_base.markers', 'camera_to_base.parameters',
            'camera_to_base.settings', 'camera_to_base.sources', 'camera_to_base.surface', 'cv2',
            'numpy')
-STANDARD = {'collections', 'concurrent.futures', 'datetime', 'itertools', 'json', 'math', 'os',
-            're', 'threading', 'time', 'traceback', 'typing'}
+STANDARD = {'collections', 'concurrent.futures', 'datetime', 'io', 'itertools', 'json', 'math',
+            'os', 're', 'threading', 'time', 'traceback', 'typing', 'zipfile'}
 
 
 def test_sessions_import_what_calibrate_imports_and_nothing_of_ros_or_the_server():

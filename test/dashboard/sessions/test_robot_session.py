@@ -257,3 +257,38 @@ def test_an_object_that_was_seen_with_another_surface_makes_no_valid_pair(cell):
     cell.tell()
     pair, = cell.do('robot', 'touch', text='1 2')['pairs']
     assert not pair['valid'] and 'another surface' in pair['invalid_because']
+
+
+def test_a_removed_pair_a_stop_and_a_pair_that_was_measured_again_can_be_undone(cell):
+    cell.measure_pairs(4)
+    before = cell.state('robot')['pairs']
+    assert len(cell.do('robot', 'remove', number=2)['pairs']) == 3
+    assert cell.do('robot', 'cancel')['pairs'] == []
+    assert cell.state('robot')['undo'] == 'stop'
+    assert len(cell.do('robot', 'undo')['pairs']) == 3
+    state = cell.do('robot', 'undo')
+    assert state['pairs'] == before and state['fit']['can_accept'] and state['undo'] is None
+    cell.do('robot', 'again', number=3)
+    cell.measure_pair(np.array([5.0, 5.0]))
+    assert cell.state('robot')['pairs'] != before
+    assert cell.do('robot', 'undo')['pairs'] == before
+
+
+def test_the_pairs_are_there_after_a_restart_of_the_dashboard_as_valid_as_before(
+        cell, tmp_path):
+    first = Cell(tmp_path / 'cell.yaml', **cell.values['camera'])
+    first.sessions.see_background((7, 5))
+    first.measure_pairs(5)
+    first.sessions.see_background((7, 5))
+    before = first.state('robot')
+    assert all(pair['valid'] for pair in before['pairs'])
+    first.sessions.close()
+    again = Cell(tmp_path / 'cell.yaml', **cell.values['camera'])
+    assert again.state('robot')['pairs'] == before['pairs']
+    assert again.sessions.wants_objects and again.state('robot')['fit'] == before['fit']
+    again.sessions.see_background((7, 5))
+    assert again.state('robot')['pairs'] == before['pairs']
+    # Another background was taken while the dashboard did not run.
+    again.sessions.see_background((9, 1))
+    assert not any(pair['valid'] for pair in again.state('robot')['pairs'])
+    again.sessions.close()

@@ -107,3 +107,13 @@ export function card(title, ...children) {
 export function button(text, onclick, properties = {}) {
   return element('button', {type: 'button', onclick, ...properties}, text);
 }
+
+/** Make a button that brings back what was removed last; `update` takes a state with `undo`. */
+export function createUndo(onclick) {
+  const node = button('', onclick, {class: 'undo', hidden: true});
+  const update = ({undo}) => {
+    show(node, undo);
+    setText(node, `Undo: ${undo}`);
+  };
+  return {node, update};
+}

@@ -18,7 +18,7 @@ import {createBoardLook} from './board_look.js';
 import {createBoardReport} from './board_report.js';
 import {createMarkers} from './markers.js';
 import {fetchFile, keepFile} from '../base/actions.js';
-import {button, card, element, setText, show} from '../base/dom.js';
+import {button, card, createUndo, element, setText, show} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
 import {read} from '../base/numbers.js';
 import {board} from '../base/sessions.js';
@@ -28,6 +28,7 @@ export function createCalibrate(store) {
   const hint = element('p', {class: 'hint', role: 'status'});
   const lead = element('p', {class: 'lead'}, 'The camera learns where each pixel lies on the ' +
     'surface, from a printed board. The camera must not move from now on.');
+  const undo = createUndo(() => board('undo'));
   const sheets = createSheets();
   const options = createOptions();
   const look = createBoardLook(store);
@@ -48,6 +49,7 @@ export function createCalibrate(store) {
     options.update(state);
     look.update(state);
     report.update(state);
+    undo.update(state);
     follow();
   });
   store.on('markers', (state) => {
@@ -55,7 +57,7 @@ export function createCalibrate(store) {
     follow();
   });
   const node = element('div', {class: 'calibrate'},
-    lead, sheets, options.node, hint, look.node, report.node, table.node);
+    lead, sheets, options.node, hint, undo.node, look.node, report.node, table.node);
   return {
     node,
     shown: () => { isShown = true; follow(); },

@@ -14,7 +14,7 @@
 
 // Robot: pairs of what the camera sees and what the robot touches tell where the base frame is.
 
-import {button, card, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
+import {button, card, createUndo, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
 import {createPairs} from './pairs.js';
 import {LivePicture} from '../pieces/pictures.js';
 import {createFit} from './robot_fit.js';
@@ -28,6 +28,7 @@ export function createRobot(store) {
   const begin = element('div', {}, element('p', {class: 'lead'}, 'Put an object down, click it, ' +
     'and touch it with the robot. Five places that are far apart tell where the camera frame ' +
     'lies in the base frame.'), card('Start', start));
+  const undo = createUndo(() => robot('undo'));
   const see = createSee(store);
   const touch = createTouch();
   const pairs = createPairs();
@@ -46,11 +47,11 @@ export function createRobot(store) {
     show(begin, !isMeasuring);
     start.disabled = Boolean(state.needs);
     show(work, isMeasuring || state.pairs.length);
-    [see, touch, pairs, fit].forEach((each) => each.update(state));
+    [see, touch, pairs, fit, undo].forEach((each) => each.update(state));
     follow();
   });
   const node = element('div', {class: 'robot'},
-    begin, hint, work, fit.node);
+    begin, hint, undo.node, work, fit.node);
   return {
     node,
     shown: () => { isShown = true; follow(); },

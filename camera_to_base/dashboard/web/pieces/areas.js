@@ -15,7 +15,7 @@
 // Draws the work area and ignored areas on a picture, by clicks or by the keyboard.
 
 import {act} from '../base/actions.js';
-import {button, card, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
+import {button, card, createUndo, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
 
 const MOVES = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
@@ -28,6 +28,13 @@ const NAMES = {work_area: 'the work area', ignored_areas: 'an area to ignore'};
 export function createAreas(store, picture) {
   const pen = new Pen(picture, (kind, corners) => save(store, kind, corners));
   const list = element('ul', {class: 'areas'});
+  let removed = null;
+  const undoButton = createUndo(() => attempt(() => act('/api/areas', removed), () => null)
+    .then((answer) => answer && undoButton.update({undo: null})));
+  const undo = {node: undoButton.node, update: ({undo: sentence, before}) => {
+    removed = before;
+    undoButton.update({undo: sentence});
+  }};
   const needs = element('p', {class: 'quiet'});
   const choices = element('div', {class: 'buttons'},
     button('Draw the work area', () => pen.begin('work_area')),
@@ -41,7 +48,10 @@ export function createAreas(store, picture) {
     for (const each of choices.children) each.disabled = Boolean(areas.needs);
     sync(list, entries(areas), (entry) => entry.name,
       (entry) => element('li', {}, element('span'), button('Remove', () => {
-        attempt(() => act('/api/areas', entry.without()));
+        const before = asBody(store.get('areas'));
+        attempt(() => act('/api/areas', entry.without()), () => null).then((answer) => {
+          if (answer) undo.update({undo: `${entry.name} removed`, before});
+        });
       }, {class: 'quiet small', 'aria-label': `Remove ${entry.name}`})),
       (node, entry) => setText(node.firstChild, `${entry.name}, ${entry.count} corners`));
     pen.onchange();
@@ -49,8 +59,13 @@ export function createAreas(store, picture) {
   const node = card('Areas', element('p', {},
     'Objects count only inside the work area, and not in the areas to ignore. The areas lie on ' +
     'the surface: they stay right when the camera is calibrated again.'),
-  needs, choices, pen.node, list);
+  needs, choices, pen.node, list, undo.node);
   return {node};
+}
+
+/** Return the body that sets all areas as they are. */
+function asBody({work_area: work, ignored_areas: ignored}) {
+  return {work_area: work?.px ?? null, ignored_areas: (ignored ?? []).map(({px}) => px)};
 }
 
 function entries(areas) {
