@@ -178,7 +178,7 @@ def test_full_disk_is_told_on_save_and_the_old_file_stays(start_cell, open_page,
     page.wait_for(str(path), '#part-save')
     number = cell.pid('dashboard')
     limits = resource.prlimit(number, resource.RLIMIT_FSIZE)
-    resource.prlimit(number, resource.RLIMIT_FSIZE, (100, limits[1]))
+    resource.prlimit(number, resource.RLIMIT_FSIZE, (50, limits[1]))
     try:
         page.click('Save', '#part-save')
         wait_until(lambda: page.read('#part-save .verdict') or page.read('#notices'),
