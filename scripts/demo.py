@@ -23,6 +23,7 @@ from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import read_node_settings
 from demo_bumps import Bumps
 from demo_claims import Claims
+from demo_pick import Picks
 from demo_report import Report
 from demo_terminal import Terminal
 
@@ -52,7 +53,7 @@ def main(arguments):
     try:
         terminal.say(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the '
                      f"source '{source}'; Ctrl-C ends them")
-        params = options.params or calibration_of(source)
+        params = options.params or calibration_of(source, options.pick)
         nodes.append(start(terminal, 'robot_base_publisher', {}, params))
         nodes.append(start(terminal, 'camera_publisher', {
             'source': source, 'wait_for_subscribers': 2, 'wait_for_camera': False,
@@ -61,7 +62,9 @@ def main(arguments):
         if page.port:
             others.append(start(terminal, 'dashboard', {
                 'port': page.port, 'params_file': os.path.abspath(options.params or CELL_FILE)}))
-        return listen(terminal, nodes, page, picture, options.bump)
+        if options.pick:
+            others.append(start_command(terminal, Picks.arm_command()))
+        return listen(terminal, nodes, page, picture, options)
     except BrokenPipeError:
         # The reader has closed the pipe. Further output is discarded.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -96,17 +99,20 @@ class Page:
         return True
 
 
-def calibration_of(source):
+def calibration_of(source, is_picking):
     """Return the parameter file of the simulated camera; None for other sources."""
     config = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', 'config')
-    return os.path.join(config, 'simulated_camera.yaml') if source == 'simulated' else None
+    name = 'simulated_solid_objects.yaml' if is_picking else 'simulated_camera.yaml'
+    return os.path.join(config, name) if source == 'simulated' else None
 
 
 def parse(arguments):
     """Parse the command line; the source is that of the parameter file, if it names one."""
     parser = argparse.ArgumentParser(prog='scripts/demo', description=__doc__)
     parser.add_argument('--params', metavar='FILE')
-    parser.add_argument('--bump', action='store_true')
+    kinds = parser.add_mutually_exclusive_group()
+    kinds.add_argument('--bump', action='store_true')
+    kinds.add_argument('--pick', action='store_true')
     parser.add_argument('source', nargs='?')
     options = parser.parse_args(arguments)
     try:
@@ -115,9 +121,12 @@ def parse(arguments):
         parser.error(str(error))
     if options.source is None:
         named = settings.camera.source
-        options.source = 'simulated' if named == 'auto' or options.bump else named
+        is_simulated = named == 'auto' or options.bump or options.pick
+        options.source = 'simulated' if is_simulated else named
     if options.bump and options.source != 'simulated':
         parser.error('--bump bumps the simulated camera only: leave the source out')
+    if options.pick and options.source != 'simulated':
+        parser.error('--pick takes objects of the simulated camera only: leave the source out')
     return options
 
 
@@ -133,6 +142,11 @@ def start(terminal, executable, parameters, file=None):
     command = [path, '--ros-args', *(['--params-file', file] if file else [])]
     for name, value in parameters.items():
         command += ['-p', f'{name}:={json.dumps(value)}']
+    return start_command(terminal, command)
+
+
+def start_command(terminal, command):
+    """Start a process whose lines are printed."""
     process = subprocess.Popen(
         command, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         text=True, errors='replace', env={
@@ -141,14 +155,16 @@ def start(terminal, executable, parameters, file=None):
     return process
 
 
-def listen(terminal, nodes, page, picture, is_bumped):
+def listen(terminal, nodes, page, picture, options):
     """Print what the nodes publish until one of them ends; return its exit code."""
     import rclpy
     from rclpy.signals import SignalHandlerOptions
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('demo')
     report = Report(node, terminal, picture)
-    bumps = Bumps(node, report, terminal) if is_bumped else None
+    # What happens to the table or the camera, and is told.
+    shows = [show for show in (options.bump and Bumps(node, report, terminal),
+                               options.pick and Picks(node, terminal)) if show]
     try:
         while not told_to_end.is_set() and all(process.poll() is None for process in nodes):
             rclpy.spin_once(node, timeout_sec=0.1)
@@ -160,8 +176,8 @@ def listen(terminal, nodes, page, picture, is_bumped):
     finally:
         terminal.settle()
         stop(nodes)
-        if bumps is not None:
-            bumps.close()
+        for show in shows:
+            show.close()
         report.close()
         if page.port:
             terminal.say(f'page: {page.address} (it has ended with the demo)')

@@ -43,7 +43,8 @@ def defaults():
 
 
 def test_there_is_a_file_for_each_case():
-    assert {*TUTORIALS, 'simulated_camera.yaml', 'simulated_tilted_camera.yaml'} == set(FILES)
+    assert {*TUTORIALS, 'simulated_camera.yaml', 'simulated_tilted_camera.yaml',
+            'simulated_solid_objects.yaml'} == set(FILES)
 
 
 @all_files
@@ -73,6 +74,17 @@ def test_simulated_tilted_cameras_matrix_is_that_of_the_board():
     assert values['simulated.tilt_deg'] == 30.0
     assert values['surface.homography.surface_from_pixel'] == pytest.approx(
         board.surface_from_pixel.ravel().tolist(), rel=1e-9, abs=1e-15)
+
+
+def test_simulated_solid_objects_are_seen_by_the_camera_that_the_file_describes():
+    values = values_of('simulated_solid_objects.yaml')
+    settings = camera_settings({**defaults(), **values})
+    true = SimulatedBoard(
+        tilt_deg=values['simulated.tilt_deg'], image_size=settings.image_size).pinhole
+    points = np.array([[3.0, 4.0, 0.0], [30.0, 20.0, 3.0], [18.0, 13.5, 6.0]])
+    assert settings.surface.pixels_of(points) == pytest.approx(true.pixels_of(points), abs=1e-9)
+    assert settings.is_calibrated
+    assert {values['object_height_cm']} == set(values['simulated.heights_cm'])
 
 
 @all_files

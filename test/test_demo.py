@@ -57,6 +57,34 @@ def test_bumps_never_make_a_wrong_position(tmp_path):
 
 
 @pytest.mark.slow
+def test_arm_picks_solid_objects_and_each_pick_is_true(tmp_path):
+    # The sixth object lies elsewhere: the table was laid anew.
+    output = run_until('==> pick 6', tmp_path, '--pick')
+    tries = re.findall(
+        r'==> (\w+) (\d+): the gripper closed ([\d.]+) mm from the true place; (\d+) of (\d+)',
+        output)
+    assert [number for _, number, *_ in tries] == list('123456')
+    for what, number, away_mm, successes, count in tries:
+        assert what == 'pick' and successes == count == number
+        assert float(away_mm) < 1.0
+    assert '==> 6 of 6 picks succeeded' in output
+    assert output.count('picked at (') >= 5
+
+
+@pytest.mark.slow
+def test_picks_beside_the_true_place_are_not_counted(tmp_path):
+    config = Path(TILTED).with_name('simulated_solid_objects.yaml').read_text()
+    assert 'displacement_cm: [-17.8, 24.4, 0.0]' in config
+    file = tmp_path / 'wrong.yaml'
+    file.write_text(config.replace('[-17.8, 24.4, 0.0]', '[-17.3, 24.4, 0.0]'))
+    output = run_until('==> miss 2', tmp_path, '--pick', '--params', str(file))
+    assert re.search(r'==> miss 1: the gripper closed [45]\.\d+ mm from the true place; 0 of 1',
+                     output)
+    assert '==> 0 of 2 picks succeeded' in output and 'picked at' not in output.replace(
+        'not picked at', '')
+
+
+@pytest.mark.slow
 def test_two_demos_share_nothing_and_tell_their_addresses(tmp_path):
     alone = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
     demos = [subprocess.Popen(
@@ -134,6 +162,8 @@ def test_parameter_file_is_used_by_both_nodes(tmp_path):
 @pytest.mark.parametrize('options, text', [
     (['--params', 'missing.yaml'], "'missing.yaml'"),
     (['--bump', 'random'], 'simulated camera only'),
+    (['--pick', '0'], 'simulated camera only'),
+    (['--pick', '--bump'], 'not allowed with'),
     (['--wrong'], 'unrecognized'),
 ])
 def test_wrong_options_are_refused_in_a_sentence(tmp_path, options, text):
@@ -150,4 +180,5 @@ def test_script_explains_itself_before_it_installs_anything(options, code):
                             capture_output=True, timeout=10.0,
                             env={'PATH': '/usr/bin:/bin', 'PYTHON': 'no_such_python'})
     assert script.returncode == code
-    assert '--bump' in script.stdout and 'no_such_python' not in script.stderr
+    assert '--bump' in script.stdout and '--pick' in script.stdout
+    assert 'no_such_python' not in script.stderr

@@ -131,8 +131,9 @@ def test_options_of_calibrate_are_understood(page):
 @each_page
 def test_parameters_are_declared(page):
     declared = {spec.name for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
-    example = set(re.findall(
-        r"_length\('(\w+)'", (ROOT / 'examples' / 'two_link_arm.py').read_text()))
+    example = set(re.findall(r"(?:_length|number)\('(\w+)'", ''.join(
+        (ROOT / 'examples' / name).read_text()
+        for name in ('two_link_arm.py', 'pick_and_place.py'))))
     for command in commands_of(page):
         for name in re.findall(r'-p ([\w.]+):=', command):
             assert name in declared | example, command

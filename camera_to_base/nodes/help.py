@@ -21,6 +21,7 @@ publishes:
   pos_in_cam_frame/pose      geometry_msgs/PoseWithCovarianceStamped: the same, with its covariance
   objects_in_cam_frame       geometry_msgs/PoseArray: every object, largest first, in m
   objects_in_cam_frame/ellipses  visualization_msgs/MarkerArray: where 95 % of errors lie, for RViz
+  objects_in_cam_frame/boxes     visualization_msgs/MarkerArray: yaw, length, width and height
   objects_in_cam_frame/left_out  visualization_msgs/MarkerArray: what is not published, and why
   frame/compressed           sensor_msgs/CompressedImage: the frame as JPEG, at most 10 a second
   mask/compressed, background/compressed  likewise as PNG; the background when it is taken
@@ -28,6 +29,7 @@ publishes:
   debug_image/compressed     sensor_msgs/CompressedImage: the same as JPEG
   true_pos_in_cam_frame      with source:=simulated only: true position of the coin, in cm
   true_objects_in_cam_frame  likewise: true positions of all objects, in m
+  true_objects_in_cam_frame/boxes  likewise: their true boxes, visualization_msgs/MarkerArray
   simulated_tool             likewise: geometry_msgs/PoseStamped of the simulated robot's tool
   /diagnostics               state of the node, once a second
 
@@ -60,6 +62,7 @@ subscribes to:
   pos_in_cam_frame/pose           geometry_msgs/PoseWithCovarianceStamped, in m and rad
   objects_in_cam_frame            geometry_msgs/PoseArray, in m
   objects_in_cam_frame/ellipses   visualization_msgs/MarkerArray, while its result has subscribers
+  objects_in_cam_frame/boxes      likewise
 
 publishes, one message for each that it receives:
   pos_in_robot_base_frame         std_msgs/Float64MultiArray: [x, y], in cm
@@ -67,6 +70,7 @@ publishes, one message for each that it receives:
   pos_in_robot_base_frame/pose    geometry_msgs/PoseWithCovarianceStamped, in m and rad
   objects_in_robot_base_frame     geometry_msgs/PoseArray, in m
   objects_in_robot_base_frame/ellipses  visualization_msgs/MarkerArray, for RViz
+  objects_in_robot_base_frame/boxes     visualization_msgs/MarkerArray: what a gripper needs
   /diagnostics                    state of the node, once a second
 
 parameters that are used most:

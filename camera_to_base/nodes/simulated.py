@@ -10,7 +10,8 @@
 """What only a simulated cell offers: a service that bumps it, its tool, and the true positions."""
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.ros import poses_message, position_message, tool_message
+from camera_to_base.ros import (
+    box_markers, poses_message, position_message, SolidBox, tool_message)
 from camera_to_base.simulation import (
     move_parameters, SimulatedBoard, SimulatedRobot, SimulationSettings, Touch)
 from geometry_msgs.msg import PoseArray, PoseStamped
@@ -19,6 +20,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64MultiArray, Header
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
 
 TOOL = 'simulated_tool'
 _BASE_FRAME_ID = 'base_link'
@@ -91,6 +93,7 @@ class TruePositions:
         self._board = board
         self._position = node.create_publisher(Float64MultiArray, 'true_pos_in_cam_frame', 10)
         self._objects = node.create_publisher(PoseArray, 'true_objects_in_cam_frame', 10)
+        self._boxes = node.create_publisher(MarkerArray, 'true_objects_in_cam_frame/boxes', 10)
 
     def publish(self, header: Header) -> None:
         """Publish the true positions on the last frame."""
@@ -98,3 +101,8 @@ class TruePositions:
             self._position.publish(position_message(*self._board.true_point))
         self._objects.publish(poses_message(header, [
             Pose(*true.point, 0.0, true.yaw or 0.0) for true in self._board.true_objects]))
+        if self._boxes.get_subscription_count():
+            # The camera frame's z points away from the camera.
+            self._boxes.publish(box_markers(header, [
+                SolidBox(Pose(*true.point, -true.size_cm[2] / 2, true.angle), *true.size_cm)
+                for true in self._board.true_objects]))

@@ -205,7 +205,10 @@ def meant_name(name: str, known: Iterable[str]) -> Optional[str]:
         misspelt_name(name, known),
         next((other for other in known if other.startswith((f'{name}_', f'{name}.'))), None),
         next((other for other in known if _last(other) == last), None),
-        next((other for other in known if _last(other).startswith(f'{last}_')), None),
+        # With a group, it may be a parameter of another node: surface.pinhole.rotation is no
+        # rotation_deg.
+        next((other for other in known if last == name and _last(other).startswith(f'{last}_')),
+             None),
         next((other for other in known if misspelt_name(last, [_last(other)])), None))
     return next(filter(None, candidates), None)
 

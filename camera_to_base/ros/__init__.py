@@ -17,7 +17,7 @@ Callers: `nodes`, and commands that listen to a running node. It does not import
 transform node starts without it.
 """
 
-from camera_to_base.ros.boxes import boxes_of_markers, SolidBox
+from camera_to_base.ros.boxes import box_markers, boxes_of_markers, SolidBox
 from camera_to_base.ros.diagnostics import (
     Diagnostics, Health, Heartbeat, NameCheck, qos_mismatch, real_time_timer)
 from camera_to_base.ros.listeners import CorrectionListener, ObjectListener, ToolListener
@@ -30,7 +30,7 @@ from camera_to_base.ros.position_topics import NO_EVENTS, PositionTopics
 from camera_to_base.ros.process import keep_freed_memory, run, use_picture_memory, whole_or_gone
 
 __all__ = [
-    'boxes_of_markers', 'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat',
+    'box_markers', 'boxes_of_markers', 'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat',
     'keep_freed_memory', 'left_out_markers', 'NameCheck', 'NO_EVENTS', 'NodeParameters',
     'ObjectListener', 'point_from_message', 'poses_from_message', 'poses_message',
     'poses_of_markers', 'position_from_message', 'position_message', 'PositionTopics',

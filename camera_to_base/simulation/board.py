@@ -51,6 +51,8 @@ class SimulatedScene(NamedTuple):
     :param markers: Whether the markers lie on the table.
     :param table: One of `specs.TABLES`.
     :param move: How the camera was moved since the start.
+    :param layout: Where the still objects lie, see `simulated.layout`.
+    :param taken: Numbers of the still objects that are not there, from 1.
     """
 
     shows: str = _DEFAULTS['shows']
@@ -58,6 +60,8 @@ class SimulatedScene(NamedTuple):
     markers: bool = _DEFAULTS['markers']
     table: str = _DEFAULTS['table']
     move: CameraMove = CameraMove()
+    layout: int = _DEFAULTS['layout']
+    taken: Tuple[int, ...] = tuple(_DEFAULTS['taken'])
 
 
 class Touch(NamedTuple):
@@ -234,7 +238,7 @@ class SimulatedBoard:
         if number == 0 and not self._conditions.in_first_frame:
             return []
         if self._scene.shows == STILL_OBJECTS:
-            return self._objects.still()
+            return self._objects.still(self._scene.layout, self._scene.taken)
         return self._objects.moving(self._rounds(number)) if self._scene.shows == OBJECTS else []
 
     def _whole_objects(self) -> List[TrueObject]:
@@ -367,6 +371,6 @@ def simulation_settings(values: Values) -> SimulationSettings:
     return SimulationSettings(
         values['tilt_deg'], values['seed'], values['frame_rate'],
         SimulatedScene(values['shows'], values['placement'], values['markers'], values['table'],
-                       camera_move(values)),
+                       camera_move(values), values['layout'], tuple(values['taken'])),
         Touch(values['touched'], values['touched_marker']),
         BoardConditions(**{field.name: values[field.name] for field in fields(BoardConditions)}))

@@ -18,6 +18,7 @@ SHOWN = OBJECTS, STILL_OBJECTS, BOARD, EMPTY = 'objects', 'still_objects', 'boar
 TABLES = GREY, WOOD, PRINTED = 'grey', 'wood', 'printed'
 SHAPES = DISC, BOX, HEXAGON = 'disc', 'box', 'hexagon'
 PLACEMENT_COUNT = 8
+STILL_COUNT = 5
 MARKER_COUNT = 4
 
 # What a person changes while the node runs: the table, and where the camera is.
@@ -26,6 +27,12 @@ _SCENE_SPECS = [
                   'simulated: what lies on the table: objects that move, five still objects, a '
                   'printed chessboard of 9x6 corners and 25 mm squares, or nothing.',
                   choices=SHOWN),
+    ParameterSpec('simulated.layout', 0,
+                  'simulated: where the still objects lie: 0 for their usual places; each other '
+                  'number moves and turns each of them, by up to 1.5 cm.', (0, 2**31 - 1)),
+    ParameterSpec('simulated.taken', [0],
+                  'simulated: the still objects that were taken away, by number, 1 for the one '
+                  'in the middle; 0 for none.', (0, STILL_COUNT)),
     ParameterSpec('simulated.placement', 1,
                   'simulated: where the chessboard lies: 1 in the middle, 2 to 5 towards the '
                   'corners, 6 to 8 turned.', (1, PLACEMENT_COUNT)),

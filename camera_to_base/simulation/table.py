@@ -10,7 +10,7 @@
 """The simulated table: plain, wood or print, where its objects are, and how they are drawn."""
 
 import math
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import Collection, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.simulation.disturbances import BoardConditions
 from camera_to_base.simulation.specs import DISC, PRINTED, WOOD
@@ -38,6 +38,8 @@ _YAW_STEP_DEG = 50.0
 # The still objects, the largest first: diameter in cm, place as shares of the table that is seen.
 _STILL = ((3.0, (0.5, 0.5)), (2.8, (0.29, 0.33)), (2.6, (0.71, 0.67)), (2.4, (0.71, 0.33)),
           (2.2, (0.29, 0.67)))
+# By how much a layout moves an object in x and y, in cm, and turns it, in degrees, at most.
+_LAYOUT = np.array([1.5, 1.5, 90.0])
 
 # Offsets of blue, green and red from the grey level.
 _OBJECT_TINT = np.array([-8.0, 0.0, 10.0], np.float32)
@@ -218,6 +220,9 @@ class TrueObject(NamedTuple):
     :param hidden: Whether a hand covers or touches it.
     :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
         in (-pi/2, pi/2]; None for a round one.
+    :param size_cm: Length, width and height, in cm.
+    :param angle: The direction of its length as it is drawn, also where that cannot be seen, in
+        rad.
     """
 
     point: Tuple[float, float]
@@ -226,6 +231,8 @@ class TrueObject(NamedTuple):
     cut_off: float
     hidden: bool
     yaw: Optional[float]
+    size_cm: Tuple[float, float, float]
+    angle: float
 
 
 class BoardObjects:
@@ -244,10 +251,21 @@ class BoardObjects:
         return [self._oval(index, diameter, self.point(rounds, index))
                 for index, diameter in enumerate(self._conditions.diameters_cm)]
 
-    def still(self) -> List[Oval]:
-        """Return the objects at rest."""
-        return [self._oval(index, diameter, (share_x * self._width_cm, share_y * self._height_cm))
-                for index, (diameter, (share_x, share_y)) in enumerate(_STILL)]
+    def still(self, layout: int = 0, taken: Collection[int] = ()) -> List[Oval]:
+        """
+        Return the objects at rest.
+
+        :param layout: Moves and turns each of them, but 0.
+        :param taken: Numbers of those that are not there, from 1.
+        """
+        random = np.random.default_rng(layout)
+        ovals = []
+        for index, (diameter, (share_x, share_y)) in enumerate(_STILL):
+            x, y, turn_deg = random.uniform(-1, 1, 3) * _LAYOUT if layout else (0.0, 0.0, 0.0)
+            point = (float(share_x * self._width_cm + x), float(share_y * self._height_cm + y))
+            if index + 1 not in taken:
+                ovals.append(self._oval(index, diameter, point, turn_deg))
+        return ovals
 
     def point(self, rounds: float, index: int) -> Tuple[float, float]:
         """
@@ -266,11 +284,13 @@ class BoardObjects:
         return (self._width_cm / count * (index + 0.5 + reach_x * math.sin(2 * angle + index)),
                 self._height_cm * (0.5 + reach_y * math.sin(3 * angle + index)))
 
-    def _oval(self, index: int, length: float, point: Tuple[float, float]) -> Oval:
+    def _oval(
+        self, index: int, length: float, point: Tuple[float, float], turn_deg: float = 0.0
+    ) -> Oval:
         conditions, elongation = self._conditions, self._conditions.elongation
         shape = conditions.shapes[index % len(conditions.shapes)]
         is_turned = elongation > 1 or shape != DISC
-        yaw_deg = conditions.yaw_deg + index * _YAW_STEP_DEG if is_turned else 0.0
+        yaw_deg = conditions.yaw_deg + index * _YAW_STEP_DEG + turn_deg if is_turned else 0.0
         return Oval(point, length / 2, length / 2 / elongation,
                     math.radians(90 - (90 - yaw_deg) % 180), shape,
                     conditions.heights_cm[index % len(conditions.heights_cm)])
@@ -287,7 +307,8 @@ def true_object(oval: Oval, ellipse: SeenEllipse, view: BoardView, hidden: bool)
                   (ellipse.centre + ellipse.half - last).max())
     return TrueObject(
         oval.point, tuple(ellipse.centre), ellipse.radius, float(cut_off), hidden,
-        oval.yaw if oval.half_length > oval.half_width else None)
+        oval.yaw if oval.half_length > oval.half_width else None,
+        (2 * oval.half_length, 2 * oval.half_width, oval.height_cm), oval.yaw)
 
 
 def draw_oval(

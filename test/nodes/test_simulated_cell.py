@@ -13,10 +13,12 @@ import math
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.nodes.camera_publisher import CameraPublisher
+from camera_to_base.ros import boxes_of_markers
 from geometry_msgs.msg import PoseArray, PoseStamped
 import pytest
 from rclpy.parameter import Parameter
 from ros_helpers import OBJECTS_TOPIC, SIMULATED_CELL
+from visualization_msgs.msg import MarkerArray
 
 TOOL_TOPIC = '/simulated_tool'
 TRUE_OBJECTS_TOPIC = '/true_objects_in_cam_frame'
@@ -97,6 +99,21 @@ def test_bump_is_told_and_makes_no_wrong_position(ros):
     assert ros.spin_until(lambda: status[-1].values['reason'] == 'ok' and found[-1].poses)
     assert max(min(math.dist(point, other) for other in there)
                for message in found for point in points(message)) < 0.1
+
+
+def test_true_boxes_are_those_of_the_objects_that_were_not_taken(ros):
+    boxes = ros.listen_to(MarkerArray, f'{TRUE_OBJECTS_TOPIC}/boxes')
+    node = start(ros, 'simulated.shows:=still_objects', 'simulated.shapes:=[box]',
+                 'simulated.heights_cm:=[2.0, 4.0]', 'simulated.elongation:=1.5')
+    assert ros.spin_until(lambda: boxes and len(boxes[-1].markers) == 6)
+    first, second = boxes_of_markers(boxes[-1])[:2]
+    assert first.pose == pytest.approx((18.0, 13.5, -1.0, 0.0), abs=1e-6)
+    assert first[1:] == pytest.approx((3.0, 2.0, 2.0))
+    assert second.height == pytest.approx(4.0)
+    assert second.pose.yaw == pytest.approx(math.radians(50))
+    change(node, taken=[1, 5])
+    left = boxes_of_markers(next_of(ros, boxes))
+    assert [box.length for box in left] == pytest.approx([2.8, 2.6, 2.4])
 
 
 def test_each_bump_is_another_one(ros):

@@ -28,6 +28,10 @@ def test_the_name_that_was_meant_is_found(name, meant):
     assert meant_name(name, NAMES) == meant
 
 
+def test_parameter_of_the_other_node_is_not_taken_for_a_similar_one():
+    assert meant_name('surface.pinhole.rotation', all_names(TRANSFORM_SPECS)) is None
+
+
 def test_no_name_of_ours_and_of_every_ros_node_is_warned_of():
     ros = ['use_sim_time', 'start_type_description_service', 'qos_overrides./mask.publisher.depth']
     assert name_warnings([*NAMES, *ros], NAMES) == []

@@ -182,6 +182,34 @@ def test_markers_are_seen_where_they_lie(table, shows, tilt_deg):
             assert corners == pytest.approx(np.array(true), abs=0.6)
 
 
+def test_layouts_lay_each_object_a_little_elsewhere_and_apart():
+    usual = picture(SimulatedScene('still_objects'))[1].true_objects
+    seen = set()
+    for layout in range(1, 20):
+        frame, board = picture(SimulatedScene('still_objects', layout=layout), elongation=1.5)
+        again = picture(SimulatedScene('still_objects', layout=layout), elongation=1.5)[0]
+        np.testing.assert_array_equal(frame, again)
+        points = [true.point for true in board.true_objects]
+        assert max(math.dist(*pair) for pair in zip(
+            points, (true.point for true in usual))) < 1.5 * math.sqrt(2)
+        assert min(math.dist(a, b) for a in points for b in points if a != b) > 5
+        seen.add((points[0], board.true_objects[0].yaw))
+    assert len(seen) == 19
+
+
+def test_taken_object_is_gone_and_the_others_stay_as_they_are():
+    frame, board = picture(SimulatedScene('still_objects'))
+    without, fewer = picture(SimulatedScene('still_objects', taken=(2, 5)))
+    kept = [board.true_objects[index] for index in (0, 2, 3)]
+    assert fewer.true_objects == kept
+    empty, _ = picture(EMPTY)
+    for index, true in enumerate(board.true_objects):
+        u, v = np.rint(true.pixel).astype(int)
+        window = slice(v - 30, v + 31), slice(u - 30, u + 31)
+        expected = empty if index in (1, 4) else frame
+        np.testing.assert_array_equal(without[window], expected[window])
+
+
 def test_objects_do_not_lie_on_the_markers():
     frame, board = picture(SimulatedScene('still_objects', markers=True))
     for true in board.true_objects:
