@@ -70,7 +70,11 @@ class Dashboard(Node):
         self._server.call(self._server.pictures.put, (cell, 'board'), jpeg)
 
     def _on_picture(self, cell: str, kind: str, message: CompressedImage) -> None:
-        self._server.call(self._server.pictures.put, (cell, kind), bytes(message.data))
+        stamp = message.header.stamp
+        # The background is as old as it is.
+        stamp_s = 0.0 if kind == 'background' else stamp.sec + stamp.nanosec / 1e9
+        self._server.call(
+            self._server.pictures.put, (cell, kind), bytes(message.data), stamp_s)
 
 
 def main(args: Optional[List[str]] = None) -> int:

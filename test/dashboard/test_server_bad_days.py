@@ -8,12 +8,19 @@
 # the License.
 """What a page is told when something is wrong: nodes that are missing or die, slow pages."""
 
+import asyncio
+import json
 import time
 
+from camera_to_base.dashboard.server.pictures import Line, Picture
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
+import cv2
+from dashboard_client import DashboardClient
+import numpy as np
 import pytest
-from ros_helpers import assert_in_time
+from ros_helpers import assert_in_time, SIMULATED_CELL
+from slow_line import SlowLine
 
 SIMULATED = ('-p', 'source:=simulated')
 
@@ -155,3 +162,63 @@ def test_cells_that_somebody_has_invented_are_few_and_forgotten(ros, dashboard):
     ros.spin_until(lambda: not sessions)
     again = page.socket('/ws/state?cell=/one_more')
     assert page.read(again) is not None
+
+
+@pytest.mark.slow
+def test_a_slow_network_gets_small_pictures_with_their_true_age(ros, dashboard, tell):
+    ros.add(CameraPublisher, *SIMULATED, *SIMULATED_CELL)
+    page = dashboard()
+    line = SlowLine(int(page.origin.rpartition(':')[2]), 30_000)
+    slow = DashboardClient(ros, f'http://localhost:{line.port}')
+    try:
+        began = time.monotonic()
+        states = slow.socket('/ws/state?cell=/&confirms=yes')
+        pictures = slow.socket('/ws/picture?cell=/&kind=annotated&adapts=yes')
+        told, shown = [], []
+
+        async def confirm():
+            while await states.read_message() is not None:
+                await states.write_message('got')
+
+        async def look():
+            while time.monotonic() < began + 10.0:
+                await pictures.write_message('next')
+                told.append(json.loads(await pictures.read_message()))
+                await pictures.read_message()
+                shown.append(time.monotonic())
+
+        asyncio.run_coroutine_threadsafe(confirm(), slow._loop)
+        slow.run(look(), 40.0)
+    finally:
+        slow.close()
+        line.close()
+    ages = [one['age_ms'] for one in told[2:]]
+    tell(f'30 kB/s: first picture after {shown[0] - began:.1f} s, {len(shown)} pictures in 10 s, '
+         f'at most {max(ages) / 1e3:.1f} s old')
+    assert shown[0] - began < 3.0 and len(shown) >= 8
+    assert all(one.get('width', 640) == 640 for one in told) and 0 < min(ages)
+
+
+def test_a_page_that_confirms_nothing_gets_a_few_messages_and_then_the_newest(ros, dashboard):
+    ros.add(CameraPublisher, *SIMULATED)
+    page = dashboard()
+    silent = page.socket('/ws/state?cell=/&confirms=yes')
+    before = [json.loads(page.read(silent)) for _ in range(6)]
+    ros.spin_for(2.0)
+    page.send(silent, 'got')
+    newest = json.loads(page.read(silent))
+    assert len(before) == 6 and newest['part']
+
+
+def test_the_size_of_pictures_follows_the_network(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, 'monotonic', lambda: now[0])
+    jpeg = cv2.imencode('.jpg', np.zeros((480, 640, 3), np.uint8))[1].tobytes()
+    line, sizes = Line(), []
+    for took_s in (0.1, 0.1, 0.1, 2.0, 2.0, 0.5, 0.1):
+        content, told = line.sent(Picture(1, jpeg, time.time() - 0.25))
+        assert 250 <= told['age_ms'] < 3000
+        sizes.append(cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR).shape[1])
+        now[0] += took_s
+        line.arrived()
+    assert sizes == [160, 320, 640, 640, 320, 160, 160]

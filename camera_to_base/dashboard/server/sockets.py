@@ -9,13 +9,14 @@
 
 """The WebSockets: the newest state as JSON text, and pictures as they are asked for."""
 
+import asyncio
 import json
 import math
 import re
-from typing import (
-    Any, Awaitable, Callable, Dict, Hashable, NamedTuple, Optional, Protocol, Set, Tuple)
+from typing import Any, Awaitable, Callable, Dict, Hashable, Optional, Protocol, Set
 
 from camera_to_base.dashboard.server.guarded import Guarded, NEEDS_TOKEN, Refused
+from camera_to_base.dashboard.server.pictures import Line, Picture
 import tornado.ioloop
 import tornado.websocket
 
@@ -24,11 +25,11 @@ _LINGER_S = 5.0
 # Each costs 1.6 MB and 15 subscriptions, also one that somebody has invented.
 _MOST_CELLS = 16
 
-Key = Tuple[str, str]
-
 PICTURE_KINDS = ('annotated', 'frame', 'mask', 'background', 'board')
 _CELL = re.compile(r'/|(/[A-Za-z_]\w*){1,8}', re.ASCII)
 _POLICY_VIOLATION = 1008
+# Otherwise a slow network fills its buffers with what is old when it comes.
+_MOST_ON_THEIR_WAY = 6
 
 
 class Outbox:
@@ -133,81 +134,6 @@ def _finite(data: Any) -> Any:
     return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
-class Picture(NamedTuple):
-    """
-    A picture file in memory.
-
-    :param number: Counts the pictures of a kind.
-    """
-
-    number: int
-    content: bytes
-
-
-class Watcher(Protocol):
-    """
-    A page that looks at a kind of picture.
-
-    `wants` is whether it waits for a picture, `last` the number of the last one that it got.
-    """
-
-    wants: bool
-    last: int
-
-    def show(self, picture: Picture) -> None:
-        """Send a picture."""
-
-
-class PictureHub:
-    """
-    Passes each picture on to the pages that wait for one; no page has more than one on its way.
-
-    :param look_at: Called with a cell and a kind when the first page looks.
-    :param look_away: Called likewise when the last one has gone.
-    """
-
-    def __init__(
-        self, look_at: Callable[[str, str], None], look_away: Callable[[str, str], None]
-    ) -> None:
-        self._look_at, self._look_away = look_at, look_away
-        self._newest: Dict[Key, Picture] = {}
-        self._watchers: Dict[Key, Set[Watcher]] = {}
-
-    def add(self, key: Key, watcher: Watcher) -> None:
-        """Let a page look at a kind of picture."""
-        if key not in self._watchers:
-            self._watchers[key] = set()
-            self._look_at(*key)
-        self._watchers[key].add(watcher)
-
-    def remove(self, key: Key, watcher: Watcher) -> None:
-        """End that."""
-        watchers = self._watchers.get(key, set())
-        watchers.discard(watcher)
-        if not watchers and self._watchers.pop(key, None) is not None:
-            self._newest.pop(key, None)
-            self._look_away(*key)
-
-    def want(self, key: Key, watcher: Watcher) -> None:
-        """Send the page the newest picture that it does not have, now or when it comes."""
-        watcher.wants = True
-        self._serve(key, watcher)
-
-    def put(self, key: Key, content: bytes) -> None:
-        """Keep a new picture, and send it to those who wait."""
-        if key in self._watchers:
-            before = self._newest.get(key)
-            self._newest[key] = Picture(before.number + 1 if before else 1, content)
-            for watcher in self._watchers[key]:
-                self._serve(key, watcher)
-
-    def _serve(self, key: Key, watcher: Watcher) -> None:
-        newest = self._newest.get(key)
-        if watcher.wants and newest is not None and newest.number != watcher.last:
-            watcher.wants, watcher.last = False, newest.number
-            watcher.show(newest)
-
-
 def checked_cell(name: str) -> str:
     """
     Check the name of a cell.
@@ -251,13 +177,20 @@ class _Socket(Guarded, tornado.websocket.WebSocketHandler):
 
 
 class StateSocket(_Socket):
-    """The state of a cell."""
+    """The state of a cell; a page that confirms what it got has few messages on their way."""
 
     _cell: Optional[str] = None
+    _on_its_way = 0
+
+    def get_compression_options(self) -> Dict[str, Any]:
+        """Compress: the newest state is much like the one before."""
+        return {'compression_level': 3, 'mem_level': 5}
 
     def begin(self) -> None:
         """Show the state from now on."""
-        self._outbox = Outbox(self.send)
+        self._outbox = Outbox(self._send_in_turn)
+        self._confirms = self.get_query_argument('confirms', '') == 'yes'
+        self._has_room = asyncio.Event()
         try:
             cell = checked_cell(self.get_query_argument('cell', '/'))
             self.settings['states'].add(cell, self)
@@ -270,12 +203,23 @@ class StateSocket(_Socket):
         """Send a part of the state."""
         self._outbox.put(key, text)
 
+    async def _send_in_turn(self, message: Any) -> None:
+        while self._confirms and self._on_its_way >= _MOST_ON_THEIR_WAY:
+            self._has_room.clear()
+            await self._has_room.wait()
+        self._on_its_way += 1
+        await self.send(message)
+
     def on_message(self, message: Any) -> None:
-        """Ignore what a page says: it has nothing to say here."""
+        """Take note that the page got a message."""
+        self._on_its_way = max(0, self._on_its_way - 1)
+        self._has_room.set()
 
     def on_close(self) -> None:
         """End."""
         if self._cell is not None:
+            self._confirms = False
+            self._has_room.set()
             self.settings['states'].remove(self._cell, self)
 
 
@@ -283,6 +227,7 @@ class PictureSocket(_Socket):
     """Pictures of one kind."""
 
     wants, last, key = False, 0, None
+    _line: Optional[Line] = None
 
     def begin(self) -> None:
         """Look at a kind of picture."""
@@ -297,16 +242,24 @@ class PictureSocket(_Socket):
             self.close(_POLICY_VIOLATION, error.data['error'][:120])
             return
         self.key = cell, kind
+        if self.get_query_argument('adapts', '') == 'yes':
+            self._line = Line()
         self.settings['pictures'].add(self.key, self)
 
     def on_message(self, message: Any) -> None:
         """Send the next picture if the page asks for it."""
         if message == 'next' and self.key is not None:
+            if self._line is not None:
+                self._line.arrived()
             self.settings['pictures'].want(self.key, self)
 
     def show(self, picture: Picture) -> None:
-        """Send a picture."""
-        self._outbox.put('picture', picture.content)
+        """Send a picture; a page that asks for it is told its size and age first."""
+        content = picture.content
+        if self._line is not None:
+            content, told = self._line.sent(picture)
+            self._outbox.put('about', json.dumps(told))
+        self._outbox.put('picture', content)
 
     def on_close(self) -> None:
         """End."""

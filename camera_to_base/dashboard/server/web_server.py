@@ -19,8 +19,9 @@ import threading
 from typing import Any, Callable, Dict, List, Optional
 
 from camera_to_base.dashboard.server.guarded import Access, Guarded, Page, Refused, WEB, WebFile
+from camera_to_base.dashboard.server.pictures import PictureHub
 from camera_to_base.dashboard.server.sockets import (
-    checked_cell, PictureHub, PictureSocket, StateHub, StateSocket)
+    checked_cell, PictureSocket, StateHub, StateSocket)
 from camera_to_base.dashboard.specs import DashboardSettings, is_loopback
 from camera_to_base.errors import InvalidValueError
 from tornado.httpserver import HTTPServer
@@ -256,8 +257,8 @@ class WebServer:
             access=Access(self._settings.host, self._settings.token), port=self.port,
             states=self.states, pictures=self.pictures, backend=self._backend,
             drawing=asyncio.Lock(),
-            websocket_max_message_size=_LARGEST_MESSAGE, websocket_ping_interval=_PING_S,
-            websocket_ping_timeout=_PING_S)
+            compress_response=True, websocket_max_message_size=_LARGEST_MESSAGE,
+            websocket_ping_interval=_PING_S, websocket_ping_timeout=_PING_S)
 
 
 def _listen(host: str, port: int) -> List[Any]:

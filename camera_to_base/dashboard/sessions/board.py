@@ -100,7 +100,7 @@ class BoardSession:
             'step': 'off' if not self._is_on else 'fitted' if self.calibration else 'looking',
             'hint': self._hint(), 'options': self._options.data, 'look': self._watch.data,
             'placements': self._placements.data, 'covered': self._placements.covered,
-            'suggestion': self._placements.suggestion if self._is_on else None,
+            'suggestion': self._suggestion,
             'busy': self._busy, 'error': self._error,
             'report': self.calibration and report_data(self.calibration, len(self._placements)),
             'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted,
@@ -254,6 +254,13 @@ class BoardSession:
         if isinstance(found, Calibration) and self._placements:
             self.calibration, self._accepted = found, None
         self._on_change()
+
+    @property
+    def _suggestion(self) -> Optional[Dict[str, Any]]:
+        # The hint says one thing; where it says `Fit the surface`, nothing else is suggested.
+        if not self._is_on or self.calibration or len(self._placements) >= _GOOD_PLACEMENTS:
+            return None
+        return self._placements.suggestion
 
     @property
     def _former(self) -> Any:

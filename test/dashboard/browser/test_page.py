@@ -38,6 +38,17 @@ def test_no_part_is_wider_than_a_small_phone(page):
         assert wide <= 360, part
 
 
+def test_a_long_namespace_does_not_widen_the_page(open_page, start_cell):
+    cell = start_cell(namespace='/a_cell_with_a_very_long_name_in_the_hall/' + 10 * 'left_')
+    page = open_page(cell)
+    page.resize(390, 844)
+    for part in PARTS:
+        page.go_to(part)
+        assert page.run('return document.documentElement.scrollWidth') <= 390, part
+        assert page.element('#content').rect['width'] >= 380, part
+    cell.close()
+
+
 def test_objects_are_in_the_picture_in_the_list_and_on_the_map(page):
     wait_until(lambda: has_picture(page, '#part-watch img'), lambda: 'no picture')
     page.wait_for('Base frame x, y', '#part-watch')
@@ -117,6 +128,29 @@ def test_tabs_follow_the_arrow_keys(page):
     assert not page.element('#part-watch').is_displayed()
 
 
+def test_tools_for_drawing_are_in_sight_with_the_picture(page):
+    page.resize(1280, 800)
+    page.go_to('detect')
+    page.click('Draw an area to ignore')
+    for selector in ('.picture[role=application]', '.pen .primary'):
+        box = page.run('return document.querySelector(arguments[0]).getBoundingClientRect()'
+                       '.toJSON()', f'#part-detect {selector}')
+        assert 0 <= box['top'] and box['bottom'] <= 800, selector
+    page.click('Cancel', '#part-detect')
+
+
+def test_fields_that_are_read_at_the_start_only_are_folded_away(page):
+    page.go_to('detect')
+    page.wait_for('detector.method', '#part-detect')
+    method = page.run("return document.querySelector('#p-camera-detector-method')"
+                      ".closest('.field').className")
+    assert 'idle' not in method
+    seen = page.run("return [...document.querySelectorAll('#part-detect .field')]"
+                    ".filter((one) => one.checkVisibility() && one.querySelector(':disabled'))"
+                    '.length')
+    assert seen == 0
+
+
 def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
     page.go_to('detect')
     page.click('Draw an area to ignore')
@@ -126,7 +160,12 @@ def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
     page.click('Finish')
     page.wait_for('ignored area 1, 3 corners', '#part-detect')
     page.click('Remove ignored area 1')
-    wait_until(lambda: 'ignored area 1' not in page.read('#part-detect'),
+    wait_until(lambda: '3 corners' not in page.read('#part-detect'),
+               lambda: page.read('#part-detect'))
+    page.click('Undo: ignored area 1 removed', '#part-detect')
+    page.wait_for('ignored area 1, 3 corners', '#part-detect')
+    page.click('Remove ignored area 1')
+    wait_until(lambda: '3 corners' not in page.read('#part-detect'),
                lambda: page.read('#part-detect'))
 
 

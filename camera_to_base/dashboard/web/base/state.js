@@ -63,9 +63,10 @@ export function connect(store) {
   let wait = FIRST_WAIT_MS;
   let lost = null;
   const open = () => {
-    const line = socket('/ws/state');
+    const line = socket('/ws/state', {confirms: 'yes'});
     line.onmessage = (message) => {
       wait = FIRST_WAIT_MS;
+      line.send('got');
       clearTimeout(lost);
       lost = null;
       store.set('connection', 'open');

@@ -24,21 +24,22 @@ import {LivePicture} from '../pieces/pictures.js';
 const TITLES = {
   detector: 'Detection', '': 'General', view: 'Check of the view', surface: 'Surface',
   uncertainty: 'Uncertainty', debug_image: 'Debug image', calibration: 'Calibration',
-  simulated: 'Simulated camera', transform: 'Base frame', qos_overrides: 'Quality of service',
+  simulated: 'Simulated camera', transform: 'Base frame', qos_overrides: 'Quality of service, read at the start only', fixed: 'Read at the start only',
 };
 const ORDER = ['detector', '', 'transform', 'view', 'uncertainty', 'debug_image', 'simulated',
-  'surface', 'calibration', 'qos_overrides'];
+  'surface', 'calibration', 'fixed', 'qos_overrides'];
 
 /** Make the part. */
 export function createDetect(store) {
   const picture = new LivePicture('annotated', 'The live picture with the outlines of the objects.');
   const mask = new LivePicture('mask', 'The mask: pixels that belong to objects are white.');
-  const areas = createAreas(store, picture);
   const fields = createFields(store);
   const effect = card('Effect', element('div', {class: 'side-by-side'},
     element('figure', {}, picture.node, element('figcaption', {}, 'Picture')),
     element('figure', {}, mask.node, element('figcaption', {}, 'Mask: white belongs to objects'))));
   effect.classList.add('effect');
+  // Its tools lie below the picture, which is in its place now.
+  const areas = createAreas(store, picture);
   const node = element('div', {class: 'detect'},
     element('div', {class: 'sticky'},
       effect,
@@ -90,7 +91,9 @@ function createFields(store) {
 }
 
 /** Tell whether a parameter belongs to a choice that is not taken, such as another method. */
-function isIdle({name, description}, specs) {
+function isIdle({name, description, choices}, specs) {
+  // A choice itself explains each of its values.
+  if (choices?.length) return false;
   const choice = description.match(/^(\w+): /)?.[1];
   const group = name.split('.')[0];
   const chooser = specs.find((spec) => spec.name.startsWith(`${group}.`) &&
@@ -99,7 +102,9 @@ function isIdle({name, description}, specs) {
 }
 
 function addField(groups, place, node, spec) {
-  const name = node === 'transform' ? 'transform' : (spec.group ?? '').split('.')[0];
+  const first = (spec.group ?? '').split('.')[0];
+  const own = node === 'transform' ? 'transform' : first;
+  const name = first === 'qos_overrides' ? first : spec.read_only ? 'fixed' : own;
   const field = createField(spec, `p-${node}-${spec.name.replaceAll('.', '-')}`,
     (value) => act('/api/parameters', {node, values: {[spec.name]: value}}));
   const group = groupFor(groups, place, name);

@@ -59,7 +59,8 @@ export function createAreas(store, picture) {
   const node = card('Areas', element('p', {},
     'Objects count only inside the work area, and not in the areas to ignore. The areas lie on ' +
     'the surface: they stay right when the camera is calibrated again.'),
-  needs, choices, pen.node, list, undo.node);
+  needs, choices, list, undo.node);
+  picture.node.after(pen.node);
   return {node};
 }
 
@@ -135,7 +136,8 @@ class Pen {
       setAttribute(this.#picture.node, name, value);
     }
     show(this.node, true);
-    this.#picture.node.focus();
+    this.#picture.node.focus({preventScroll: true});
+    this.#picture.node.scrollIntoView({block: 'nearest'});
     this.#changed(`Click the corners of ${NAMES[kind]} on the picture, one after the other.`);
   }
 

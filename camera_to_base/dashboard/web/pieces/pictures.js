@@ -15,11 +15,13 @@
 // A live picture: the server sends the newest one whenever the last one was shown.
 
 import {element, setAttribute, setText, show, svg} from '../base/dom.js';
+import {ago} from '../base/numbers.js';
 import {socket} from '../base/state.js';
 
 const LEAST_GAP_MS = 70;
 const RETRY_MS = 1500;
 const OLD_AFTER_MS = 3000;
+const LATE_MS = 1000;
 
 /** A picture with a layer for drawing above it, in the pixels of the camera. */
 export class LivePicture {
@@ -29,12 +31,15 @@ export class LivePicture {
   #isWanted = false;
   #kind;
   #sentSize = null;
+  #age = null;
+  #old = element('p', {class: 'age', hidden: true});
   #oldTimer = null;
 
   /** `kind` is what the server sends; `text` says what can be seen. */
   constructor(kind, text) {
     this.overlay = svg('svg', {preserveAspectRatio: 'none', 'aria-hidden': 'true'});
-    this.node = element('div', {class: 'picture empty'}, this.#image, this.overlay, this.#waiting);
+    this.node = element('div', {class: 'picture empty'}, this.#image, this.overlay, this.#waiting,
+      this.#old);
     this.size = {width: 640, height: 480};
     this.#image.onload = () => this.#onShown();
     this.#image.onerror = () => this.#askNext();
@@ -77,7 +82,7 @@ export class LivePicture {
 
   #open() {
     if (!this.#isWanted) return;
-    const line = socket('/ws/picture', {kind: this.#kind});
+    const line = socket('/ws/picture', {kind: this.#kind, adapts: 'yes'});
     this.#line = line;
     line.binaryType = 'blob';
     line.onopen = () => line.send('next');
@@ -93,19 +98,13 @@ export class LivePicture {
     if (this.#line !== line) return;
     if (typeof data === 'string') {
       const content = JSON.parse(data);
-      if (content.width) this.#sentSize = content;
-      if (content.error) this.#say(content.error);
+      this.#sentSize = content.width ? content : null;
+      this.#age = content.age_ms;
       return;
     }
     const old = this.#image.src;
     this.#image.src = URL.createObjectURL(data);
     if (old) URL.revokeObjectURL(old);
-  }
-
-  #say(sentence) {
-    setText(this.#waiting, sentence);
-    this.node.classList.add('empty');
-    show(this.#waiting, true);
   }
 
   #onShown() {
@@ -114,6 +113,8 @@ export class LivePicture {
     setAttribute(this.overlay, 'viewBox', `-0.5 -0.5 ${this.size.width} ${this.size.height}`);
     this.node.classList.remove('empty', 'old');
     show(this.#waiting, false);
+    show(this.#old, this.#age > LATE_MS);
+    if (this.#age > LATE_MS) setText(this.#old, `This picture was taken ${ago(this.#age / 1000)}.`);
     clearTimeout(this.#oldTimer);
     this.#oldTimer = setTimeout(() => this.node.classList.add('old'), OLD_AFTER_MS);
     this.#askNext();

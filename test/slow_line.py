@@ -1,0 +1,55 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""A slow network: passes on what comes to a port, with so many bytes in a second."""
+
+import asyncio
+import threading
+
+CHUNK = 1000
+
+
+class SlowLine:
+    """
+    Passes connections on to another port of this machine, with a limit for all together.
+
+    :param target: The other port.
+    :param bytes_per_s: In the direction to the client; the other one is fast.
+    """
+
+    def __init__(self, target, bytes_per_s):
+        self._target, self._pause_s = target, CHUNK / bytes_per_s
+        self._loop = asyncio.new_event_loop()
+        self._turn = asyncio.Lock()
+        threading.Thread(target=self._loop.run_forever, daemon=True).start()
+        self._server = asyncio.run_coroutine_threadsafe(
+            asyncio.start_server(self._on_client, 'localhost', 0), self._loop).result()
+        self.port = self._server.sockets[0].getsockname()[1]
+
+    def close(self):
+        """End all connections."""
+        self._loop.call_soon_threadsafe(self._server.close)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+
+    async def _on_client(self, reader, writer):
+        # Small buffers: what waits, waits at the server.
+        far_reader, far_writer = await asyncio.open_connection(
+            'localhost', self._target, limit=4 * CHUNK)
+        await asyncio.gather(self._pass(reader, far_writer, 0.0),
+                             self._pass(far_reader, writer, self._pause_s),
+                             return_exceptions=True)
+
+    async def _pass(self, reader, writer, pause_s):
+        while content := await reader.read(CHUNK):
+            if pause_s:
+                async with self._turn:
+                    await asyncio.sleep(pause_s * len(content) / CHUNK)
+            writer.write(content)
+            await writer.drain()
+        writer.close()
