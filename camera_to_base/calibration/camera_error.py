@@ -21,6 +21,8 @@ import numpy as np
 
 # Places of the picture, along its width and height, where the error is described.
 _COLUMNS, _ROWS = 9, 7
+# Of a standard deviation, for derivatives.
+_STEP = 0.01
 
 
 class CameraError(NamedTuple):
@@ -70,7 +72,7 @@ def camera_error(fit: PinholeFit) -> CameraError:
     covariance = fit.equations.covariance(variance)[shared, shared]
     pixels = _places(fit.surface)
     slopes = np.column_stack([
-        (_effect(fit, pixels, numbers + step) - _effect(fit, pixels, numbers - step)) / 2
+        (_effect(fit, pixels, numbers + step) - _effect(fit, pixels, numbers - step)) / (2 * _STEP)
         for step in _steps(covariance, problem.size)])
     scale = np.sqrt(np.diag(covariance))
     relative = covariance / scale[:, None] / scale
@@ -83,9 +85,9 @@ def camera_error(fit: PinholeFit) -> CameraError:
 
 
 def _steps(covariance: np.ndarray, size: int) -> np.ndarray:
-    """Return a step of a standard deviation of each shared number, shape (s, size)."""
+    """Return a small share of the standard deviation of each shared number, shape (s, size)."""
     steps = np.zeros((len(covariance), size))
-    np.fill_diagonal(steps, np.sqrt(np.diag(covariance)))
+    np.fill_diagonal(steps, _STEP * np.sqrt(np.diag(covariance)))
     return steps
 
 

@@ -24,6 +24,8 @@ import numpy as np
 
 # How many residuals the expected error of a corner is worth.
 _EXPECTED_WORTH = 10.0
+# A number that boards determine by this share of what all do is not determined by them.
+_NOTHING = 1e-9
 
 
 class BoardPart(NamedTuple):
@@ -88,11 +90,6 @@ class PinholeEquations:
         self.expected_px = expected_px(problem.image_size)
         self._basis, firsts = self._shared_basis()
         self.parts = [self._part(board, firsts) for board in range(len(problem.boards))]
-
-    @property
-    def shared_step(self) -> np.ndarray:
-        """Which shared numbers the columns of the boards' designs move, shape (s, lens + 6)."""
-        return self._basis
 
     def left_out(self) -> List[BoardError]:
         """Predict each board from the others; a single one has the residuals of its own fit."""
@@ -159,9 +156,10 @@ class PinholeEquations:
         scale = np.linalg.norm(pose, axis=0)
         on_table = np.linalg.lstsq(pose / scale, firsts, rcond=None)[0] / scale[:, None]
         others = np.linalg.svd((on_table / np.linalg.norm(on_table, axis=0)).T)[2][3:]
-        basis = np.zeros((start + 3, start + POSE_NUMBERS))
+        basis = np.zeros((problem.shared.stop - 3, problem.shared.stop))
         basis[:start, :start] = np.eye(start)
-        basis[start:, start:] = others
+        basis[start:start + 3, start:start + POSE_NUMBERS] = others
+        basis[start + 3:, start + POSE_NUMBERS:] = np.eye(problem.shared.stop - start - 6)
         return basis, firsts
 
     def _part(self, board: int, firsts: np.ndarray) -> BoardPart:
@@ -177,7 +175,8 @@ class PinholeEquations:
 
 
 def _left_out(part: BoardPart, normal: np.ndarray, slope: np.ndarray) -> BoardError:
-    others = _inverse(normal - part.design.T @ part.design)
+    # What the other boards do not determine, as the table of a single flat one, stays as it is.
+    others = _inverse(normal - part.design.T @ part.design, np.diag(normal))
     step = -others @ (slope - part.design.T @ part.residuals)
     error = part.residuals + part.design @ step
     # (1 + A N^-1 A')^-1 = 1 - A (N + A'A)^-1 A', where N is of the others.
@@ -186,21 +185,14 @@ def _left_out(part: BoardPart, normal: np.ndarray, slope: np.ndarray) -> BoardEr
     return BoardError(square / part.freedom, error.reshape(-1, 2), part.freedom)
 
 
-def _inverse(normal: np.ndarray) -> np.ndarray:
-    """Invert a positive definite matrix whose numbers have different units."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+def _inverse(normal: np.ndarray, usual: Optional[np.ndarray] = None) -> np.ndarray:
+    """
+    Invert a positive definite matrix whose numbers have different units.
+
+    :param usual: Its usual diagonal: numbers with next to nothing of it are left out.
+    """
+    diagonal = np.diag(normal)
+    known = diagonal > _NOTHING * (diagonal if usual is None else usual)
+    scale = np.where(known, 1 / np.sqrt(np.where(known, diagonal, 1.0)), 0.0)
     return scale[:, None] * np.linalg.pinv(
         normal * scale * scale[:, None], rcond=1e-13, hermitian=True) * scale
-
-
-def worst_board(left_out: Sequence[BoardError], floor_px: float, factor: float) -> Optional[int]:
-    """
-    Name the board that does not belong to the others; None if all do.
-
-    :param floor_px: Prediction errors below this are usual.
-    :param factor: By how much larger than the median its error is.
-    """
-    errors = np.sqrt([one.relative for one in left_out])
-    worst = int(np.argmax(errors))
-    usual = float(np.median(np.delete(errors, worst)))
-    return worst if errors[worst] > max(floor_px, factor * usual) else None

@@ -16,7 +16,7 @@ from typing import List, Optional, Sequence, Tuple
 from camera_to_base.calibration.homography_fit import start_values
 from camera_to_base.calibration.pinhole_error import BoardError, PinholeEquations
 from camera_to_base.calibration.pinhole_problem import (
-    expected_px, LENS_NUMBERS, lens_of, PinholeProblem)
+    BEND_NUMBERS, expected_px, LENS_NUMBERS, lens_of, PinholeProblem)
 from camera_to_base.checks import ImageSize
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.surface import (
@@ -216,7 +216,8 @@ def _start_numbers(problem: PinholeProblem, lens: LensModel) -> np.ndarray:
         [owners == number for number in range(len(flat))])
     table = _pose_of_homography(np.linalg.solve(lens.matrix, homography))
     start = np.concatenate([
-        table, *motions, *(_pose_of_board(board, lens) for board in tilted)])
+        table, np.zeros(BEND_NUMBERS), *motions,
+        *(_pose_of_board(board, lens) for board in tilted)])
     numbers = np.zeros(LENS_NUMBERS)
     numbers[:3] = np.log(lens.focal[0]), *lens.centre
     numbers[3:] = lens.coefficients if lens is not problem.known and lens.coefficients else 0.0

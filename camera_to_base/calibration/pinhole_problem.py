@@ -21,11 +21,13 @@ import numpy as np
 # positive; centre; coefficients.
 FOCAL, CENTRE, COEFFICIENTS = 0, slice(1, 3), slice(3, 8)
 _FOCAL_LIMITS = np.log([1.0, 1e6])
-LENS_NUMBERS, POSE_NUMBERS, MOTION_NUMBERS = 8, 6, 3
+LENS_NUMBERS, POSE_NUMBERS, BEND_NUMBERS, MOTION_NUMBERS = 8, 6, 3, 3
 # What is expected before anything is measured: a centre within 0.03 halves of the picture's
 # diagonal (22 px of 1280 x 720), and coefficients k1 k2 p1 p2 k3 of usual lenses.
 _EXPECTED_CENTRE = 0.03
 EXPECTED_COEFFICIENTS = (0.5, 0.5, 0.01, 0.01, 0.5)
+# How far paper on a plate is from flat between its middle and its rim, in cm.
+EXPECTED_BEND_CM = 0.03
 # The usual error of a corner's coordinate, in pictures of this width.
 _EXPECTED_PX, _USUAL_WIDTH = 0.1, 1280
 
@@ -110,8 +112,9 @@ class PinholeProblem:
     The least-squares problem.
 
     Its numbers: the lens (8, some of them fixed), the pose of the camera frame in the optical
-    frame (6), the turn and the shift on the table of each flat placement but the first (3), and
-    the pose of each board that is held at a tilt (6).
+    frame (6), how the board is bent along its x, its y, and twisted (3), the turn and the shift on
+    the table of each flat placement but the first (3), and the pose of each board that is held at
+    a tilt (6).
 
     :param flat: The points of each flat placement, in its own coordinates; those of the first are
         the camera frame's. At least one.
@@ -134,13 +137,18 @@ class PinholeProblem:
         self.free_lens = np.array([], int) if known is not None else np.array(
             [FOCAL, 1, 2, *(COEFFICIENTS.start + index for index in free)])
         self.pose_at = len(self.free_lens)
-        self.size = (self.pose_at + POSE_NUMBERS + MOTION_NUMBERS * (len(flat) - 1)
+        self.size = (self.shared.stop + MOTION_NUMBERS * (len(flat) - 1)
                      + POSE_NUMBERS * len(tilted))
+        self._shapes = [_bends(board.points) for board in self.boards]
 
     @property
     def shared(self) -> slice:
-        """The numbers that flat placements share: those of the lens and of the table's pose."""
-        return slice(0, self.pose_at + POSE_NUMBERS)
+        """The numbers that flat placements share: lens, the table's pose, the board's bend."""
+        return slice(0, self.pose_at + POSE_NUMBERS + BEND_NUMBERS)
+
+    def bend_cm(self, numbers: np.ndarray) -> np.ndarray:
+        """Return the bend along x and y, and the twist, between middle and rim, shape (3,)."""
+        return numbers[self.shared.stop - BEND_NUMBERS:self.shared.stop]
 
     def own(self, board: int) -> slice:
         """Return which numbers are a board's own; none for the first one."""
@@ -190,6 +198,9 @@ class PinholeProblem:
             slopes[rows, :self.pose_at] = shown.by_lens.reshape(-1, LENS_NUMBERS)[
                 :, self.free_lens]
             slopes[rows, self._pose_slice(board)] = by_pose
+            lift = (shown.by_point @ pose.matrix[:, 2])[:, :, None] * self._shapes[board][:, None]
+            slopes[rows, self.shared.stop - BEND_NUMBERS:self.shared.stop] = lift.reshape(
+                -1, BEND_NUMBERS)
             if 0 < board < self.flat_count:
                 slopes[rows, self.own(board)] = self._by_motion(numbers, board, shown, pose)
         return slopes
@@ -207,28 +218,10 @@ class PinholeProblem:
         shown = shown_by(self.lens(numbers), pose.points(self._points(numbers, 0)))
         return self._by_motion(numbers, 0, shown, pose)
 
-    def by_bend(self, numbers: np.ndarray) -> np.ndarray:
-        """
-        Return how the pixels move if the board is bent along its x, its y, and twisted.
-
-        :returns: Shape (2 n, 3), in px for a cm between its middle and its edge.
-        """
-        slopes = np.zeros((2 * len(self._pixels), 3))
-        lens = self.lens(numbers)
-        for board, rows in enumerate(self.rows):
-            own = self.boards[board].points
-            place = (own - (own.min(axis=0) + own.max(axis=0)) / 2) / (np.ptp(own, axis=0) / 2)
-            x, y = place.T
-            pose = self._pose(numbers, board)
-            shown = shown_by(lens, pose.points(self._points(numbers, board)))
-            lift = shown.by_point @ pose.matrix[:, 2]
-            slopes[rows] = (lift[:, :, None] * np.column_stack([x * x, y * y, x * y])[:, None]
-                            ).reshape(-1, 3)
-        return slopes
-
     def prior(self) -> Tuple[np.ndarray, np.ndarray]:
         """Return the expected value and the standard deviation of the numbers; inf for none."""
         deviations, expected = np.full(self.size, np.inf), np.zeros(self.size)
+        self.bend_cm(deviations)[:] = EXPECTED_BEND_CM
         if self.known is None:
             half_diagonal = float(np.hypot(*self.image_size)) / 2
             spread = np.array([np.inf, *2 * [_EXPECTED_CENTRE * half_diagonal],
@@ -252,7 +245,7 @@ class PinholeProblem:
     def _points(self, numbers: np.ndarray, board: int) -> np.ndarray:
         points = (self.placed(numbers, board) if board < self.flat_count
                   else self.boards[board].points)
-        return np.column_stack([points, np.zeros(len(points))])
+        return np.column_stack([points, self._shapes[board] @ self.bend_cm(numbers)])
 
     def _by_motion(
         self, numbers: np.ndarray, board: int, shown: Shown, pose: _Pose
@@ -262,3 +255,10 @@ class PinholeProblem:
         moves = np.zeros((len(turned), 3, MOTION_NUMBERS))
         moves[:, :2, 0], moves[:, 0, 1], moves[:, 1, 2] = turned, 1.0, 1.0
         return (shown.by_point @ pose.matrix @ moves).reshape(-1, MOTION_NUMBERS)
+
+
+def _bends(points: np.ndarray) -> np.ndarray:
+    """Return the height of points on a board that is bent by 1 along x, y, and twisted, (n, 3)."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    x, y = ((points - (low + high) / 2) / ((high - low) / 2)).T
+    return np.column_stack([x * x, y * y, x * y])

@@ -14,13 +14,14 @@ Blur and the camera's gamma make all markers of a picture look smaller by the sa
 pixel: that inset is fitted, too.
 """
 
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.checks import ImageSize
 from camera_to_base.errors import CalibrationError, CameraToBaseError, InvalidValueError
 from camera_to_base.markers.find import TABLE_MARKERS
 from camera_to_base.parameters import ParameterSpec, Values
-from camera_to_base.surface import HomographySurface, RadialDistortion, Surface
+from camera_to_base.surface import (
+    HomographySurface, LensModel, PinholeSurface, RadialDistortion, Surface)
 from camera_to_base.uncertainty import HOMOGRAPHY_NUMBERS, pooled_variance, warp_design
 import cv2
 import numpy as np
@@ -31,6 +32,7 @@ _EXPECTED_PX, _USUAL_WIDTH, _EXPECTED_WORTH = 0.1, 1280, 10.0
 _ROUNDS = 3
 
 Corners = Dict[int, np.ndarray]
+MarkerLens = Union[RadialDistortion, LensModel]
 
 NUMBERS, CORNERS = 'markers.numbers', 'markers.corners_cm'
 # With fewer, no surface is computed.
@@ -90,10 +92,12 @@ class MarkerFit(NamedTuple):
 
 
 def fit_markers(
-    known: Corners, seen: Corners, image_size: ImageSize, lens: RadialDistortion
+    known: Corners, seen: Corners, image_size: ImageSize, lens: MarkerLens
 ) -> MarkerFit:
     """
     Fit a surface to the markers that are both known and seen.
+
+    With the whole lens of a pinhole camera, it is the camera's new pose that is fitted.
 
     :param known: By number, shape (4, 2), x and y, in cm, in the camera frame.
     :param seen: By number, shape (4, 2), u and v, in px.
@@ -104,17 +108,21 @@ def fit_markers(
     pixels = np.concatenate([seen[number] for number in numbers])
     outwards = outward_moves(pixels)
     design = warp_design(pixels, image_size, lens)[:, :, :HOMOGRAPHY_NUMBERS]
+    if isinstance(lens, LensModel):
+        design = design @ _pose_warps(points, lens.undistort(pixels), image_size, lens)
     columns = np.concatenate([design, outwards[:, :, None]], axis=2)
-    gain = np.linalg.pinv(columns.reshape(-1, HOMOGRAPHY_NUMBERS + 1))
-    inset = 0.0
+    gain, inset = np.linalg.pinv(columns.reshape(-1, columns.shape[2])), 0.0
     for _ in range(_ROUNDS):
         surface = _surface(points, lens.undistort(pixels + inset * outwards), image_size, lens)
         residuals = surface.pixels(points) - pixels - inset * outwards
         inset += float(gain[-1] @ residuals.ravel())
-    freedom = max(residuals.size - HOMOGRAPHY_NUMBERS - 1, 1)
+    freedom = max(residuals.size - columns.shape[2], 1)
     squares = float(np.sum(residuals ** 2))
     expected = _EXPECTED_PX * scale_of(image_size)
-    return MarkerFit(surface, numbers, pixels + inset * outwards, points, gain[:-1],
+    moves = gain[:-1]
+    if isinstance(lens, LensModel):
+        moves = _pose_warps(points, lens.undistort(pixels), image_size, lens) @ moves
+    return MarkerFit(surface, numbers, pixels + inset * outwards, points, moves,
                      float(np.sqrt(squares / freedom)),
                      pooled_variance(squares, freedom, expected, _EXPECTED_WORTH))
 
@@ -139,14 +147,43 @@ def outward_moves(pixels: np.ndarray) -> np.ndarray:
     return np.linalg.solve(pairs, np.ones((*pairs.shape[:-1], 1)))[..., 0].reshape(-1, 2)
 
 
+def _pose(points: np.ndarray, straight: np.ndarray, lens: LensModel) -> np.ndarray:
+    """Return rotation vector and shift of the camera frame in the optical frame, shape (6,)."""
+    view = (np.column_stack([points, np.zeros(len(points))]), straight, lens.matrix, np.zeros(4))
+    poses = []
+    for rotation, shift in zip(*cv2.solvePnPGeneric(*view, flags=cv2.SOLVEPNP_IPPE)[1:3]):
+        rotation, shift = cv2.solvePnPRefineLM(*view, rotation, shift)
+        off = cv2.projectPoints(view[0], rotation, shift, *view[2:])[0][:, 0] - straight
+        poses.append((float(np.linalg.norm(off)), np.concatenate([rotation, shift]).ravel()))
+    return min(poses, key=lambda one: one[0] if np.isfinite(one[0]) else np.inf)[1]
+
+
+def _pose_warps(
+    points: np.ndarray, straight: np.ndarray, image_size: ImageSize, lens: LensModel
+) -> np.ndarray:
+    """Return by which of the warp's eight numbers a pose's six move the picture, shape (8, 6)."""
+    pose = _pose(points, straight, lens)
+    board = np.column_stack([points, np.zeros(len(points))])
+    shown, slopes = cv2.projectPoints(board, pose[:3], pose[3:], lens.matrix, np.zeros(4))
+    plain = LensModel(image_size, lens.focal, lens.centre)
+    design = warp_design(shown[:, 0], image_size, plain)[:, :, :HOMOGRAPHY_NUMBERS]
+    return np.linalg.lstsq(
+        design.reshape(-1, HOMOGRAPHY_NUMBERS), slopes[:, :6], rcond=None)[0]
+
+
 def _surface(
-    points: np.ndarray, straight: np.ndarray, image_size: ImageSize, lens: RadialDistortion
+    points: np.ndarray, straight: np.ndarray, image_size: ImageSize, lens: MarkerLens
 ) -> HomographySurface:
-    homography, _ = cv2.findHomography(points, straight)
     try:
-        surface = HomographySurface(np.linalg.inv(homography), image_size, lens)
+        if isinstance(lens, LensModel):
+            pose = _pose(points, straight, lens)
+            matrix = cv2.Rodrigues(pose[:3].copy())[0]
+            surface = PinholeSurface(lens, pose[:3], -matrix.T @ pose[3:])
+        else:
+            homography, _ = cv2.findHomography(points, straight)
+            surface = HomographySurface(np.linalg.inv(homography), image_size, lens)
         is_seen = bool(np.isfinite(surface.pixels(points)).all())
-    except (TypeError, InvalidValueError, np.linalg.LinAlgError):
+    except (TypeError, ValueError, cv2.error, InvalidValueError, np.linalg.LinAlgError):
         is_seen = False  # findHomography returns None where there is none
     if not is_seen:
         raise CalibrationError('no camera sees the markers where they are in the picture')
@@ -264,7 +301,7 @@ class MarkerVerdict(NamedTuple):
 
 def judge_markers(
     known: Corners, shown: Corners, seen: Corners, image_size: ImageSize,
-    lens: RadialDistortion, *, tolerance_px: float = 0.0,
+    lens: MarkerLens, *, tolerance_px: float = 0.0,
 ) -> MarkerVerdict:
     """
     Compare the markers of a picture with the surface in use.
@@ -294,7 +331,7 @@ def judge_markers(
 
 
 def _fitted(
-    known: Corners, seen: Corners, image_size: ImageSize, lens: RadialDistortion
+    known: Corners, seen: Corners, image_size: ImageSize, lens: MarkerLens
 ) -> MarkerVerdict:
     limit_px = _FIT_PX * scale_of(image_size)
     try:
@@ -315,7 +352,7 @@ def _fitted(
 
 
 def _best_without_one(
-    known: Corners, seen: Corners, image_size: ImageSize, lens: RadialDistortion
+    known: Corners, seen: Corners, image_size: ImageSize, lens: MarkerLens
 ) -> Optional[MarkerFit]:
     """Return the best fit to all markers but one; None where too few are left."""
     if len(seen) <= LEAST_MARKERS:

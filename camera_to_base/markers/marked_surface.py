@@ -21,7 +21,8 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 from camera_to_base.checks import ImageSize
 from camera_to_base.markers.find import see_markers
 from camera_to_base.markers.fit import (
-    Corners, judge_markers, known_markers, MarkerFit, MarkerVerdict, moved_place, names_of)
+    Corners, judge_markers, known_markers, MarkerFit, MarkerLens, MarkerVerdict, moved_place,
+    names_of)
 from camera_to_base.parameters import Values
 from camera_to_base.surface import (
     HomographySurface, Hull, make_hull, make_surface, PictureMap, RadialDistortion, Surface,
@@ -41,14 +42,10 @@ def marker_surface(values: Values) -> Surface:
     return make_surface(values)
 
 
-def lens_of_values(values: Values) -> RadialDistortion:
+def lens_of_values(values: Values) -> MarkerLens:
     """Return the calibrated lens; one without distortion where the model has none."""
     size = tuple(values['surface.image_size'])
-    if values['surface.model'] != 'homography':
-        return RadialDistortion.of_picture(size)
-    return RadialDistortion.of_picture(
-        size, values['surface.homography.distortion_coefficient'],
-        values['surface.homography.distortion_centre'])
+    return marker_surface(values).distortion or RadialDistortion.of_picture(size)
 
 
 def new_surface_values(values: Values, fit: MarkerFit) -> Dict[str, Any]:
@@ -235,7 +232,7 @@ class MarkedSurface:
             + (f' ({names_of(unseen)} not used)' if unseen else '')))
 
     @property
-    def _lens(self) -> RadialDistortion:
+    def _lens(self) -> MarkerLens:
         return lens_of_values(self.values)
 
 

@@ -56,7 +56,8 @@ class SurfaceInForce(NamedTuple):
         if self.covariance is None:
             return calibrated
         covariance = self.covariance + (0 if self.replaces else calibrated.warp_covariance)
-        return replace(calibrated, surface=self.surface, warp_covariance=covariance, _places={})
+        return replace(calibrated, surface=self.surface, camera=self.surface.camera_place,
+                       warp_covariance=covariance, _places={})
 
     def detector(self, settings: DetectorSettings) -> DetectorSettings:
         """Give the detector's settings with the area of the calibration where the frame has it."""

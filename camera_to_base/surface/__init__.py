@@ -27,16 +27,17 @@ from camera_to_base.surface.nudged import (
 from camera_to_base.surface.parameters import make_hull, make_surface, surface_values
 from camera_to_base.surface.pinhole import nearest_pinhole, PinholeSurface
 from camera_to_base.surface.points import (
-    camera_pose, CameraIntrinsics, check_inside, check_spread, Hull, MatchedPoints, on_one_line,
+    check_inside, check_spread, Hull, MatchedPoints, on_one_line,
     PointPairs, sees_y_clockwise, surface_extent, top_view)
 from camera_to_base.surface.thumbnail import read_thumbnail, shares_structure, view_thumbnail
 
 __all__ = [
-    'as_homography', 'camera_pose', 'CameraIntrinsics', 'check_inside', 'check_spread',
-    'DISTORTION_MODELS', 'divide', 'Footprint', 'homogeneous', 'HomographySurface', 'Hull',
-    'is_same_surface', 'LensModel', 'make_hull', 'make_surface', 'MatchedPoints',
-    'nearest_pinhole', 'NudgedSurface', 'on_one_line', 'Outline', 'PictureMap', 'PinholeSurface',
-    'PointPairs', 'PolynomialSurface', 'RadialDistortion', 'RayedSilhouette', 'read_thumbnail',
+    'as_homography', 'check_inside', 'check_spread', 'DISTORTION_MODELS', 'divide',
+    'Footprint', 'homogeneous', 'HomographySurface', 'Hull', 'is_same_surface', 'LensModel',
+    'make_hull', 'make_surface', 'MatchedPoints', 'nearest_pinhole', 'NudgedSurface',
+    'on_one_line', 'Outline', 'PictureMap', 'PinholeSurface', 'PointPairs',
+    'PolynomialSurface', 'RadialDistortion', 'RayedSilhouette', 'read_thumbnail',
     'sees_y_clockwise', 'shares_structure', 'Surface', 'SURFACE_DEFAULTS', 'surface_extent',
-    'SURFACE_SPECS', 'surface_values', 'top_view', 'towards_camera', 'undivide', 'view_thumbnail',
+    'SURFACE_SPECS', 'surface_values', 'top_view', 'towards_camera', 'undivide',
+    'view_thumbnail',
 ]
