@@ -69,11 +69,16 @@ def test_click_on_an_object_marks_it_in_the_picture(page):
     assert wait_until(is_marked, lambda: 'not marked')
 
 
-def test_mask_is_beside_the_picture(page):
+def test_mask_lies_over_a_large_picture_as_strong_as_the_slider_says(page):
+    page.resize(1280, 800)
     page.go_to('detect')
-    for index in (1, 2):
-        selector = f'#part-detect figure:nth-of-type({index}) img'
-        wait_until(lambda: has_picture(page, selector), lambda: f'no {selector}')
+    for selector in ('#part-detect .picture > img', '#part-detect .picture.over > img'):
+        wait_until(lambda selector=selector: has_picture(page, selector), lambda: f'no {selector}')
+    boxes = [page.element(f'#part-detect {one}').rect for one in ('.picture', '.picture.over')]
+    assert boxes[0] == boxes[1] and boxes[0]['width'] >= 640
+    page.run("const one = document.querySelector('#mask-strength'); one.value = 75;"
+             "one.dispatchEvent(new Event('input'))")
+    assert page.element('#part-detect .picture.over').value_of_css_property('opacity') == '0.75'
 
 
 def test_parameter_takes_effect_and_goes_back_to_its_default(page):
@@ -136,6 +141,10 @@ def test_tools_for_drawing_are_in_sight_with_the_picture(page):
         box = page.run('return document.querySelector(arguments[0]).getBoundingClientRect()'
                        '.toJSON()', f'#part-detect {selector}')
         assert 0 <= box['top'] and box['bottom'] <= 800, selector
+    # Nothing lies over it, such as the panel of the simulated table.
+    assert page.run('''const one = document.querySelector('#part-detect .pen .primary');
+        const box = one.getBoundingClientRect();
+        return document.elementFromPoint(box.left + 5, box.top + 5) === one''')
     page.click('Cancel', '#part-detect')
 
 

@@ -12,7 +12,7 @@
 // See the License for the specific language governing permissions and
 // limitations under the License.
 
-// Detect: the picture beside the mask, and a field for each parameter of both nodes.
+// Detect: the picture with the mask over it, and a field for each parameter of both nodes.
 
 import {act} from '../base/actions.js';
 import {createAreas} from '../pieces/areas.js';
@@ -32,11 +32,16 @@ const ORDER = ['detector', '', 'transform', 'view', 'uncertainty', 'debug_image'
 /** Make the part. */
 export function createDetect(store) {
   const picture = new LivePicture('annotated', 'The live picture with the outlines of the objects.');
-  const mask = new LivePicture('mask', 'The mask: pixels that belong to objects are white.');
+  const mask = new LivePicture('mask', 'The mask: pixels that belong to objects are bright.');
   const fields = createFields(store);
-  const effect = card('Effect', element('div', {class: 'side-by-side'},
-    element('figure', {}, picture.node, element('figcaption', {}, 'Picture')),
-    element('figure', {}, mask.node, element('figcaption', {}, 'Mask: white belongs to objects'))));
+  const strength = element('input', {type: 'range', id: 'mask-strength', min: 0, max: 100, value: 40,
+    oninput: () => mask.node.style.setProperty('opacity', strength.value / 100)});
+  mask.node.classList.add('over');
+  mask.node.style.setProperty('opacity', strength.value / 100);
+  picture.overlay.before(mask.node);
+  const effect = card('Effect', element('figure', {}, picture.node),
+    element('p', {class: 'mask-strength'}, element('label', {for: 'mask-strength'},
+      'Mask: what belongs to objects, over the picture'), strength));
   effect.classList.add('effect');
   // Its tools lie below the picture, which is in its place now.
   const areas = createAreas(store, picture);

@@ -60,7 +60,8 @@ export function createAreas(store, picture) {
     'Objects count only inside the work area, and not in the areas to ignore. The areas lie on ' +
     'the surface: they stay right when the camera is calibrated again.'),
   needs, choices, list, undo.node);
-  picture.node.after(pen.node);
+  picture.node.before(pen.node);
+  picture.node.after(pen.help);
   return {node};
 }
 
@@ -119,9 +120,9 @@ class Pen {
     this.said = element('p', {role: 'status'});
     this.done = button('Finish', () => this.end(), {class: 'primary'});
     this.node = element('div', {class: 'pen', hidden: true}, this.said,
-      element('p', {class: 'quiet'}, KEYS),
       element('div', {class: 'buttons'}, this.done,
         button('Undo', () => this.#undo()), button('Cancel', () => this.#close())));
+    this.help = element('p', {class: 'quiet', hidden: true}, KEYS);
     picture.node.addEventListener('click', (event) => this.#onClick(event));
     picture.node.addEventListener('keydown', (event) => this.#onKey(event));
   }
@@ -136,8 +137,9 @@ class Pen {
       setAttribute(this.#picture.node, name, value);
     }
     show(this.node, true);
+    show(this.help, true);
     this.#picture.node.focus({preventScroll: true});
-    this.#picture.node.scrollIntoView({block: 'nearest'});
+    this.node.scrollIntoView({block: 'nearest'});
     this.#changed(`Click the corners of ${NAMES[kind]} on the picture, one after the other.`);
   }
 
@@ -155,6 +157,7 @@ class Pen {
       setAttribute(this.#picture.node, name, null);
     }
     show(this.node, false);
+    show(this.help, false);
     this.onchange();
   }
 
