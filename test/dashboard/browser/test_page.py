@@ -142,9 +142,9 @@ def test_tools_for_drawing_are_in_sight_with_the_picture(page):
                        '.toJSON()', f'#part-detect {selector}')
         assert 0 <= box['top'] and box['bottom'] <= 800, selector
     # Nothing lies over it, such as the panel of the simulated table.
-    assert page.run('''const one = document.querySelector('#part-detect .pen .primary');
-        const box = one.getBoundingClientRect();
-        return document.elementFromPoint(box.left + 5, box.top + 5) === one''')
+    assert page.run("const one = document.querySelector('#part-detect .pen .primary');"
+                    'const box = one.getBoundingClientRect();'
+                    'return document.elementFromPoint(box.left + 5, box.top + 5) === one')
     page.click('Cancel', '#part-detect')
 
 
