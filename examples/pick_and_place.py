@@ -15,6 +15,14 @@ An arm with a gripper that picks one object after the other: a template for your
 It takes what lies at rest, is seen well enough for the gripper and fits between its fingers, looks
 whether the object is really gone, and puts it down at one place. By default it moves a simulated
 arm of two links, as in two_link_arm.py, with a lift, a wrist and a gripper: replace `Motions`.
+
+Parameters, in m and s:
+  opening_m, tolerance_m     how far the gripper opens; how far off its middle may be
+  rest_s, rest_m, max_age_s  how long an object must have moved less than that; age of positions
+  retries, search_m          how often it tries again, and how far off it looks for the object
+  place_x_m, place_y_m       where objects are put down
+  travel_height_m            of the fingertips above the surface, between the grasps
+  upper_arm_m, forearm_m, motion_s    the simulated arm; how long each of its motions takes
 """
 
 import argparse
@@ -214,6 +222,9 @@ class PickAndPlace(Node):
         """Wait until an object can be picked: the largest one that does not move."""
         while True:
             look = self._next_look(self._look.stamp)
+            # What is laid there later is another object.
+            self._given_up = [place for place in self._given_up if any(
+                place.away(seen) < self._rest_m for seen in look.objects)]
             for target in look.objects:
                 if self._may_be_picked(target, look):
                     return target

@@ -11,6 +11,7 @@
 
 import math
 from pathlib import Path
+import re
 import signal
 import subprocess
 import sys
@@ -143,6 +144,11 @@ def test_after_two_retries_an_object_is_left_where_it_is(ros, arm):
     assert ros.spin_until(lambda: len(table.events) == 3)
     ros.spin_for(3.0)
     assert [event for event, _ in table.events] == ['slipped'] * 3
+    # Another object at the same place is another matter.
+    thing, table.slips = table.objects.pop(1), 0
+    ros.spin_for(0.5)
+    table.objects[2] = thing
+    assert ros.spin_until(lambda: table.happened('caught') == [2])
     assert 'stays there: it could not be picked' in output()
 
 
@@ -253,4 +259,6 @@ def test_what_is_no_limit_is_one_sentence(given, said):
 def test_help_is_printed_and_other_arguments_are_refused(argument, code):
     arm = subprocess.run([*COMMAND[:2], argument], capture_output=True, text=True, timeout=30)
     assert arm.returncode == code
-    assert ('opening_m' in arm.stdout) == (code == 0) and 'Traceback' not in arm.stderr
+    names = re.findall(r"number\('(\w+)'", EXAMPLE.read_text())
+    assert len(names) > 10 and 'Traceback' not in arm.stderr
+    assert all((name in arm.stdout) == (code == 0) for name in names)
