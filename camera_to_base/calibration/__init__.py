@@ -21,7 +21,7 @@ from camera_to_base.calibration.base import (
     calibrate_base, calibrate_touches, FRAMES, measured_place, pairs_text, Place, point_pairs,
     read_kept_pairs, read_typed_position, same_touch, suggested_places, Suggestion, TouchedPair)
 from camera_to_base.calibration.board_tilt import (
-    held_tilt, HeldTilt, rough_surface, tilt_suggestion, tilt_trouble)
+    held_tilt, HeldTilt, missing_side, rough_surface, tilt_suggestion, tilt_trouble)
 from camera_to_base.calibration.boards.placement import (
     BoardLook, covered_shares, look_for, make_placement, map_lines, NINTHS, Placement,
     PrintedBoard, refuse_unlike, renumbered, shares_of, uncovered)
@@ -45,7 +45,8 @@ __all__ = [
     'calibrate_touches', 'Calibration', 'camera_fields', 'cell_text', 'check_surface',
     'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown',
     'has_one_origin', 'held_tilt', 'HeldTilt', 'learned_markers', 'look_for', 'make_placement',
-    'map_lines', 'marker_sheet_content', 'MARKERS', 'measured_place', 'next_step', 'NINTHS',
+    'map_lines', 'marker_sheet_content', 'MARKERS', 'measured_place', 'missing_side',
+    'next_step', 'NINTHS',
     'OfferedCorrection', 'pair_figures', 'PairFigures', 'pairs_text', 'PAPERS', 'part_values',
     'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs', 'PrintedBoard',
     'read_camera_info', 'read_kept_pairs', 'read_pairs', 'read_points', 'read_typed_position',

@@ -12,10 +12,12 @@
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from camera_to_base.calibration import (
-    calibrate_placements, Calibration, part_values, Placement, SURFACE)
+    calibrate_placements, Calibration, part_values, Placement, PrintedBoard, SURFACE)
 from camera_to_base.dashboard.sessions.kept import History
 from camera_to_base.dashboard.sessions.placements import (
     BoardOptions, BoardWatch, found_again, PictureTaker, PlacementList, report_data)
+from camera_to_base.dashboard.sessions.tilted import (
+    tilted_picture, TiltedList, TiltedPicture, WANTED)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
@@ -41,23 +43,26 @@ class BoardSession:
     ) -> None:
         self._values, self._worker, self._on_change = values, worker, on_change
         self._options = BoardOptions()
-        self._watch = BoardWatch(worker, on_change, on_picture)
+        self._watch = BoardWatch(worker, on_change, on_picture, self._see_look)
         self._is_on = False
         self._taker = PictureTaker(worker)
         self._busy: Optional[str] = None
         self._error: Optional[str] = None
-        self._placements = PlacementList()
+        self._placements, self._tilted = PlacementList(), TiltedList()
+        self._is_tilting = False
         self.calibration: Optional[Calibration] = None
         self._accepted: Optional[Dict[str, Any]] = None
         self.accepted_calibration: Optional[Calibration] = None
         self._history = History()
         self._reading: List[np.ndarray] = []
+        self._tilted_before = 0
 
     @property
     def kept(self) -> Tuple[Dict[str, Any], List[np.ndarray]]:
         """What a new start of the dashboard needs, as JSON, and the placements' pictures."""
-        return ({'options': self._options.data, 'is_on': self._is_on},
-                self._reading or self._placements.images)
+        return ({'options': self._options.data, 'is_on': self._is_on,
+                 'tilted': self._tilted_before or len(self._tilted)},
+                self._reading or [*self._placements.images, *self._tilted.images])
 
     def restore(self, kept: Mapping[str, Any], images: List[np.ndarray]) -> None:
         """
@@ -69,9 +74,11 @@ class BoardSession:
         self._options, self._is_on = options, bool(kept['is_on'])
         self._watch.start(options.board if self._is_on else None)
         if images:
-            self._reading = images
+            self._reading, self._tilted_before = images, int(kept.get('tilted', 0))
             self._begin('Reading the placements from before …')
-            self._worker.run(lambda: found_again(options.board, images), self._take_again)
+            self._worker.run(
+                lambda: _found_again(options.board, images, self._tilted_before),
+                self._take_again)
 
     @property
     def wants_frames(self) -> bool:
@@ -104,7 +111,9 @@ class BoardSession:
             'busy': self._busy, 'error': self._error,
             'report': self.calibration and report_data(self.calibration, len(self._placements)),
             'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted,
-            'undo': self._history.sentence}
+            'undo': self._history.sentence, 'tilting': self._is_tilting,
+            'tilted': self._tilted.data, 'wanted_tilted': WANTED,
+            'tilt_side': self._tilted.side if self._is_tilting else None}
 
     def start(self, body: Mapping[str, Any]) -> None:
         """
@@ -154,17 +163,34 @@ class BoardSession:
         self._taker.start(self._make_placement)
         self._on_change()
 
+    def tilt(self, body: Mapping[str, Any]) -> None:
+        """
+        Take pictures of the board held at a tilt from now on, or of the board on the table.
+
+        :param body: {'on': whether it is held}.
+        :raises InvalidValueError: If there is no placement on the table yet.
+        """
+        _refuse_unless(self._is_on and self._placements, 'take a placement on the table first')
+        self._is_tilting, self._error = bool(body.get('on')), None
+        self._on_change()
+
     def remove(self, body: Mapping[str, Any]) -> None:
         """
         Remove a placement.
 
-        :param body: {'number': 1 and up}.
+        :param body: {'number': 1 and up, 'tilted': whether it is of those held at a tilt}.
         :raises InvalidValueError: If there is none.
         """
         _refuse_unless(not self._busy, _BUSY)
-        before = self._former
-        self._placements.remove(self._options.board, body.get('number'))
-        self._history.push(f'placement {body["number"]} removed', before)
+        before, number = self._former, body.get('number')
+        if body.get('tilted'):
+            numbered = dict(enumerate(self._tilted.all, 1))
+            _refuse_unless(number in list(numbered), f'there is no tilted picture {number!r:.20}')
+            self._tilted.put_back([one for key, one in numbered.items() if key != number])
+            self._history.push(f'tilted picture {number} removed', before)
+        else:
+            self._placements.remove(self._options.board, number)
+            self._history.push(f'placement {number} removed', before)
         self.calibration = self._accepted = None
         self._on_change()
 
@@ -175,9 +201,10 @@ class BoardSession:
         :raises CameraToBaseError: If nothing was.
         """
         _refuse_unless(not self._busy, _BUSY)
-        self._options, placements, self._is_on, self.calibration, self._accepted = (
+        self._options, placements, tilted, self._is_on, self.calibration, self._accepted = (
             self._history.pop())
         self._placements.put_back(placements)
+        self._tilted.put_back(tilted)
         self._error = None
         self._watch.start(self._options.board if self._is_on else None)
         self._on_change()
@@ -193,7 +220,9 @@ class BoardSession:
         self._begin('Fitting …')
         board = self._options.board
         placements = self._placements.named(f'camera {self._device() or "picture"}')
-        self._worker.run(lambda: calibrate_placements(board, placements), self._take_fit)
+        tilted, self._is_tilting = self._tilted.placements, False
+        self._worker.run(
+            lambda: calibrate_placements(board, placements, tilted=tilted), self._take_fit)
         self._on_change()
 
     def acceptance(self) -> CellChanges:
@@ -226,6 +255,9 @@ class BoardSession:
         count = len(self._placements)
         if not self._is_on:
             return 'Lay the printed board flat on the table, and start.'
+        if self._is_tilting:
+            return (f'{len(self._tilted)} of {WANTED} tilted pictures are taken. '
+                    + self._tilted.suggestion)
         if self._accepted:
             return 'Take the board away, and take the background of the empty surface.'
         if self.calibration:
@@ -233,19 +265,25 @@ class BoardSession:
         if count < _GOOD_PLACEMENTS and count:
             return (f'{count} of {_GOOD_PLACEMENTS} placements are taken. Lay the board elsewhere '
                     'without moving the camera, or fit now.')
+        if count and not self._tilted:
+            return ('Hold the board at a tilt, for the lens and the height of the camera, or fit '
+                    'the surface.')
         return 'Fit the surface.' if count else 'Take the first placement: it defines x and y.'
 
     def _make_placement(self, frames: Any) -> None:
         if isinstance(frames, Exception):
             self._take_placement(frames)
             return
-        self._worker.run(
-            self._placements.maker(self._options.board, frames), self._take_placement)
+        board = self._options.board
+        maker = self._tilted.maker(board, frames, self._placements.all) if self._is_tilting \
+            else self._placements.maker(board, frames)
+        self._worker.run(maker, self._take_placement)
 
     def _take_placement(self, found: Any) -> None:
         self._end(found)
-        if isinstance(found, Placement) and self._is_on:
-            self._placements.add(found)
+        if isinstance(found, (Placement, TiltedPicture)) and self._is_on:
+            (self._placements if isinstance(found, Placement) else self._tilted).add(found)
+            self._is_tilting &= len(self._tilted) < WANTED
             self.calibration = self._accepted = None
         self._on_change()
 
@@ -258,14 +296,15 @@ class BoardSession:
     @property
     def _suggestion(self) -> Optional[Dict[str, Any]]:
         # The hint says one thing; where it says `Fit the surface`, nothing else is suggested.
-        if not self._is_on or self.calibration or len(self._placements) >= _GOOD_PLACEMENTS:
+        is_enough = len(self._placements) >= _GOOD_PLACEMENTS
+        if not self._is_on or self._is_tilting or self.calibration or is_enough:
             return None
         return self._placements.suggestion
 
     @property
     def _former(self) -> Any:
-        return (self._options, self._placements.all, self._is_on, self.calibration,
-                self._accepted)
+        return (self._options, self._placements.all, self._tilted.all, self._is_on,
+                self.calibration, self._accepted)
 
     def _remember(self, sentence: str) -> None:
         if self._placements:
@@ -273,10 +312,16 @@ class BoardSession:
 
     def _take_again(self, found: Any) -> None:
         self._end(found)
-        self._reading = []
+        self._reading, self._tilted_before = [], 0
         if not isinstance(found, Exception):
-            self._placements.put_back([*found, *self._placements.all])
+            flat, tilted = found
+            self._placements.put_back(flat)
+            self._tilted.put_back(tilted)
         self._on_change()
+
+    def _see_look(self, corners: np.ndarray, width: int) -> None:
+        if self._is_tilting and not self._busy and self._tilted.see(corners, width):
+            self.take()
 
     def _begin(self, sentence: str) -> None:
         self._busy, self._error = sentence, None
@@ -287,8 +332,18 @@ class BoardSession:
 
     def _forget(self) -> None:
         self._placements.clear()
+        self._tilted.put_back([])
+        self._is_tilting = False
         self.calibration = self._accepted = self._busy = None
         self._taker.cancel()
+
+
+def _found_again(board: PrintedBoard, images: List[np.ndarray], tilted_count: int) -> Tuple[
+        List[Placement], List[TiltedPicture]]:
+    count = len(images) - tilted_count
+    flat = found_again(board, images[:count])
+    return flat, [tilted_picture(board, image, number, flat)
+                  for number, image in enumerate(images[count:])]
 
 
 def _refuse_unless(condition: Any, sentence: str) -> None:

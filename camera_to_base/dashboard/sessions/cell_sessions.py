@@ -269,7 +269,7 @@ class CellSessions:
         return {
             ('board', 'start'): board.start, ('board', 'take'): lambda body: board.take(),
             ('board', 'remove'): board.remove, ('board', 'fit'): lambda body: board.fit(),
-            ('board', 'undo'): lambda body: board.undo(),
+            ('board', 'tilt'): board.tilt, ('board', 'undo'): lambda body: board.undo(),
             ('board', 'accept'): lambda body: board.acceptance(),
             ('board', 'cancel'): lambda body: board.cancel(),
             ('markers', 'start'): markers.start, ('markers', 'learn'): markers.learn,

@@ -344,12 +344,15 @@ class BoardWatch:
     :param worker: Looks.
     :param on_change: Called when another thing is seen.
     :param on_picture: Called with each frame as JPEG, the found corners drawn into it.
+    :param on_look: Called with the corners of each look, and the picture's width.
     """
 
     def __init__(
-        self, worker: Worker, on_change: Callable[[], None], on_picture: Callable[[bytes], None]
+        self, worker: Worker, on_change: Callable[[], None], on_picture: Callable[[bytes], None],
+        on_look: Callable[[np.ndarray, int], None],
     ) -> None:
         self._worker, self._on_change, self._on_picture = worker, on_change, on_picture
+        self._on_look = on_look
         self._board: Optional[PrintedBoard] = None
         self._is_looking, self._seen_at = False, -math.inf
         self.data: Any = None
@@ -388,6 +391,7 @@ class BoardWatch:
             found = BoardLook(False, sentence_of(found), np.empty((0, 2)))
         if found.is_found:
             self._seen_at = time.monotonic()
+        self._on_look(found.corners, image.shape[1])
         data = look_data(image, found)
         if data != self.data:
             self.data = data

@@ -245,3 +245,68 @@ def test_steps_that_cannot_be_read_are_left_alone(tmp_path, content):
     cell = Cell(tmp_path / 'cell.yaml')
     assert cell.state('board')['step'] == 'off' and cell.state('robot')['pairs'] == []
     cell.sessions.close()
+
+
+def hold(cell, number):
+    """Hold the board at a tilt, and keep it still until the picture is taken."""
+    cell.board.hold(number)
+    state = cell.show_frames(lambda state: len(state['tilted']) == number and not state['busy'])
+    assert state['error'] is None
+    return state
+
+
+@pytest.mark.slow
+def test_a_board_that_is_held_at_a_tilt_is_taken_by_itself_and_gives_the_cameras_height(
+        cell, tmp_path):
+    with pytest.raises(CameraToBaseError, match='take a placement on the table first'):
+        cell.do('board', 'tilt', on=True)
+    cell.do('board', 'start')
+    for number in range(3):
+        if number:
+            cell.board.lay(*cell.board.free_place(number))
+        assert cell.take()['error'] is None
+    assert cell.state('board')['tilt_side'] is None
+    state = cell.do('board', 'tilt', on=True)
+    assert '0 of 4 tilted pictures' in state['hint'] and 'Hold the board' in state['hint']
+    sides = [state['tilt_side']]
+    for number in range(1, 5):
+        state = hold(cell, number)
+        sides.append(state['tilt_side'])
+        assert 6 <= state['tilted'][-1]['degrees'] <= 60
+    assert not state['tilting'] and len(state['placements']) == 3 and sides[-1] is None
+    state = cell.fit()
+    assert state['error'] is None
+    cell.do('board', 'accept')
+    assert cell.values['camera']['surface.model'] == 'pinhole'
+
+
+@pytest.mark.slow
+def test_a_board_that_lies_flat_is_no_tilted_picture_and_one_can_be_removed(cell):
+    cell.do('board', 'start')
+    cell.take()
+    cell.do('board', 'tilt', on=True)
+    cell.board.lay(*cell.board.free_place(1))
+    state = cell.show_frames(lambda state: state['error'])
+    assert 'tilt it by about 30 degrees' in state['error'] and state['tilted'] == []
+    hold(cell, 1)
+    state = cell.do('board', 'remove', number=1, tilted=True)
+    assert state['tilted'] == [] and len(state['placements']) == 1
+    state = cell.do('board', 'undo')
+    assert len(state['tilted']) == 1
+    with pytest.raises(CameraToBaseError, match='no tilted picture'):
+        cell.do('board', 'remove', number=2, tilted=True)
+
+
+@pytest.mark.slow
+def test_tilted_pictures_are_there_after_a_restart_of_the_dashboard(tmp_path):
+    cell = Cell(tmp_path / 'cell.yaml')
+    cell.do('board', 'start')
+    cell.take()
+    cell.do('board', 'tilt', on=True)
+    before = hold(cell, 1)
+    cell.sessions.close()
+    again = Cell(tmp_path / 'cell.yaml')
+    until(lambda: again.state('board')['tilted'])
+    after = again.state('board')
+    assert (after['tilted'], after['placements']) == (before['tilted'], before['placements'])
+    again.sessions.close()

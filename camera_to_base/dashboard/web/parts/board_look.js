@@ -34,10 +34,13 @@ export function createBoardLook() {
   const stop = button('Stop', () => board('cancel'), {
     'aria-label': 'Stop, and drop the placements'});
   const list = element('ol', {class: 'placements', 'aria-label': 'Placements of the board'});
+  const tilted = element('ol', {class: 'placements', 'aria-label': 'Pictures of the tilted board'});
+  let isTilting = false;
+  const tilt = button('', () => board('tilt', {on: !isTilting}));
   const node = card('3. Lay the board on the table', element('div', {class: 'columns'},
     picture.node,
     element('div', {}, verdict, cover.node, total.node, sharp, suggestion,
-      element('div', {class: 'buttons'}, take, fit, stop), list)));
+      element('div', {class: 'buttons'}, take, tilt, fit, stop), list, tilted)));
   show(node, false);
   const update = (state) => {
     const {look, placements, busy, covered} = state;
@@ -53,7 +56,13 @@ export function createBoardLook() {
     take.disabled = Boolean(busy) || !look?.found;
     stop.disabled = Boolean(busy);
     fit.disabled = Boolean(busy) || !placements.length;
+    isTilting = state.tilting;
+    setText(tilt, isTilting ? 'Back to the table' : 'Hold it at a tilt');
+    tilt.disabled = Boolean(busy);
+    show(tilt, isTilting || placements.length && state.tilted.length < state.wanted_tilted);
+    setText(take, isTilting ? 'Take it now' : 'Keep this placement');
     sync(list, placements, ({number}) => number, makePlacement, fillPlacement);
+    sync(tilted, state.tilted, ({number}) => number, makeTilted, fillTilted);
     drawCover(picture, state);
   };
   return {node, update, start: () => picture.start(), stop: () => picture.stop()};
@@ -85,13 +94,31 @@ function fillPlacement(node, {corners, doubts}) {
   setText(node.firstChild, [`${corners} corners`, ...doubts].join('; '));
 }
 
-function drawCover(picture, {placements, suggestion}) {
-  const outlines = placements.map(({outline, number}) => ['polygon', {
-    class: 'placement', 'data-number': number,
-    points: outline.map(([u, v]) => `${u},${v}`).join(' ')}]);
+function makeTilted({number}) {
+  return element('li', {}, element('span'), button('Remove', () =>
+    board('remove', {number, tilted: true}), {
+    class: 'quiet small', 'aria-label': `Remove tilted picture ${number}`}));
+}
+
+function fillTilted(node, {side, degrees, doubts}) {
+  setText(node.firstChild, [`tilted by about ${degrees}°, raised at the ${side}`, ...doubts]
+    .join('; '));
+}
+
+/** A bar along the side of the picture at which the board is to be raised. */
+function tiltGuide(side, {width, height}) {
+  const d = {left: `M4 0V${height}`, right: `M${width - 5} 0V${height}`, top: `M0 4H${width}`,
+    bottom: `M0 ${height - 5}H${width}`}[side];
+  return d ? [['path', {class: 'tilt-side', d}]] : [];
+}
+
+function drawCover(picture, {placements, suggestion, tilted, tilting, tilt_side: side}) {
+  const outlines = [...tilting ? [] : placements, ...tilted].map(({outline, number, degrees}) => [
+    'polygon', {class: degrees === undefined ? 'placement' : 'placement tilted', 'data-number': number,
+      points: outline.map(([u, v]) => `${u},${v}`).join(' ')}]);
   const target = suggestion?.pixel ? [['circle', {class: 'target', cx: suggestion.pixel[0],
     cy: suggestion.pixel[1], r: picture.size.width * 0.06}]] : [];
-  const shapes = [...outlines, ...target];
+  const shapes = [...outlines, ...target, ...tiltGuide(side, picture.size)];
   sync(picture.overlay, shapes, ([tag], index) => `${tag}${index}`, ([tag]) => svg(tag),
     (shape, [, attributes]) => {
       Object.entries(attributes).forEach(([name, value]) => setAttribute(shape, name, value));
