@@ -41,7 +41,7 @@ import numpy as np
 # The edge of a window, and of one for narrow shade, in px.
 _SIZE, _NARROW = 5, 3
 # How much of a step of colour is seen beside it.
-_BLEED = 0.2
+_BLEED = 0.1
 # Two axes of chroma and one of level, of B, G and R; orthonormal.
 _AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
     np.float32([[2], [6], [3]]))
@@ -93,13 +93,16 @@ class _Evidence(NamedTuple):
 
     :param nats: How much more likely a thing is than light.
     :param light: Chi-square of the light, by its degrees of freedom.
-    :param follows: Shape (h, w, 2): the products of the detail of frame and background, and of the
-        background's with itself, over its noise.
+    :param usual: The background's level.
+    :param seen: The frame's.
+    :param variance: Of a difference of both.
     """
 
     nats: np.ndarray
     light: np.ndarray
-    follows: np.ndarray
+    usual: np.ndarray
+    seen: np.ndarray
+    variance: np.ndarray
 
 
 def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> np.ndarray:
@@ -126,13 +129,6 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
     return middles[np.array(np.unravel_index(counts.argmax(), counts.shape))]
 
 
-def _of_tint(chroma: np.ndarray, level: np.ndarray, tint: np.ndarray) -> np.ndarray:
-    """Give the nearest chroma between none and that of a tint at a level."""
-    full = np.float32(tint) * level[..., None]
-    power = (full ** 2).sum(axis=2) + _NOTHING
-    return full * np.clip((chroma * full).sum(axis=2) / power, 0, 1)[..., None]
-
-
 def evidence(
     frame: np.ndarray, background: np.ndarray, noise: np.ndarray, tint: np.ndarray
 ) -> _Evidence:
@@ -144,60 +140,68 @@ def evidence(
     :param noise: Shape (256, 3): the deviation of the grey levels, see `light.measure_noise`.
     :param tint: See :func:`measure_tint`.
     """
-    logs = _log_levels()
     variances = np.float32((noise ** 2 + _LEAST_VARIANCE) * _slopes() ** 2)[:, None]
-    seen, usual = (cv2.transform(cv2.LUT(picture, logs), _AXES)
-                   for picture in (frame, background))
+    seen, usual = (_on_axes(picture, _log_levels(), _AXES) for picture in (frame, background))
     seen_variance, usual_variance = (
-        cv2.transform(cv2.LUT(picture, variances), _AXES ** 2) for picture in (frame, background))
-    change = seen - usual
-    variance = seen_variance + usual_variance + _TREMBLE ** 2 * _gradient(usual)
+        _on_axes(picture, variances, _AXES ** 2) for picture in (frame, background))
+    change = [cv2.subtract(*pair) for pair in zip(seen, usual)]
+    variance = [one + other + _TREMBLE ** 2 * _gradient(detail)
+                for one, other, detail in zip(seen_variance, usual_variance, usual)]
     light = _light(change, variance, tint, _SIZE)
-    seen -= cv2.mean(seen)[:3]
     thing = _off_constant(seen, seen_variance, _SIZE)
     limit = 2 * _OWN * 3 * _SIZE ** 2
-    if (thing > limit).any():
+    if cv2.minMaxLoc(thing)[1] > limit:
         # Neither one colour nor one light: it may be a shade that is narrower than a window.
         # JPEG and a sensor's colour filter let colours bleed.
         for axis in range(2):
-            variance[..., axis] += (_BLEED * cv2.morphologyEx(
-                np.ascontiguousarray(seen[..., axis]), cv2.MORPH_GRADIENT, square(_SIZE))) ** 2
+            step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(_SIZE))
+            variance[axis] += (_BLEED * step) ** 2
         narrow = _light(change, variance, tint, _NARROW)
-        light = np.where(narrow < _WORST_LIGHT * 3 * _NARROW ** 2, np.minimum(light, limit), light)
-    nats = (light - np.minimum(thing, limit)) / 2 - _PRIOR
-    ratio = cv2.blur(np.ascontiguousarray(change[..., 2]), (3, 3)) * _LEVEL_SCALE
-    nats += _DARK_NATS * (ratio < _DARKEST) + _LIGHT_NATS * (ratio > _LIGHTEST)
-    detail, own = (one[..., 2] - _mean(one[..., 2], _SIZE) for one in (seen, usual))
-    follows = np.dstack([detail * own, own * own]) / variance[..., 2:]
-    return _Evidence(nats, light / (3 * _SIZE ** 2), follows)
+        light[(narrow < _WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
+    nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
+    ratio = cv2.blur(change[2], (3, 3)) * _LEVEL_SCALE
+    nats[ratio < _DARKEST] += _DARK_NATS
+    nats[ratio > _LIGHTEST] += _LIGHT_NATS
+    return _Evidence(nats, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2])
+
+
+def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[np.ndarray]:
+    values = cv2.transform(cv2.LUT(picture, table), axes)
+    return [cv2.extractChannel(values, axis) for axis in range(3)]
 
 
 def _light(
-    change: np.ndarray, variance: np.ndarray, tint: np.ndarray, size: int
+    change: List[np.ndarray], variance: List[np.ndarray], tint: np.ndarray, size: int
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
-    means, variance = _mean(change, size), _mean(variance, size)
-    shade = np.minimum(means[..., 2], 0)
-    # Tint and gain are the same all over a window.
-    known = _LEAST_TINT ** 2 + (_TINT * shade) ** 2
-    off_tint = means[..., :2] - _of_tint(means[..., :2], shade, tint)
     count = size ** 2
-    light = _off_plane(np.ascontiguousarray(change[..., 2]), size) / variance[..., 2]
+    means, variance = ([_mean(one, size) for one in planes] for planes in (change, variance))
+    shade = cv2.min(means[2], 0)
+    # Tint and gain are the same all over a window.
+    known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2)
+    part, power = np.float32(0), float(tint @ tint)
+    if power:
+        # The chroma may be any between none and the tint's.
+        along = means[0] * np.float32(tint[0]) + means[1] * np.float32(tint[1])
+        part = np.clip(along / power, np.minimum(shade, -_NOTHING), 0)
+    light = _off_plane(change[2], means[2], size) / variance[2]
     for axis in range(2):
-        light += (count * (_mean(change[..., axis] ** 2, size) - means[..., axis] ** 2)
-                  / variance[..., axis] + count * off_tint[..., axis] ** 2
-                  / (variance[..., axis] + count * known))
+        off_tint = means[axis] - part * np.float32(tint[axis])
+        light += (count * (_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
+                  + count * off_tint ** 2 / (variance[axis] + known))
     return cv2.erode(light, square(size))
 
 
-def _off_constant(seen: np.ndarray, variance: np.ndarray, size: int) -> np.ndarray:
+def _off_constant(
+    seen: List[np.ndarray], variance: List[np.ndarray], size: int
+) -> np.ndarray:
     """Give the chi-square of one colour in the best window around each pixel: shape (h, w)."""
-    variance = _mean(variance, size)
-    thing = _off_plane(np.ascontiguousarray(seen[..., 2]), size) / variance[..., 2]
+    # Small numbers: squares are taken.
+    seen = [one - np.float32(cv2.mean(one)[0]) for one in seen]
+    means, variance = ([_mean(one, size) for one in planes] for planes in (seen, variance))
+    thing = _off_plane(seen[2], means[2], size) / variance[2]
     for axis in range(2):
-        values = np.ascontiguousarray(seen[..., axis])
-        thing += size ** 2 * (
-            _mean(values ** 2, size) - _mean(values, size) ** 2) / variance[..., axis]
+        thing += size ** 2 * (_mean(seen[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
     return cv2.erode(thing, square(size))
 
 
@@ -205,14 +209,14 @@ def _mean(values: np.ndarray, size: int) -> np.ndarray:
     return cv2.blur(values, (size, size))
 
 
-def _off_plane(level: np.ndarray, size: int) -> np.ndarray:
+def _off_plane(level: np.ndarray, mean: np.ndarray, size: int) -> np.ndarray:
     """Sum up the squares of what a plane leaves of a level in each window: shape (h, w)."""
-    left = size ** 2 * (_mean(level ** 2, size) - _mean(level, size) ** 2)
+    left = size ** 2 * (_mean(level ** 2, size) - mean ** 2)
     ramp, flat = np.arange(size, dtype=np.float32) - size // 2, np.ones(size, np.float32)
     power = size * float((ramp ** 2).sum())
     for across, down in ((ramp, flat), (flat, ramp)):
-        left -= cv2.sepFilter2D(level, -1, across, down) ** 2 / power
-    return np.maximum(left, 0)
+        left -= cv2.sepFilter2D(level, -1, across, down) ** 2 / np.float32(power)
+    return cv2.max(left, 0)
 
 
 def _gradient(values: np.ndarray) -> np.ndarray:
@@ -315,5 +319,8 @@ def _is_clear(
 
 def _follows(found: _Evidence, rest: np.ndarray) -> bool:
     """Tell whether the table's own detail is seen in a part, so that light alone has changed."""
-    both, own = cv2.mean(found.follows, cv2.erode(rest, square(_SIZE)))[:2]
+    own, detail = (level - _mean(level, _SIZE) for level in (found.usual, found.seen))
+    inside = cv2.erode(rest, square(_SIZE))
+    both, own = (cv2.mean(product / found.variance, inside)[0]
+                 for product in (own * detail, own * own))
     return own > _LEAST_DETAIL and both > _LEAST_SLOPE * own
