@@ -79,9 +79,15 @@ class Placer:
     def _thing(
         self, frame: np.ndarray, region: Region, reference: Reference
     ) -> List[Detection]:
+        if touches_edge(region.box, frame):
+            return unplaced(region.outline, frame)
         box = grown(region.box, _SURROUNDINGS, frame)
         window = _Window(frame, reference, box, filled(region.outline, box))
-        return self._at(window, window.mask, place_thing)
+        if not region.neighbours or window.mask.size > _MOST_TO_PLACE:
+            return self._at(window, window.mask, place_thing)
+        others = np.zeros_like(window.mask)
+        cv2.drawContours(others, region.neighbours, -1, 1, cv2.FILLED, offset=(-box.x, -box.y))
+        return self._placed(place_thing(window.piece, others), box)
 
     def _long_way(self, window: '_Window', is_at_edge: bool) -> List[Detection]:
         coarse, scale = window.reduced(_MOST_AT_EDGE if is_at_edge else _MOST_TO_TELL)

@@ -152,6 +152,9 @@ def _whole(shares: np.ndarray, window: Box) -> Optional[Placed]:
     outlines = outlines_in(covered, window)
     if len(outlines) != 1 or has_holes(outlines[0], cv2.countNonZero(covered)):
         return None
+    if len(outlines_in(cv2.erode(covered, _NEXT))) > 1:
+        # Two things, or one with a neck.
+        return None
     return Placed(shares * np.float32(1 / 255), covered, outlines[0])
 
 

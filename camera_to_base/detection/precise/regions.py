@@ -61,6 +61,7 @@ class Region(NamedTuple):
     :param strong_area: The largest connected part of it beyond the strong limit, in px².
     :param in_other_light: Whether the table has other light there than `Reference.lit` shows.
     :param is_thing: Whether all of it is a thing, see `things`.
+    :param neighbours: Outlines of the things near it, as its own.
     """
 
     outline: np.ndarray
@@ -68,6 +69,7 @@ class Region(NamedTuple):
     strong_area: int
     in_other_light: bool = False
     is_thing: bool = False
+    neighbours: Tuple[np.ndarray, ...] = ()
 
 
 def find_regions(

@@ -100,8 +100,6 @@ def _search(
 def _things_of(
     frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
 ) -> List[Region]:
-    if _may_reach_border(frame, region):
-        return [region]
     things = things_in(frame, region, reference, tint, min_area)
     return [region] if things is None else things
 
@@ -150,6 +148,8 @@ def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float
 
 def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
     # A faint shadow is seen to the border less than elsewhere, where a lens is darker.
+    if region.is_thing:
+        return False
     is_faint = region.strong_area < _FAINT * region.box.width * region.box.height
     return (touches_edge(region.box, frame) or is_faint
             and region.box.width * region.box.height > _FAR * frame[..., 0].size)

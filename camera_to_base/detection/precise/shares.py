@@ -107,16 +107,19 @@ def place_whole(piece: Piece) -> Placed:
     return Placed(shares.astype(np.float32), piece.mask)
 
 
-def place_thing(piece: Piece) -> Placed:
+def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
     """
-    Place things whose mask is right to a pixel.
+    Place a thing whose mask is right to a pixel.
 
+    :param others: The things near it, shape (h, w), uint8, 1 inside: no table is seen there.
     :returns: The mask has two parts where a gap shows that these are two things.
     """
     ratio, mask = _ratio(piece), piece.mask
     for _ in range(_TURNS):
         inside = cv2.erode(mask, square(3))
-        shares = np.maximum(_shares(piece, mask, ratio), inside)
+        shares = np.maximum(_shares(piece, mask, ratio, others), inside)
+        if others is not None:
+            shares *= 1 - others
         mask = (shares > 0.5).view(np.uint8)
         if not mask.any():
             return place_whole(piece)
@@ -136,9 +139,11 @@ def _ratio(piece: Piece) -> np.ndarray:
     return np.minimum(piece.frame / np.maximum(piece.table, _LEAST_LIGHT), _BRIGHTEST_RATIO)
 
 
-def _shares(piece: Piece, mask: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+def _shares(
+    piece: Piece, mask: np.ndarray, ratio: np.ndarray, others: Optional[np.ndarray] = None
+) -> np.ndarray:
     core = _core(mask)
-    table = piece.table * _light_at_rim(ratio, mask)
+    table = piece.table * _light_at_rim(ratio, mask if others is None else mask | others)
     usual = (*quantile(chosen(piece.frame, core)).tolist(), 0)
     usual_contrast = cv2.subtract(table, usual)
     usual_power = _dot(usual_contrast, usual_contrast)

@@ -32,9 +32,11 @@ from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
-    chosen, enclosed, find_highlight, make_piece, outlines_in, quantile, square)
+    channel_extremes, chosen, enclosed, find_highlight, largest_part, make_piece, outline_of,
+    outlines_in, quantile, square)
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
+from camera_to_base.detection.touching import nearest_part
 import cv2
 import numpy as np
 
@@ -70,6 +72,9 @@ _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # How much of the table's detail is seen where only the light has changed; how much detail, over
 # the noise, tells that.
 _LEAST_SLOPE, _LEAST_DETAIL = 0.6, 1.0
+# How far two things may be apart that are taken for one at first, in px; how much nearer to the
+# table's colour it is there; how large a part each is.
+_WIDEST_GAP, _VALLEY, _LEAST_PART = 9, 0.6, 0.1
 # What is between a thing and its shade: in the frame, logarithm.
 _LEAST_STEP = 0.15
 _MARGIN = 8
@@ -247,8 +252,47 @@ def things_in(
     if things is None or not _is_clear(things, changed, found, find_highlight(
             make_piece(frame[part], reference.light(part), changed)) is not None):
         return None
+    masks = _cut_at_gaps(things, frame[part], reference.lit[part], min_area)
+    outlines = [outline_of(mask, window) for mask in masks]
     return [Region(outline, Box(*cv2.boundingRect(outline)), int(cv2.contourArea(outline)),
-                   is_thing=True) for outline in outlines_in(things, window)]
+                   is_thing=True, neighbours=(*outlines[:index], *outlines[index + 1:]))
+            for index, outline in enumerate(outlines)]
+
+
+def _cut_at_gaps(
+    things: np.ndarray, frame: np.ndarray, background: np.ndarray, min_area: float
+) -> List[np.ndarray]:
+    """Give each thing's mask; cut where the table is seen, be it through a blurred lens."""
+    away = channel_extremes(cv2.absdiff(frame, background))[1]
+    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
+    gap = cv2.morphologyEx(
+        (away < _VALLEY * around).view(np.uint8), cv2.MORPH_CLOSE, square(3)) & things
+    rest = cv2.erode(things & (1 - gap), square(3))
+    whole = Box(0, 0, *things.shape[::-1])
+    found: List[np.ndarray] = []
+    for outline in outlines_in(things):
+        inside = filled(outline, whole)
+        least = max(min_area / 2, _LEAST_PART * enclosed(outline))
+        cores = [filled(one, whole) for one in outlines_in(rest & inside)
+                 if enclosed(one) >= least]
+        if len(cores) > 1 and _is_gap(cores, gap & inside, frame, background):
+            nearest = nearest_part(cores)
+            found += [largest_part(inside & (1 - gap) & (nearest == index).view(np.uint8))
+                      for index in range(len(cores))]
+        elif enclosed(outline) >= min_area:
+            found.append(inside)
+    return found
+
+
+def _is_gap(
+    parts: List[np.ndarray], gap: np.ndarray, frame: np.ndarray, background: np.ndarray
+) -> bool:
+    # On the way from a dark face to a light one, a blurred edge looks like the table, too.
+    near = cv2.dilate(gap, square(_WIDEST_GAP))
+    change = np.int16(frame) - background
+    sides = [change[(part & near) > 0] for part in parts]
+    changes = [np.median(side, axis=0) for side in sides if len(side)]
+    return all(float(one @ changes[0]) > 0 for one in changes)
 
 
 def _smooth(nats: np.ndarray) -> np.ndarray:

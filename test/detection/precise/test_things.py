@@ -105,7 +105,7 @@ def test_sheet_without_a_texture_that_is_as_dark_as_shade_is_a_thing():
     assert found.centre == pytest.approx((149.5, 119.5), abs=0.3)
 
 
-@pytest.mark.parametrize('gap', [4, 6])
+@pytest.mark.parametrize('gap', [2, 3, 4, 6])
 def test_things_with_a_gap_are_two(gap):
     light = table(0.1)
     for u in 100, 140 + gap:
