@@ -42,6 +42,8 @@ _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
 _LEAST_CORE, _SMALLEST = 6, 6
+# How much the colour of most of a thing of one colour varies, beside its contrast.
+_ONE_COLOUR, _MOSTLY = 0.15, 0.85
 
 
 class Placed(NamedTuple):
@@ -115,8 +117,9 @@ def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
     :returns: The mask has two parts where a gap shows that these are two things.
     """
     ratio, mask = _ratio(piece), piece.mask
+    sure = square(5 if _is_of_one_colour(piece) else 3)
     for _ in range(_TURNS):
-        inside = cv2.erode(mask, square(3))
+        inside = cv2.erode(mask, sure)
         shares = np.maximum(_shares(piece, mask, ratio, others), inside)
         if others is not None:
             shares *= 1 - others
@@ -124,6 +127,18 @@ def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
         if not mask.any():
             return place_whole(piece)
     return Placed(shares.astype(np.float32), mask)
+
+
+def _is_of_one_colour(piece: Piece) -> bool:
+    """Tell whether a thing has one colour: then its shares are right farther from its rim, too."""
+    core = cv2.erode(piece.mask, square(5))
+    if cv2.countNonZero(core) < _LEAST_CORE:
+        return False
+    levels = chosen(piece.frame, core)
+    usual = quantile(levels)
+    off = np.linalg.norm(levels - usual, axis=1)
+    contrast = float(np.linalg.norm(usual - cv2.mean(piece.table, core)[:3]))
+    return float(quantile(off, _MOSTLY)) < _ONE_COLOUR * contrast
 
 
 def _no_shade(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:

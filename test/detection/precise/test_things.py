@@ -112,3 +112,18 @@ def test_things_with_a_gap_are_two(gap):
         light = painted(light, square(u, 120, 20), (0.1, 0.5, 0.3))
     found = sorted(detect(light, table(0.1)), key=lambda one: one.centre.u)
     assert [one.centre.u for one in found] == pytest.approx([99.5, 139.5 + gap], abs=0.3)
+
+
+@pytest.mark.parametrize('gain', [0.7, 0.85, 1.15])
+@pytest.mark.parametrize('texture', [0.0, 0.1])
+def test_smooth_light_in_the_middle_is_nothing_and_hides_no_coin(gain, texture):
+    v, u = np.mgrid[:SIZE[0], :SIZE[1]].astype(np.float32)
+    lobe = 1 + (gain - 1) * np.exp(-((u - 150) ** 2 + (v - 120) ** 2) / 2 / 40 ** 2)[..., None]
+    light = painted(table(texture), square(180, 130, 12), (0.1, 0.2, 0.6)) * lobe
+    found, = detect(light, table(texture))
+    assert found.centre == pytest.approx((179.5, 129.5), abs=0.3)
+
+
+def test_shade_that_reaches_the_edge_is_nothing():
+    light = shaded(table(0.15), covered((0, 60), (150, 90), (120, 140), (0, 120)))
+    assert detect(light, table(0.15)) == []

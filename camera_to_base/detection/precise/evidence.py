@@ -1,0 +1,208 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""
+What speaks for a thing at each pixel, and what for light: two chi-squares in small windows.
+
+On the table, a frame is `log frame = log background + level + tint + noise`: light changes the
+level smoothly or with an edge, and hardly the chroma; the table's own texture stays. A thing has a
+colour of its own, and the texture below it is gone. By the known noise of each grey level:
+
+- light: the chroma of frame / background is none or the shade's tint, and its level is a plane,
+- thing: the chroma of the frame is constant, and its level is a plane. A thing may have a texture
+  of its own: it costs no more than to describe each pixel on its own.
+
+Each takes the best of the windows that contain the pixel, so that nothing leaks over a border.
+"""
+
+from functools import lru_cache
+from typing import List, NamedTuple
+
+from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.piece import square
+from camera_to_base.detection.precise.reference import Reference
+from camera_to_base.detection.precise.regions import filled, Region, slices
+import cv2
+import numpy as np
+
+# The edge of a window, and of one for narrow shade, in px.
+_SIZE, _NARROW = 5, 3
+# How much of a step of colour is seen beside it.
+_BLEED = 0.1
+# Two axes of chroma and one of level, of B, G and R; orthonormal.
+_AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
+    np.float32([[2], [6], [3]]))
+_LEVEL_SCALE = 1 / np.sqrt(3)
+# A mean of levels is known no better, in grey levels²; the compression and the rounding.
+_LEAST_VARIANCE = 0.3
+# How much chroma light may change for each change of the level, and anyway (steps of the gain,
+# rounding); how far a camera trembles, in px.
+_TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
+# The tint of a frame's shade: how strong, in which bins, how common among the places that are
+# darker by this logarithm, and on how many of them.
+_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
+_MOST_REGIONS, _NOTHING = 30, 1e-9
+# Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
+# on its own (the range of logarithms over the noise); what a level says that no shade has.
+_PRIOR, _OWN, _DARK_NATS = 12.0, 3.5, 100.0
+# Logarithm of the ratio: a sixth of the light.
+_DARKEST = float(np.log(1 / 6))
+# What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
+_SATURATED, _UNKNOWN = 250, 1.0
+# Chi-square of the light, over its degrees of freedom: from here on it is none.
+WORST_LIGHT = 3.0
+_LEAST_LIGHT = 1e-3
+
+
+@lru_cache(maxsize=1)
+def log_levels() -> np.ndarray:
+    logs = np.log(LINEAR + _LEAST_LIGHT).astype(np.float32)
+    return np.repeat(logs[:, None, None], 3, axis=2)
+
+
+@lru_cache(maxsize=1)
+def _slopes() -> np.ndarray:
+    return np.gradient(log_levels()[:, 0, 0])[:, None]
+
+
+class Evidence(NamedTuple):
+    """
+    What speaks for a thing, pixel by pixel, each of shape (h, w), float32.
+
+    :param nats: How much more likely a thing is than light.
+    :param light: Chi-square of the light, by its degrees of freedom.
+    :param usual: The background's level.
+    :param seen: The frame's.
+    :param variance: Of a difference of both.
+    """
+
+    nats: np.ndarray
+    light: np.ndarray
+    usual: np.ndarray
+    seen: np.ndarray
+    variance: np.ndarray
+
+
+def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> np.ndarray:
+    """
+    Measure how much chroma the shade of a frame has for each change of the level.
+
+    :returns: Shape (2,); zeros where no such colour is common.
+    """
+    slopes = []
+    for region in regions[:_MOST_REGIONS]:
+        part = slices(region.box)
+        seen, usual = (cv2.transform(cv2.LUT(cv2.blur(picture[part], (3, 3))[::2, ::2],
+                                             log_levels()), _AXES)
+                       for picture in (frame, reference.lit))
+        change = (seen - usual)[filled(region.outline, region.box)[::2, ::2] > 0]
+        change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > _DARKEST / _LEVEL_SCALE)]
+        slopes.append(change[:, :2] / change[:, 2:])
+    slopes = np.concatenate(slopes) if slopes else np.zeros((0, 2))
+    counts, bins, _ = np.histogram2d(*slopes.T, _BINS, [[-_STRONGEST_TINT, _STRONGEST_TINT]] * 2)
+    counts = cv2.blur(counts, (3, 3))
+    if counts.max() * 9 < max(_LEAST_COMMON * len(slopes), _LEAST_PLACES):
+        return np.zeros(2)
+    middles = (bins[1:] + bins[:-1]) / 2
+    return middles[np.array(np.unravel_index(counts.argmax(), counts.shape))]
+
+
+def evidence(
+    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, tint: np.ndarray
+) -> Evidence:
+    """
+    Compare both explanations of a part of a frame.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :param noise: Shape (256, 3): the deviation of the grey levels, see `light.measure_noise`.
+    :param tint: See :func:`measure_tint`.
+    """
+    variances = np.float32((noise ** 2 + _LEAST_VARIANCE) * _slopes() ** 2)[:, None]
+    variances[_SATURATED:] = _UNKNOWN
+    seen, usual = (_on_axes(picture, log_levels(), _AXES) for picture in (frame, background))
+    seen_variance, usual_variance = (
+        _on_axes(picture, variances, _AXES ** 2) for picture in (frame, background))
+    change = [cv2.subtract(*pair) for pair in zip(seen, usual)]
+    variance = [one + other + _TREMBLE ** 2 * gradient(detail)
+                for one, other, detail in zip(seen_variance, usual_variance, usual)]
+    light = _light(change, variance, tint, _SIZE)
+    thing = _off_constant(seen, seen_variance, _SIZE)
+    limit = 2 * _OWN * 3 * _SIZE ** 2
+    if cv2.minMaxLoc(thing)[1] > limit:
+        # Neither one colour nor one light: it may be a shade that is narrower than a window.
+        # JPEG and a sensor's colour filter let colours bleed.
+        for axis in range(2):
+            step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(_SIZE))
+            variance[axis] += (_BLEED * step) ** 2
+        narrow = _light(change, variance, tint, _NARROW)
+        light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
+    nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
+    ratio = cv2.blur(change[2], (3, 3)) * _LEVEL_SCALE
+    nats[ratio < _DARKEST] += _DARK_NATS
+    return Evidence(nats, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2])
+
+
+def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[np.ndarray]:
+    values = cv2.transform(cv2.LUT(picture, table), axes)
+    return [cv2.extractChannel(values, axis) for axis in range(3)]
+
+
+def _light(
+    change: List[np.ndarray], variance: List[np.ndarray], tint: np.ndarray, size: int
+) -> np.ndarray:
+    """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
+    count = size ** 2
+    means, variance = ([box_mean(one, size) for one in planes] for planes in (change, variance))
+    shade = cv2.min(means[2], 0)
+    # Tint and gain are the same all over a window.
+    known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2)
+    part, power = np.float32(0), float(tint @ tint)
+    if power:
+        # The chroma may be any between none and the tint's.
+        along = means[0] * np.float32(tint[0]) + means[1] * np.float32(tint[1])
+        part = np.clip(along / power, np.minimum(shade, -_NOTHING), 0)
+    light = _off_plane(change[2], means[2], size) / variance[2]
+    for axis in range(2):
+        off_tint = means[axis] - part * np.float32(tint[axis])
+        light += (count * (box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
+                  + count * off_tint ** 2 / (variance[axis] + known))
+    return cv2.erode(light, square(size))
+
+
+def _off_constant(
+    seen: List[np.ndarray], variance: List[np.ndarray], size: int
+) -> np.ndarray:
+    """Give the chi-square of one colour in the best window around each pixel: shape (h, w)."""
+    # Small numbers: squares are taken.
+    seen = [one - np.float32(cv2.mean(one)[0]) for one in seen]
+    means, variance = ([box_mean(one, size) for one in planes] for planes in (seen, variance))
+    thing = _off_plane(seen[2], means[2], size) / variance[2]
+    for axis in range(2):
+        thing += size ** 2 * (box_mean(seen[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
+    return cv2.erode(thing, square(size))
+
+
+def box_mean(values: np.ndarray, size: int) -> np.ndarray:
+    return cv2.blur(values, (size, size))
+
+
+def _off_plane(level: np.ndarray, mean: np.ndarray, size: int) -> np.ndarray:
+    """Sum up the squares of what a plane leaves of a level in each window: shape (h, w)."""
+    left = size ** 2 * (box_mean(level ** 2, size) - mean ** 2)
+    ramp, flat = np.arange(size, dtype=np.float32) - size // 2, np.ones(size, np.float32)
+    power = size * float((ramp ** 2).sum())
+    for across, down in ((ramp, flat), (flat, ramp)):
+        left -= cv2.sepFilter2D(level, -1, across, down) ** 2 / np.float32(power)
+    return cv2.max(left, 0)
+
+
+def gradient(values: np.ndarray) -> np.ndarray:
+    return (cv2.Sobel(values, -1, 1, 0, scale=1 / 8) ** 2
+            + cv2.Sobel(values, -1, 0, 1, scale=1 / 8) ** 2)
