@@ -24,11 +24,11 @@ _DOUBTED_EXPECTED, _DOUBTED_FACTOR = 3.0, 2.5
 # Of a picture's corners, so many may be bad ones.
 _MOST_BAD = 0.1
 # A fault explains the residuals if each of its numbers lessens their squares by so many variances.
-DOUBTED_GAIN, REFUSED_GAIN = 15.0, 30.0
+DOUBTED_GAIN, REFUSED_GAIN, _CLEAR_GAIN = 12.0, 22.0, 500.0
 # How large faults may be: standard deviations of a zoom, and of a centre in widths of the picture.
 _ZOOM, _SHIFT = 0.2, 0.05
 # A fault is harmful from these sizes on.
-_HARMFUL_ZOOM, _HARMFUL_SHIFT = 0.005, 0.005
+_HARMFUL_ZOOM, _HARMFUL_SHIFT = 0.01, 0.01
 # A bend is fitted; one of this size is told, and refused. A board of 26 real pictures has 0.2 mm.
 _DOUBTED_BEND_MM, _REFUSED_BEND_MM = 0.6, 1.2
 # Half widths of 95 % from which on heights of objects are worse than a ruler's.
@@ -49,11 +49,13 @@ def check_boards(fit: PinholeFit, names: Sequence[str]) -> List[str]:
     :raises CalibrationError: If a picture does not belong to the others, the board is bent, or
         the zoom was changed.
     """
-    bend = _bend(fit)
     explanations = _explanations(fit, names)
     likely = max(explanations, key=lambda one: one.gain, default=None)
     if likely is None or likely.gain < DOUBTED_GAIN or not likely.is_harmful:
-        return [*bend, *(_worst(fit, names) if len(names) > 1 else ()), *_bad_corners(fit, names)]
+        return [*_bend(fit), *(_worst(fit, names) if len(names) > 1 else ()),
+                *_bad_corners(fit, names)]
+    # A bent board makes single pictures misfit, too, but less than another board does.
+    bend = [] if likely.gain > _CLEAR_GAIN else _bend(fit)
     if likely.gain > REFUSED_GAIN and fit.problem.known is None:
         raise CalibrationError(likely.sentence)
     return [*bend, likely.sentence]
