@@ -80,6 +80,15 @@ def table_with_disc(u, v, width=640, height=480):
     return cv2.circle(table(width, height), (u, v), 21, (50, 50, 50), -1)
 
 
+def table_with_cylinder(u, v, height_share):
+    """Draw an upright cylinder, seen from above (320, 240), by its height / the camera's."""
+    angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    bottom = 21 * np.column_stack([np.cos(angles), np.sin(angles)]) + (u, v)
+    top = (320, 240) + (bottom - (320, 240)) / (1 - height_share)
+    hull = cv2.convexHull(np.rint(16 * np.concatenate([bottom, top])).astype(np.int32))
+    return cv2.fillConvexPoly(table(), hull, (50, 50, 50), cv2.LINE_AA, 4)
+
+
 def listen_for_camera(ros):
     return ros.listen(CAMERA_TOPIC)
 
@@ -293,17 +302,16 @@ def test_calibrated_area_can_be_changed_while_the_node_runs(ros, play):
 
 def test_height_of_the_objects_can_be_told_while_the_node_runs(ros, play):
     received = listen_for_camera(ros)
-    node = play([table(), table_with_disc(520, 240)])
+    node = play([table(), table_with_cylinder(500, 240, 4 / 60)])
     assert ros.spin_until(lambda: received)
-    assert received[-1] == pytest.approx([29.25, 13.5], abs=0.12)
+    assert received[-1][0] > 28.4, 'it looks as if it lay where its side faces are'
     height = Parameter('object_height_cm', value=4.0)
     refused, = node.set_parameters([height])
     assert not refused.successful and 'surface.camera_height_cm' in refused.reason
     results = node.set_parameters([Parameter('surface.camera_height_cm', value=60.0), height])
     assert all(result.successful for result in results)
-    # The picture's centre looks at x = 18 cm.
-    shifted = 18 + (29.25 - 18) * (1 - 4 / 60)
-    assert ros.spin_until(lambda: received[-1] == pytest.approx([shifted, 13.5], abs=0.12))
+    stands = [500 * 36 / 640, 13.5]
+    assert ros.spin_until(lambda: received[-1] == pytest.approx(stands, abs=0.08))
 
 
 @pytest.mark.slow
