@@ -184,6 +184,7 @@ class CellStatus:
         self._state = cell_state(self._facts(cell, setup, shown)).data
         return {
             'state': self._state, 'rate_hz': round(self._positions.rate_hz, 1),
+            'stamp_s': None if frame is None else round(frame.stamp_s, 3),
             'age_s': None if frame is None else round(time.time() - frame.stamp_s, 1),
             'latency_ms': self._latency_ms,
             'objects': objects_data(shown, geometry, self._held) if shown else [],

@@ -9,6 +9,8 @@
 
 """What can be read and done on the page of a running simulated cell."""
 
+import re
+
 from dashboard_page import DOWN, ENTER, RIGHT, wait_until
 import pytest
 
@@ -67,6 +69,26 @@ def test_click_on_an_object_marks_it_in_the_picture(page):
         return page.run("return Boolean(document.querySelector('#part-watch .picture .chosen'))")
 
     assert wait_until(is_marked, lambda: 'not marked')
+
+
+def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
+    page.click('Objects at rest', '#simulated')
+    wait_until(lambda: len(page.elements('.map .object')) == 5, lambda: page.read('#part-watch'))
+    page.run('window.saved = []; const make = URL.createObjectURL;'
+             'URL.createObjectURL = (content) => {'
+             'window.saved.push(content); return make(content); };')
+    page.click('Object 2: show it in the picture', '#part-watch')
+    wait_until(lambda: len(page.elements('.scatter circle')) >= 8,
+               lambda: page.read('#part-watch'))
+    said = page.read('#part-watch')
+    count, x = re.search(r'(\d+) frames in .* x (−?[\d.]+) cm ±', said).groups()
+    page.click('Download as CSV', '#part-watch')
+    head, *rows = page.run("return saved.find((one) => one.type === 'text/csv').text()").split()
+    assert head == 'stamp_s,frame,x_cm,y_cm,yaw_deg' and len(rows) >= int(count)
+    assert float(rows[-1].split(',')[2]) == pytest.approx(float(x.replace('−', '-')), abs=0.1)
+    stamps = [float(row.split(',')[0]) for row in rows]
+    assert stamps == sorted(set(stamps))
+    page.click('Moving objects', '#simulated')
 
 
 def test_mask_lies_over_a_large_picture_as_strong_as_the_slider_says(page):

@@ -19,6 +19,7 @@ import {card, element, fillRow, row, setAttribute, setText, show, svg, sync, tab
 import {createMap} from '../pieces/map.js';
 import {ago, fixed, point} from '../base/numbers.js';
 import {LivePicture} from '../pieces/pictures.js';
+import {createScatter} from '../pieces/scatter.js';
 import {createSetup} from '../pieces/setup.js';
 
 const KINDS = {
@@ -42,6 +43,7 @@ export function createWatch(store) {
   const figures = createFigures();
   const leftOut = createLeftOut();
   const setup = createSetup(store);
+  const scatter = createScatter();
 
   const draw = () => {
     const watch = store.get('watch');
@@ -56,6 +58,7 @@ export function createWatch(store) {
     leftOut.update(watch.left_out ?? []);
     map.update(watch, selection);
     ring(picture, selection.current);
+    scatter.update(watch, selection.current);
   };
   selection.onchange = draw;
   store.on('watch', draw);
@@ -74,7 +77,7 @@ export function createWatch(store) {
         figures.node)),
     element('div', {},
       card('Objects', list.node, empty, leftOut.node),
-      card('Seen from above', map.node))));
+      card('Seen from above', map.node), scatter.node)));
   return {node, shown: () => picture.start(), hidden: () => picture.stop()};
 }
 
