@@ -102,7 +102,11 @@ def _things_of(
     frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
 ) -> List[Region]:
     things = things_in(frame, region, reference, tint, min_area)
-    return [region] if things is None else things
+    # What reaches in may be a hand, and light from outside of the picture is taken out first:
+    # there, only a region that is light as a whole is decided.
+    if things is None or things and touches_edge(region.box, frame):
+        return [region]
+    return things
 
 
 def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
