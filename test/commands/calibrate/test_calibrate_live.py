@@ -121,7 +121,7 @@ def test_giving_up_writes_nothing(run, simulated_surface):
 
 @pytest.mark.slow
 def test_position_of_another_place_is_refused_at_once(run):
-    surface(run)
+    surface(run, '--placements', 1)
     code, output, asked = live(run, answers={0: '-6.70 15.20\n', 1: '-6.70, 15.20\n'})
     assert code == 0, asked
     assert 'another place has this position, (-6.70, 15.20) cm, but the camera sees' in asked
@@ -244,7 +244,8 @@ def test_what_cannot_be_done_is_one_sentence(run, arguments, said, simulated_sur
 
 @pytest.mark.slow
 def test_report_names_what_the_board_did_not_cover(run):
-    code, output, _ = run('board', '--camera', 'simulated', '--json', '-o', 'cell.yaml')
+    code, output, _ = run(
+        'board', '--camera', 'simulated', '--placements', 1, '--json', '-o', 'cell.yaml')
     report = json.loads(output)
     assert report['covered_map'] == ['. + .', '+ # +', '. + .']
     assert 'top left' in report['not_covered'] and 'middle' not in report['not_covered']
