@@ -192,6 +192,9 @@ class Reader:
     def __init__(self, capsys):
         self._capsys = capsys
 
+    def isatty(self):
+        return False
+
     def readline(self):
         shown = re.findall(r'shows: x (\S+), y (\S+) cm', self._capsys.readouterr().err)
         return '{} {}\n'.format(*shown[-1])

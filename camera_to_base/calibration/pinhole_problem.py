@@ -96,7 +96,7 @@ class _Pose(NamedTuple):
         return cls(matrix, slopes.reshape(3, 3, 3), numbers[3:])
 
     def points(self, points: np.ndarray) -> np.ndarray:
-        """Take points (n, 3) to the optical frame."""
+        """Take them to the optical frame, shape (n, 3)."""
         return points @ self.matrix.T + self.shift
 
     def by_pose(self, points: np.ndarray) -> np.ndarray:

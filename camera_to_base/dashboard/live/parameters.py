@@ -82,14 +82,14 @@ def _message(parameter: Parameter) -> ParameterMessage:
         message = parameter.to_parameter_msg()
         serialize_message(message)
     except (AssertionError, TypeError, ValueError, OverflowError, SystemError):
-        raise _refused_value(parameter.name, parameter.value) from None
+        raise RefusedError(*_refusal(parameter.name, parameter.value)) from None
     return message
 
 
-def _refused_value(name: str, value: Any) -> 'RefusedError':
+def _refusal(name: str, value: Any) -> Tuple[str, Dict[str, str]]:
     sentence = (f'parameter {name} cannot be {str(value):.80}: another type, or a number of less '
                 'size, is expected')
-    return RefusedError(sentence, {name: sentence})
+    return sentence, {name: sentence}
 
 
 def _range(descriptor: ParameterDescriptor) -> Optional[List[float]]:
@@ -223,7 +223,7 @@ class RemoteParameters:
             kind = kind_of(self._descriptors[name], self._specs.get(name))
             return Parameter(name, kind, typed(kind, value))
         except (TypeError, ValueError, OverflowError):
-            raise _refused_value(name, value) from None
+            raise RefusedError(*_refusal(name, value)) from None
 
     def _on_names(self, response: ListParameters.Response) -> None:
         names = list(response.result.names)

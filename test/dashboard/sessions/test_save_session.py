@@ -82,8 +82,8 @@ def test_the_file_is_that_of_the_command(tmp_path):
     said = '\n'.join(status['holds'])
     assert 'surface: homography' in said and 'base frame, from objects that the robot' in said
     assert said.count('error at') == 2 and status['lacks'] == [
-        "the camera's height, which objects that are not flat need (calibrate board with "
-        '--intrinsics)']
+        "the camera's height, which objects with a height need (calibrate board, with the board "
+        'held at a tilt, too)']
     # The next start of the dashboard keeps the reports, though it has not made them.
     again = set_up(cell, path)
     assert again.sessions.file_text() == path.read_text()
