@@ -109,7 +109,8 @@ def test_file_that_cannot_be_written_is_said_once_and_positions_come(ros, start,
     with ChildCamera('mjpeg_server', 'still_coin') as camera:
         node = start('camera_publisher', *arguments(camera.url, file))
         assert ros.spin_until(lambda: len(positions) > 5, 15.0)
-        assert ros.spin_until(lambda: 'is not kept for the next start' in statuses[-1].message)
+        assert ros.spin_until(lambda: any(
+            'is not kept for the next start' in status.message for status in statuses))
     assert node.end(signal.SIGTERM) == 0
     assert node.output.count('the background is not kept') == 1
 

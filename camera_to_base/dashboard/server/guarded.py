@@ -215,7 +215,7 @@ class WebFile(Guarded, tornado.web.StaticFileHandler):
     def parse_url_path(self, url_path: str) -> str:
         """Return the path below the page's folder; one that no file can have is not found."""
         if '\0' in url_path or not url_path.isprintable():
-            raise tornado.web.HTTPError(404)
+            raise Refused(404, 'there is no such file')
         return super().parse_url_path(url_path)
 
     def set_extra_headers(self, path: str) -> None:
