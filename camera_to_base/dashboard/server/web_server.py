@@ -78,7 +78,7 @@ def _number(text: str) -> Any:
     # No parameter and no count is larger, and no float of Python overflows then.
     value = float(text)
     if not math.isfinite(value):
-        raise ValueError(text[:40])
+        raise InvalidValueError(f'expected a finite number, got {text[:40]}')
     return int(text) if abs(value) < _LARGEST_INTEGER else value
 
 

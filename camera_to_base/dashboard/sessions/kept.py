@@ -128,7 +128,7 @@ def _png(image: np.ndarray) -> bytes:
 def _decoded(png: bytes) -> np.ndarray:
     image = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)
     if image is None:
-        raise ValueError('no picture')
+        raise InvalidValueError('expected a picture, got other bytes')
     return image
 
 
