@@ -9,10 +9,11 @@
 
 """What every process needs: files written as a whole, signals, and shared memory."""
 
+from contextlib import contextmanager
 import os
 import signal
 import stat
-from typing import Any, Dict, Iterable, List, Mapping, Optional
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional
 
 from camera_to_base.errors import InvalidValueError
 
@@ -36,23 +37,19 @@ def write_files(contents: Mapping[str, bytes], *, keep_old: bool = False) -> Lis
     :returns: The .bak files that were written.
     :raises InvalidValueError: If one cannot be written, or exists and is not a regular file.
     """
-    unfinished: Dict[str, str] = {}
     path = ''
     try:
         targets = {regular_target(path): content for path, content in contents.items()}
         old = [target for target in targets if keep_old and os.path.exists(target)]
-        for path in old:
-            _write_part(regular_target(f'{path}.bak'), _content(path), path, unfinished)
-        for path, content in targets.items():
-            _write_part(path, content, path, unfinished)
-        for path, part in unfinished.items():
-            os.replace(part, path)
+        with _parts() as unfinished:
+            for path in old:
+                _write_part(regular_target(f'{path}.bak'), _content(path), path, unfinished)
+            for path, content in targets.items():
+                _write_part(path, content, path, unfinished)
+            for path, part in unfinished.items():
+                os.replace(part, path)
     except OSError as error:
         raise InvalidValueError(f"cannot write '{path}': {error.strerror}") from error
-    finally:
-        for part in unfinished.values():
-            if os.path.exists(part):
-                os.remove(part)
     return [f'{target}.bak' for target in old]
 
 
@@ -67,24 +64,20 @@ def write_with_history(path: str, content: bytes, most: int = 5) -> Optional[str
     :raises InvalidValueError: If it cannot be written; then everything is as it was.
     """
     target = regular_target(path)
-    unfinished: Dict[str, str] = {}
     try:
         is_there = os.path.exists(target)
         if is_there and _content(target) == content:
             return None
-        _write_part(target, content, target, unfinished)
         newest = f'{target}.bak.1'
-        if is_there:
-            _write_part(regular_target(newest), _content(target), target, unfinished)
-            _make_room(target, most)
-            os.replace(unfinished[newest], newest)
-        os.replace(unfinished[target], target)
+        with _parts() as unfinished:
+            _write_part(target, content, target, unfinished)
+            if is_there:
+                _write_part(regular_target(newest), _content(target), target, unfinished)
+                _make_room(target, most)
+                os.replace(unfinished[newest], newest)
+            os.replace(unfinished[target], target)
     except OSError as error:
         raise InvalidValueError(f"cannot write '{path}': {error.strerror}") from error
-    finally:
-        for part in unfinished.values():
-            if os.path.exists(part):
-                os.remove(part)
     return newest if is_there else None
 
 
@@ -186,6 +179,17 @@ def refuse_existing(paths: Iterable[str]) -> None:
 def _content(path: str) -> bytes:
     with open(path, 'rb') as file:
         return file.read()
+
+
+@contextmanager
+def _parts() -> Iterator[Dict[str, str]]:
+    """Give the temporary files by their targets; those that are left are removed."""
+    unfinished: Dict[str, str] = {}
+    try:
+        yield unfinished
+    finally:
+        for part in filter(os.path.exists, unfinished.values()):
+            os.remove(part)
 
 
 def _write_part(target: str, content: bytes, model: str, unfinished: Dict[str, str]) -> None:
