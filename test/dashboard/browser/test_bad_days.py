@@ -132,12 +132,16 @@ def test_camera_that_is_unplugged_is_told_and_its_return(cell, start_cell, open_
         other.close()
 
 
-def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
+def keep_a_placement(page):
     page.go_to('calibrate')
     page.click('Board', '#simulated')
     page.click('Start', '#part-calibrate')
     page.click('Keep this placement', '#part-calibrate')
     page.wait_for('54 corners', '#part-calibrate .placements')
+
+
+def test_reload_in_the_middle_of_a_calibration_loses_nothing(page):
+    keep_a_placement(page)
     page.driver.refresh()
     page.wait_for('54 corners', '#part-calibrate .placements')
     page.click('Stop, and drop the placements', '#part-calibrate')
@@ -151,11 +155,7 @@ def test_killed_dashboard_loses_no_placement_and_a_stop_is_undone(
     cell = start_cell(params_file=str(path), namespace='/kept')
     page = open_page(cell)
     page.wait_for('/kept', '#cell-choice')
-    page.go_to('calibrate')
-    page.click('Board', '#simulated')
-    page.click('Start', '#part-calibrate')
-    page.click('Keep this placement', '#part-calibrate')
-    page.wait_for('54 corners', '#part-calibrate .placements')
+    keep_a_placement(page)
     wait_until((tmp_path / '.cell.yaml.steps').exists, lambda: 'nothing is kept')
     cell.kill('dashboard')
     page.wait_for('The dashboard does not answer', '#banner')
