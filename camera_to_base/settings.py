@@ -158,7 +158,7 @@ class CameraSettings:
         """Sentences about parameters that were set but have no effect."""
         warnings = [f'detector.{name} has no effect with detector.method {self.detector.method}'
                     for name in self.detector.without_effect]
-        if self.detector.heights_cm and getattr(self.surface, 'pinhole', None) is None:
+        if self.detector.heights_cm and self.surface.pinhole is None:
             warnings.append(
                 "object_height_cm is the objects' whole height: change a file in which it is 0.6 "
                 'of it, as this package once advised')

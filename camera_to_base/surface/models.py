@@ -104,11 +104,13 @@ class Surface(Protocol):
     Maps pixels to the work surface.
 
     `distortion` is that of the lens, None for a lens without; `camera_place` is where the camera
-    is, None for not known.
+    is, None for not known; `pinhole` is the surface as a pinhole camera with a known pose, None
+    for another model.
     """
 
     distortion: Optional[Lens]
     camera_place: Optional[CameraPlace]
+    pinhole: Optional['CalibratedSurface']
 
     def locate(self, pixels: np.ndarray) -> np.ndarray:
         """
@@ -163,6 +165,11 @@ class CalibratedSurface:
         if not self._height_cm or foot_cm is None:
             return None
         return CameraPlace(tuple(foot_cm), self._height_cm)
+
+    @property
+    def pinhole(self) -> Optional['CalibratedSurface']:
+        """The surface as a pinhole camera with a known pose; None for another model."""
+        return None
 
     def _likely_foot_cm(self) -> Optional[Sequence[float]]:
         return None

@@ -115,7 +115,7 @@ class NudgedSurface:
     @cached_property
     def pinhole(self) -> Optional[PinholeSurface]:
         """The pinhole camera after the nudge; None where the calibration is of another model."""
-        calibrated = getattr(self._surface, 'pinhole', None)
+        calibrated = self._surface.pinhole
         if calibrated is None:
             return None
         return nearest_pinhole(self, calibrated, self._image_size)

@@ -309,7 +309,7 @@ def kept_values(
     :returns: By full name.
     :raises InvalidValueError: If there is no parameter for such a surface.
     """
-    found = getattr(in_force.surface, 'pinhole', None) or as_homography(in_force.surface, size)
+    found = in_force.surface.pinhole or as_homography(in_force.surface, size)
     if found is None:
         raise InvalidValueError(
             "a correction of the tutorial's polynomial cannot be kept: calibrate anew, with the "
