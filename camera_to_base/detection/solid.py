@@ -13,9 +13,10 @@ import math
 from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.coordinate_transform import CameraPlace
-from camera_to_base.detection.detection import Detection, principal_axes
+from camera_to_base.detection.detection import Detection, polygon_centroid, principal_axes
 from camera_to_base.errors import InvalidValueError, Level, Reason
 from camera_to_base.surface import Footprint, Outline, RayedSilhouette, Surface
+import cv2
 import numpy as np
 
 # An outline is followed in steps of about this many px, with so many points at least and at most.
@@ -138,26 +139,14 @@ def silhouette(detection: Detection) -> np.ndarray:
     along = np.roll(points, -2, axis=0) - np.roll(points, 2, axis=0)
     outwards = np.column_stack([along[:, 1], -along[:, 0]])
     outwards /= np.maximum(np.hypot(*outwards.T), 1e-9)[:, None]
-    area, (u, v) = _area_and_centre(points)
+    area = cv2.contourArea((points - points[0]).astype(np.float32), oriented=True)
     if area < 0:
         outwards, area = -outwards, -area
     # area + length d + pi d² is that of an outline moved outwards by d.
     missing, length = detection.area - area, max(lengths[-1], 1e-9)
     by = 2 * missing / (length + math.sqrt(max(length ** 2 + 4 * math.pi * missing, 0.0)))
     points = points + np.clip(by, -1.0, 2.0) * outwards
-    _, (u, v) = _area_and_centre(points)
-    return points + np.array([detection.centre[0] - u, detection.centre[1] - v])
-
-
-def _area_and_centre(points: np.ndarray) -> Tuple[float, Tuple[float, float]]:
-    u0, v0 = points[0]
-    u, v = (points - points[0]).T
-    cross = u * np.roll(v, -1) - np.roll(u, -1) * v
-    area = cross.sum() / 2
-    if abs(area) < 1e-9:
-        return 0.0, (u0 + u.mean(), v0 + v.mean())
-    return area, (u0 + ((u + np.roll(u, -1)) @ cross) / (6 * area),
-                  v0 + ((v + np.roll(v, -1)) @ cross) / (6 * area))
+    return points + detection.centre - polygon_centroid(points)
 
 
 def solid_of(
@@ -177,7 +166,7 @@ def solid_of(
     found = [rayed.footprint(height / camera.height_cm) for height in heights_cm]
     best = max((index for index, footprint in enumerate(found) if footprint.fit >= _GOOD_FIT),
                default=0)
-    other = _not_clear(rayed, camera, heights_cm, best)
+    other = None if len(found) == 1 else _not_clear(rayed, camera, heights_cm, found, best)
     if other is not None:
         return Reason('height_unclear', Level.WARN, (
             f'its outline fits a height of {heights_cm[best]:g} and of {other:g} cm: tilt the '
@@ -194,26 +183,19 @@ def solid_of(
 
 
 def _not_clear(
-    rayed: RayedSilhouette, camera: CameraPlace, heights_cm: Sequence[float], best: int
+    rayed: RayedSilhouette, camera: CameraPlace, heights_cm: Sequence[float],
+    found: Sequence[Footprint], best: int,
 ) -> Optional[float]:
+    """Return the height that the outline may have as well; None for none."""
     # Every smaller height fits as well. The largest one that fits is meant only if the outline is
     # just as long as that height needs: a larger one, listed or not, does not fit.
-    if len(heights_cm) == 1:
-        return None
-    height = heights_cm[best]
-    if best + 1 < len(heights_cm):
-        larger = heights_cm[best + 1]
-        if _fit_of(rayed, camera, larger) > _BAD_FIT:
-            return larger
+    if best + 1 < len(found) and found[best + 1].fit > _BAD_FIT:
+        return heights_cm[best + 1]
     if best > 0:
-        smaller = heights_cm[best - 1]
-        if _fit_of(rayed, camera, 2 * height - smaller) > _BAD_FIT:
-            return smaller
+        unlisted = 2 * heights_cm[best] - heights_cm[best - 1]
+        if rayed.footprint(min(unlisted / camera.height_cm, 0.99)).fit > _BAD_FIT:
+            return heights_cm[best - 1]
     return None
-
-
-def _fit_of(rayed: RayedSilhouette, camera: CameraPlace, height_cm: float) -> float:
-    return rayed.footprint(min(height_cm / camera.height_cm, 0.99)).fit
 
 
 def _at_half_the_height(
