@@ -26,6 +26,8 @@ from rclpy.task import Future
 
 # A node that does not answer for so long is asked again.
 _LONGEST_ANSWER_S = 3.0
+# A node may lose its answer where discovery or the network is slow: then it is asked once more.
+_LATE_S = 1.5
 
 
 def parameter_data(
@@ -139,6 +141,8 @@ class RemoteParameters:
         self._read_count = -1
         self._asked_at = -math.inf
         self._writers: Set[Tuple[int, ...]] = set()
+        # Changes that may have to be sent again: what sends them, their answer, and since when.
+        self._sent: List[Tuple[Callable[[], None], Future, float]] = []
 
     @property
     def is_known(self) -> bool:
@@ -160,7 +164,8 @@ class RemoteParameters:
             self._on_change()
 
     def ask(self) -> None:
-        """Read the values, if they are not known, or if the node was started anew."""
+        """Read the values, if they are not known; send again what was not answered."""
+        self._send_again()
         writers = self._find_writers()
         if writers - self._writers:
             self._writers |= writers
@@ -186,9 +191,14 @@ class RemoteParameters:
         parameters = [self._parameter(name, value) for name, value in values.items()]
         messages = [_message(parameter) for parameter in parameters]
         answer = Future()
-        self._call(
-            SetParametersAtomically.Request(parameters=messages),
-            lambda response: self._on_set(response, parameters, answer))
+
+        def send() -> None:
+            self._call(
+                SetParametersAtomically.Request(parameters=messages),
+                lambda response: self._on_set(response, parameters, answer))
+
+        send()
+        self._sent.append((send, answer, time.monotonic()))
         return answer
 
     def on_event(self, event: ParameterEvent) -> None:
@@ -239,10 +249,20 @@ class RemoteParameters:
         self.values = dict(zip(self._descriptors, map(_value, got.values)))
         self._on_change()
 
+    def _send_again(self) -> None:
+        # Once: the same values a second time change nothing.
+        late = time.monotonic() - _LATE_S
+        for send, answer, since in self._sent:
+            if since < late and not answer.done():
+                send()
+        self._sent = [one for one in self._sent if one[2] >= late]
+
     def _on_set(
         self, response: SetParametersAtomically.Response, parameters: List[Parameter],
         answer: Future,
     ) -> None:
+        if answer.done():
+            return
         if response.result.successful:
             changed = {parameter.name: parameter.value for parameter in parameters}
             answer.set_result({name: _plain(value) for name, value in changed.items()})
