@@ -49,8 +49,8 @@ _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
 _STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
 _MOST_REGIONS, _NOTHING = 30, 1e-9
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
-# on its own (the range of logarithms over the noise); what a level says that no shade has.
-_PRIOR, _OWN, _DARK_NATS = 12.0, 3.5, 100.0
+# on its own (the range of logarithms over the noise).
+_PRIOR, _OWN = 12.0, 3.5
 # Logarithm of the ratio: a sixth of the light.
 _DARKEST = float(np.log(1 / 6))
 # What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
@@ -75,7 +75,8 @@ class Evidence(NamedTuple):
     """
     What speaks for a thing, pixel by pixel, each of shape (h, w), float32.
 
-    :param nats: How much more likely a thing is than light.
+    :param nats: How much more likely a thing is than light, but for `is_dark`.
+    :param is_dark: Whether it is darker than any shade, uint8.
     :param light: Chi-square of the light, by its degrees of freedom.
     :param usual: The background's level.
     :param seen: The frame's.
@@ -83,6 +84,7 @@ class Evidence(NamedTuple):
     """
 
     nats: np.ndarray
+    is_dark: np.ndarray
     light: np.ndarray
     usual: np.ndarray
     seen: np.ndarray
@@ -145,8 +147,8 @@ def evidence(
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * _LEVEL_SCALE
-    nats[ratio < _DARKEST] += _DARK_NATS
-    return Evidence(nats, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2])
+    is_dark = (ratio < _DARKEST).view(np.uint8)
+    return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2])
 
 
 def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[np.ndarray]:

@@ -72,7 +72,7 @@ def things_in(
     part = slices(window)
     found = evidence(frame[part], reference.lit[part], reference.noise, tint)
     changed = filled(region.outline, window)
-    things = _solid(_smooth(found.nats) & cv2.dilate(changed, square(3)), found, min_area)
+    things = _solid(_smooth(found) & cv2.dilate(changed, square(3)), found, min_area)
     if things is not None and things.any():
         things = _up_to_edges(things, changed, found, frame[part])
     if things is None or not _is_clear(things, changed, found, find_highlight(
@@ -121,7 +121,8 @@ def _is_gap(
     return all(float(one @ changes[0]) > 0 for one in changes)
 
 
-def _smooth(nats: np.ndarray) -> np.ndarray:
+def _smooth(found: Evidence) -> np.ndarray:
+    nats = np.where(found.is_dark, _MOST_EVIDENCE, found.nats)
     nats = cv2.blur(np.clip(nats, -_MOST_EVIDENCE, _MOST_EVIDENCE), (3, 3))
     return cv2.morphologyEx((nats > 0).view(np.uint8), cv2.MORPH_OPEN, square(3))
 
@@ -193,7 +194,14 @@ def _is_clear(
     # A highlight or a lamp's mirror image is small and surrounded; a thing is not.
     return things.any() and not has_highlight and (
         cv2.countNonZero(things) > _LEAST_SHARE * total
-        or has_free_rim(things, changed | things))
+        or has_free_rim(things, changed | things)
+        and not _is_dark_alone(things, found))
+
+
+def _is_dark_alone(things: np.ndarray, found: Evidence) -> bool:
+    """Tell whether darkness alone tells things from light: the rest may be their lighter face."""
+    dark = things & cv2.dilate(found.is_dark, square(_SIZE))
+    return cv2.countNonZero(dark) > _MOSTLY * cv2.countNonZero(things)
 
 
 class _Detail(NamedTuple):

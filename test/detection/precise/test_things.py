@@ -82,6 +82,14 @@ def test_wall_belongs_to_a_box_and_its_shade_does_not(colour):
     assert overlap(found, silhouette()) > 0.95
 
 
+@pytest.mark.parametrize('depth', [20, 8])
+def test_wall_that_is_darker_than_any_shade_belongs_to_its_top(depth):
+    light = painted(table(0), square(150, 120, 22), 0.2 * TABLE)
+    wall = covered((128, 142), (172, 142), (172, 142 + depth), (128, 142 + depth))
+    found, = detect(painted(light, wall, 0.11 * TABLE), table(0))
+    assert found.centre == pytest.approx((149.5, 119.5 + depth / 2), abs=0.5)
+
+
 def test_two_boxes_whose_shades_overlap_are_two():
     light = table(0.15)
     for u in 100, 160:
