@@ -20,7 +20,8 @@ Callers: `pipeline` and the rooms that use its results. It imports only numpy an
 from camera_to_base.detection.background import (
     BackgroundTaker, changed_blocks, has_changed_block, mean_blocks, median_of, smoothed_noise,
     white_noise)
-from camera_to_base.detection.detection import Box, Detection, Pixel, random_pixel, touches_edge
+from camera_to_base.detection.detection import (
+    Box, Detection, NoObject, Pixel, random_pixel, touches_edge)
 from camera_to_base.detection.locator import (
     Found, LeftOut, locate_pixel, LocatedObject, object_shape, ObjectLocator, Point)
 from camera_to_base.detection.on_surface import object_on_surface
@@ -35,7 +36,8 @@ __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'changed_blocks', 'Detection', 'DETECTOR_SPECS', 'DetectorSettings',
     'Found', 'has_changed_block', 'HEIGHT_SPECS', 'LeftOut', 'locate_pixel', 'LocatedObject',
-    'mean_blocks', 'median_of', 'object_heights', 'object_on_surface', 'object_shape',
-    'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector', 'random_pixel', 'read_areas',
-    'read_polygons', 'Size', 'smoothed_noise', 'touches_edge', 'white_noise',
+    'mean_blocks', 'median_of', 'NoObject', 'object_heights', 'object_on_surface',
+    'object_shape', 'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector',
+    'random_pixel', 'read_areas', 'read_polygons', 'Size', 'smoothed_noise', 'touches_edge',
+    'white_noise',
 ]

@@ -138,6 +138,20 @@ class Detection:
         return principal_axes(self.spread).angle
 
 
+class NoObject(NamedTuple):
+    """
+    What differs from the background on a frame, and is no detection.
+
+    :param kind: 'shade' or 'light' (darker or lighter than the background), 'speck' (too small).
+    :param position: Its centroid, in px.
+    :param area: In px².
+    """
+
+    kind: str
+    position: Pixel
+    area: float
+
+
 def touches_edge(box: Box, picture: np.ndarray) -> bool:
     """Return whether a box reaches the outermost pixels of a picture of shape (h, w, ...)."""
     height, width = picture.shape[:2]

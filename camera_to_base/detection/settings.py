@@ -12,7 +12,7 @@
 from dataclasses import dataclass
 from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Tuple
 
-from camera_to_base.detection.detection import Detection
+from camera_to_base.detection.detection import Detection, NoObject
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import STRONG_DEVIATIONS
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
@@ -229,6 +229,10 @@ class Detector(Protocol):
     @property
     def taken_away(self) -> List[Detection]:
         """Places where objects of the background are missing on the last frame."""
+
+    @property
+    def dropped(self) -> List[NoObject]:
+        """What else differs from the background on the last frame."""
 
     @property
     def noise(self) -> Optional[float]:

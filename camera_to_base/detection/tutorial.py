@@ -12,7 +12,7 @@
 from typing import List
 
 from camera_to_base.checks import check_frame, check_same_size, whole_number
-from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
+from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
@@ -80,6 +80,11 @@ class AbsoluteDifferenceDetector:
     @property
     def taken_away(self) -> List[Detection]:
         """Always empty: what was taken away counts as an object, as in the tutorial."""
+        return []
+
+    @property
+    def dropped(self) -> List[NoObject]:
+        """Always empty: the tutorial does not ask what else differs."""
         return []
 
     @property

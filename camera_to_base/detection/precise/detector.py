@@ -42,7 +42,7 @@ from itertools import takewhile
 from typing import List, Optional
 
 from camera_to_base.checks import check_frame, check_same_size, finite_number
-from camera_to_base.detection.detection import Box, Detection
+from camera_to_base.detection.detection import Box, Detection, NoObject
 from camera_to_base.detection.precise.changes import (
     changed_parts, frame_outline, is_all_changed, Strips)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
@@ -52,7 +52,7 @@ from camera_to_base.detection.precise.piece import (
 from camera_to_base.detection.precise.placer import Placer, unplaced
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, slices
-from camera_to_base.detection.precise.search import Candidates, parts_of, search
+from camera_to_base.detection.precise.search import Candidates, left_over, parts_of, search
 import cv2
 import numpy as np
 
@@ -151,6 +151,7 @@ class PreciseDifferenceDetector:
         self._ghosts: List[Ghost] = []
         self._strips = Strips(background.shape)
         self._is_light_moving = True
+        self._dropped: List[NoObject] = []
 
     @staticmethod
     def check_parameters(faintest: float, min_area: float) -> None:
@@ -172,6 +173,7 @@ class PreciseDifferenceDetector:
         :raises InvalidValueError: If it is not a colour picture.
         """
         check_same_size(frame, self._background)
+        self._dropped = []
         frame = np.ascontiguousarray(frame)
         rows = self._changed_rows(frame)
         if not rows:
@@ -186,7 +188,9 @@ class PreciseDifferenceDetector:
         if self._notice_ghosts(found):
             parts = parts_of(found.frame, self._reference)
             found = search(found.frame, parts, self._reference, self._min_area)
-        return ranked(self._placed(found), found.frame, self._reference.lit)
+        placed = ranked(self._placed(found), found.frame, self._reference.lit)
+        self._dropped = left_over(found, parts, placed, self._reference, self._min_area)
+        return placed
 
     def _placed(self, found: Candidates) -> List[Detection]:
         placed = [detection for one in found.plain for detection in self._placer.place_plain(one)]
@@ -200,6 +204,11 @@ class PreciseDifferenceDetector:
         """Where objects of the background are missing, as of the last frame."""
         return [detection for ghost in self._ghosts for detection in unplaced(
             outline_of(ghost.mask, ghost.window), self._background)]
+
+    @property
+    def dropped(self) -> List[NoObject]:
+        """What differs on the last frame and is no detection, the largest first, at most 100."""
+        return self._dropped
 
     @property
     def noise(self) -> Optional[float]:

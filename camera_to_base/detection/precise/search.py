@@ -16,7 +16,7 @@ with that light taken into account.
 
 from typing import List, NamedTuple, Optional
 
-from camera_to_base.detection.detection import Box, touches_edge
+from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
 from camera_to_base.detection.precise.evidence import measure_tint
 from camera_to_base.detection.precise.light import LevelLimits
@@ -38,6 +38,11 @@ _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 _FAR, _FAINT = 0.04, 0.15
 # What is left over where light was taken out is an object where this part of it differs strongly.
 _MOSTLY = 0.4
+# A region of which this part lies in a plain object's window is the same object.
+_SAME = 0.8
+# Beyond an outline, pixels still show a share of the object: the outline's width, in px.
+_RIM = 7
+_MOST_DROPPED = 100
 # A part that is larger is no speck, in px².
 _MOST_SPECK = 1200
 
@@ -95,7 +100,13 @@ def _search(
                for thing in _things_of(frame, region, reference, tint, min_area)]
     # A window that grew may hold a plain object of another part.
     return Candidates(frame, plain, [region for region in regions if not any(
-        region.box.is_inside(one.window) for one in plain)])
+        _is_same(region.box, one.window) for one in plain)])
+
+
+def _is_same(box: Box, window: Box) -> bool:
+    across = min(box.x + box.width, window.x + window.width) - max(box.x, window.x)
+    down = min(box.y + box.height, window.y + window.height) - max(box.y, window.y)
+    return max(across, 0) * max(down, 0) > _SAME * box.width * box.height
 
 
 def _things_of(
@@ -173,3 +184,51 @@ def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
     """Find the parts of a frame that have changed."""
     rows = Strips(frame.shape).changed(frame, reference.lit, reference.limits)
     return changed_parts(frame, reference.lit, rows, reference.limits)
+
+
+def left_over(
+    found: Candidates, parts: List[Box], detections: List[Detection], reference: Reference,
+    min_area: float,
+) -> List[NoObject]:
+    """
+    Find what differs strongly from the background, and belongs to no detection.
+
+    :param parts: Where the frame has changed.
+    :returns: The largest first, at most 100.
+    """
+    # Beside a plain object there is nothing else, see `plain`.
+    parts = [part for part in parts if not any(one.window.is_inside(part) for one in found.plain)]
+    parts = sorted(parts, key=lambda part: -part.width * part.height)[:_MOST_DROPPED]
+    if not parts:
+        return []
+    left = np.zeros(found.frame.shape[:2], np.uint8)
+    for part in parts:
+        place = slices(part)
+        left[place] |= reference.limits.strong(place).outside(found.frame[place])
+    for detection in detections:
+        for width in cv2.FILLED, _RIM:
+            cv2.drawContours(left, [detection.outline[:, None]], 0, 0, width)
+    dropped: List[NoObject] = []
+    for part in parts:
+        dropped += _dropped(found.frame, reference.lit, left, part, min_area)
+        left[slices(part)] = 0
+    return sorted(dropped, key=lambda one: -one.area)[:_MOST_DROPPED]
+
+
+def _dropped(
+    frame: np.ndarray, lit: np.ndarray, left: np.ndarray, part: Box, min_area: float
+) -> List[NoObject]:
+    place = slices(part)
+    if not cv2.countNonZero(left[place]):
+        return []
+    _, labels, stats, centroids = cv2.connectedComponentsWithStats(left[place])
+    found = []
+    for number in np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:_MOST_DROPPED] + 1:
+        area, kind = float(stats[number, cv2.CC_STAT_AREA]), 'speck'
+        if area >= min_area:
+            mask = cv2.inRange(labels, int(number), int(number))
+            levels = [sum(cv2.mean(picture[place], mask)) for picture in (frame, lit)]
+            kind = 'light' if levels[0] > levels[1] else 'shade'
+        u, v = centroids[number].tolist()
+        found.append(NoObject(kind, Pixel(u + part.x, v + part.y), area))
+    return found

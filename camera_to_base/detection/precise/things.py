@@ -48,8 +48,8 @@ _OWN_NOISE, _MOST_LEFT = 0.4, 2.5
 # Light without an edge changes less per px; logarithm of the level.
 _STEEPEST = 0.06
 # How far two things may be apart that are taken for one at first, in px; how much nearer to the
-# table's colour it is there; how large a part each is.
-_WIDEST_GAP, _VALLEY, _LEAST_PART = 9, 0.6, 0.1
+# table's colour it is there; how large a part each is; how far the frame goes towards the table.
+_WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
 # What is between a thing and its shade: in the frame, logarithm.
 _LEAST_STEP = 0.15
 _MARGIN = 8
@@ -118,7 +118,12 @@ def _is_gap(
     change = np.int16(frame) - background
     sides = [change[(part & near) > 0] for part in parts]
     changes = [np.median(side, axis=0) for side in sides if len(side)]
-    return all(float(one @ changes[0]) > 0 for one in changes)
+    if not all(float(one @ changes[0]) > 0 for one in changes):
+        return False
+    # A dark joint of the table below a dark thing is no gap: the frame goes on.
+    across = np.int16(frame)[gap > 0] - np.median(frame[(sum(parts) & near) > 0], axis=0)
+    to_table = across - change[gap > 0]
+    return float((across * to_table).sum()) > _LEAST_GAP * float((to_table ** 2).sum())
 
 
 def _smooth(found: Evidence) -> np.ndarray:

@@ -135,3 +135,25 @@ def test_smooth_light_in_the_middle_is_nothing_and_hides_no_coin(gain, texture):
 def test_shade_that_reaches_the_edge_is_nothing():
     light = shaded(table(0.15), covered((0, 60), (150, 90), (120, 140), (0, 120)))
     assert detect(light, table(0.15)) == []
+
+
+def test_what_is_no_object_is_named():
+    light = shaded(table(0.15), square(80, 120, 30))
+    light = shaded(light, square(220, 120, 40), -0.6)
+    light = painted(light, covered((150, 30), (152, 30), (152, 33), (150, 33)), (0.9, 0.1, 0.1))
+    detector = PreciseDifferenceDetector(coded(table(0.15), 1))
+    assert detector.detect(coded(light, 2)) == []
+    found = detector.dropped
+    assert [one.kind for one in found] == ['light', 'shade', 'speck']
+    assert found[0].position == pytest.approx((219.5, 119.5), abs=3)
+    assert found[1].position == pytest.approx((79.5, 119.5), abs=3)
+    assert found[1].area == pytest.approx(60 * 60, rel=0.2)
+
+
+def test_nothing_is_dropped_from_an_object_without_shade():
+    detector = PreciseDifferenceDetector(coded(table(0.15), 1))
+    light = painted(table(0.15), square(150, 120, 20), (0.1, 0.5, 0.3))
+    assert len(detector.detect(coded(light, 2))) == 1
+    assert detector.dropped == []
+    detector.detect(coded(table(0.15), 3))
+    assert detector.dropped == []
