@@ -11,21 +11,18 @@
 
 from collections import deque
 from functools import reduce
-from typing import Deque, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection import Box, Detection, DetectorSettings, LocatedObject
-from camera_to_base.errors import Level, Reason
+from camera_to_base.detection import (
+    Detection, DetectorSettings, LeftOut, locate_pixel, LocatedObject, Point)
+from camera_to_base.errors import HorizonError, Level, Reason
+from camera_to_base.pipeline.old_places import LEFT, OldPlaces
 from camera_to_base.pipeline.reaching_in import Changes, covered_share, ReachingIn
 from camera_to_base.pipeline.rims import LeftBehind, Rim, rim_of
 from camera_to_base.pipeline.stage import FrameRecord, Stage
 from camera_to_base.pipeline.standpoint import PerBackground, Standpoint
 import cv2
 import numpy as np
-
-# On a table with a strong pattern, one frame tells less of an old place than the next one does.
-_REMAINS_S = 1.0
-# What is larger than an old place, as a factor on its area, is an object.
-_LARGER = 1.5
 
 # So long what appears where something reached in may still belong to it: a hand that is lifted or
 # drawn back.
@@ -49,48 +46,8 @@ _TOUCHED = Reason(
 _WAS_TOUCHED = Reason(
     'touched', Level.WARN, 'it appeared where something reached in less than a second ago',
     is_passing=True)
-_LEFT = Reason(
-    'taken_away', Level.WARN, 'it cannot be told from the place that an object of the background '
-    'has left: clear the surface, and call ~/capture_background', is_passing=True)
-_WAS_LEFT = Reason(
-    'taken_away', Level.WARN, 'it appeared where an object of the background has left less than a '
-    'second ago', is_passing=True)
-
-
 # Where something reaches in; None for nowhere.
 _Mask = Optional[np.ndarray]
-
-
-class Remains:
-    """
-    Tells which objects appear where an old place was told less than a second ago.
-
-    What is told by this memory alone is not remembered: an object that is laid there is left out
-    for a second at most.
-    """
-
-    def __init__(self) -> None:
-        self._places: Deque[Tuple[float, Detection]] = deque()
-
-    def note(self, told: Iterable[Detection], taken_at: float) -> None:
-        """
-        Remember what a frame shows of old places.
-
-        :param taken_at: In s.
-        """
-        while self._places and not 0 <= taken_at - self._places[0][0] <= _REMAINS_S:
-            self._places.popleft()
-        self._places.extend((taken_at, one) for one in told)
-
-    def may_be_part(self, one: Detection) -> bool:
-        """Tell whether an object overlaps a place that is remembered, and is not much larger."""
-        return any(one.area <= _LARGER * place.area and _overlap(one.box, place.box)
-                   for _, place in self._places)
-
-
-def _overlap(one: Box, other: Box) -> bool:
-    return (one.x < other.x + other.width and other.x < one.x + one.width
-            and one.y < other.y + other.height and other.y < one.y + one.height)
 
 
 class _Known(NamedTuple):
@@ -130,6 +87,12 @@ class ArmStage(Stage):
             return record
         return self._checks.of(record.standpoint.background).judge(record)
 
+    def doubt(self, standpoint: Standpoint) -> Optional[Reason]:
+        """Tell why nothing is published at a place that an object of the background has left."""
+        if standpoint.background is None:
+            return None
+        return self._checks.of(standpoint.background).doubt
+
     def _stand_at(self, standpoint: Standpoint) -> None:
         before, self._standpoint = self._standpoint, standpoint
         check = self._checks.of(standpoint.background)
@@ -150,36 +113,42 @@ class ArmCheck:
 
     def __init__(self, background: np.ndarray, unknown: Optional[np.ndarray] = None) -> None:
         self._reaching_in = ReachingIn(background, unknown)
-        self._left_behind, self._remains = LeftBehind(background), Remains()
+        self._left_behind, self._places = LeftBehind(background), OldPlaces()
         self._fills: Deque[Tuple[float, np.ndarray]] = deque()
         self._known: List[_Known] = []
         self._most_noise = max(_LEAST_NOISE, _NOISE_DEVIATIONS * self._reaching_in.noise)
+
+    @property
+    def doubt(self) -> Optional[Reason]:
+        """Why nothing is published at a place that an object of the background has left."""
+        return self._places.reason
 
     def forget_objects(self) -> None:
         """Forget which objects are known: their positions were those of other settings."""
         self._known = []
 
     def remember(self, before: 'ArmCheck') -> None:
-        """Remember where something has reached in, before the camera was nudged."""
+        """Remember where something reached in, or has left, before the camera was nudged."""
         reach = 2 * -(-_NUDGED_PX // self._reaching_in.scale) + 1
         grown = np.ones((reach, reach), np.uint8)
         self._fills = deque((at, cv2.dilate(fill, grown)) for at, fill in before._fills)
+        self._places.remember(before._places, _NUDGED_PX)
 
     def judge(self, record: FrameRecord) -> FrameRecord:
         """Leave out what is not free, and add known objects that are only shaded."""
-        if not record.objects and not record.left_out and not self._fills:
+        if not (record.objects or record.left_out or self._fills or self._places):
             self._known = []
             return record
         frame, taken_at = record.aligned, record.now
         doubtful = [one for one in record.objects if not self._is_unchanged(one, frame)]
         changes = self._reaching_in.find(
-            frame, record.motion.shift_px, [one.detection.outline for one in doubtful])
+            frame, record.motion.shift_px,
+            [one.detection.outline for one in doubtful] + self._places.outlines)
         record = self._without_left(record, doubtful, changes)
         fill = changes.reaching_in if changes.any_reaching_in else None
         if taken_at is None:
             return record.without([_TOUCHED if self._is_covered(one, fill) else None
                                    for one in record.objects])
-        record = self._without_remains(record)
         recent = self._recent(fill, taken_at)
         record = record.without([
             self._reason(one, _is_among(one, doubtful), frame, fill, recent, taken_at)
@@ -193,21 +162,28 @@ class ArmCheck:
 
     def _without_left(self, record: FrameRecord, doubtful: Sequence[LocatedObject],
                       changes: Changes) -> FrameRecord:
+        # A frame that stands for itself leaves no memory.
+        places = self._places if record.now is not None else OldPlaces()
+        places.forget_those_back(changes.differs, self._reaching_in.scale, [
+            *(one.detection for one in record.objects),
+            *(one.detection for one in record.left_out)])
         left = [one for one in doubtful
                 if self._is_left(one.detection.outline, record.aligned, changes)]
-        return record.without([
-            _LEFT if _is_among(one, left) else None for one in record.objects])
+        places.note([*(one.detection.outline for one in left),
+                     *(one.detection.outline for one in record.left_out
+                       if one.reason.kind == LEFT.kind)], record.now or 0.0)
+        record = record.without([
+            LEFT if _is_among(one, left) or places.hold(
+                one.detection, is_known=self._known_as(one) is not None) else None
+            for one in record.objects])
+        told = [one.detection for one in record.left_out if one.reason.kind == LEFT.kind]
+        return record._replace(left_out=(*record.left_out, *(
+            LeftOut(place, LEFT, _point_of(record, place))
+            for place in places.certain_but_for(told))))
 
     def _is_left(self, outline: np.ndarray, frame: np.ndarray, changes: Changes) -> bool:
         return (self._share(outline, changes.differs) < _LEAST_CHANGED
                 or self._left_behind.is_part_of(frame, outline, changes.gain))
-
-    def _without_remains(self, record: FrameRecord) -> FrameRecord:
-        self._remains.note(
-            (left.detection for left in record.left_out if left.reason is _LEFT), record.now)
-        return record.without([
-            _WAS_LEFT if self._remains.may_be_part(one.detection) and self._known_as(one) is None
-            else None for one in record.objects])
 
     def _recent(self, fill: _Mask, taken_at: float) -> _Mask:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
@@ -265,6 +241,13 @@ def _is_same(one: Detection, other: Detection) -> bool:
     moved = max(abs(one.centre.u - other.centre.u), abs(one.centre.v - other.centre.v))
     return (moved <= _SAME_CENTRE_PX
             and abs(one.area - other.area) <= _SAME_AREA * one.area)
+
+
+def _point_of(record: FrameRecord, one: Detection) -> Optional[Point]:
+    try:
+        return locate_pixel(record.standpoint.surface.surface, one.centre)
+    except HorizonError:
+        return None
 
 
 def _is_among(one: LocatedObject, others: Sequence[LocatedObject]) -> bool:

@@ -150,7 +150,7 @@ class CameraPipeline:
     def doubt(self) -> Optional[Reason]:
         """Why positions are published with a warning: another camera, a nudge...; or None."""
         return (self._own_reason(is_strict=False) or self._markers.doubt
-                or self.standpoint.surface.reason)
+                or self.standpoint.surface.reason or self._arms.doubt(self.standpoint))
 
     @property
     def faintness(self) -> Optional[str]:

@@ -33,6 +33,8 @@ _RIM = np.ones((_OUTER_RIM_PX, _OUTER_RIM_PX), np.uint8)
 _STRONG, _LOST = 0.5, 0.4
 # The least strength, in levels, and how much of the rim such edges are.
 _LEAST_LEVELS, _LEAST_SHARE = 12.0, 0.12
+# An edge runs along the outline: the square of the cosine between their normals.
+_LEAST_ALONG = 0.5
 
 
 class Rim(NamedTuple):
@@ -138,7 +140,7 @@ class LeftBehind:
     """
 
     def __init__(self, background: np.ndarray) -> None:
-        self._edges = _edges(background)
+        self._picture, self._edges = background, _edges(background)
 
     def is_part_of(self, frame: np.ndarray, outline: np.ndarray, gain: float) -> bool:
         """
@@ -170,7 +172,11 @@ class LeftBehind:
         before, now = before[rim], now[rim]
         strong = max(_STRONG * _upper_tenth(np.maximum(before, now)), _LEAST_LEVELS)
         is_lost = (before > strong) & (now < _LOST * before)
-        return np.count_nonzero(is_lost) >= least
+        if np.count_nonzero(is_lost) < least:
+            return False
+        # A line that is printed on the surface, and goes on below an object, crosses its rim.
+        is_along = _runs_along(self._picture[window], outline - (left, top))[rim]
+        return np.count_nonzero(is_lost & is_along) >= least
 
 
 def _rim(outline: np.ndarray, left: int, top: int, window: np.ndarray) -> np.ndarray:
@@ -178,6 +184,17 @@ def _rim(outline: np.ndarray, left: int, top: int, window: np.ndarray) -> np.nda
     # To draw a line of the rim's width takes three times as long.
     cv2.drawContours(rim, [outline], 0, 1, offset=(-left, -top))
     return cv2.dilate(rim, _RIM)
+
+
+def _runs_along(picture: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Tell where the edges of a picture have an outline's direction: shape (h, w), bool."""
+    inside = cv2.fillPoly(np.zeros(picture.shape[:2], np.float32), [outline], 1.0)
+    smooth = cv2.GaussianBlur(inside, (0, 0), _OUTER_RIM_PX / 2)
+    across, down = (cv2.Sobel(smooth, cv2.CV_32F, *way) for way in ((1, 0), (0, 1)))
+    u, v = (cv2.Sobel(picture, cv2.CV_32F, *way) for way in ((1, 0), (0, 1)))
+    steep = (u ** 2 + v ** 2).sum(axis=2) * (across ** 2 + down ** 2)
+    normal = (u * across[..., None] + v * down[..., None]) ** 2
+    return normal.sum(axis=2) > _LEAST_ALONG * steep
 
 
 def _upper_tenth(levels: np.ndarray) -> float:
