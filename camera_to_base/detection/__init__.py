@@ -22,8 +22,9 @@ from camera_to_base.detection.background import (
     white_noise)
 from camera_to_base.detection.detection import (
     Box, Detection, NoObject, Pixel, random_pixel, touches_edge)
+from camera_to_base.detection.left_out import LeftOut, locate_pixel, Point, REASONS
 from camera_to_base.detection.locator import (
-    Found, LeftOut, locate_pixel, LocatedObject, object_shape, ObjectLocator, Point)
+    Found, LocatedObject, object_shape, ObjectLocator)
 from camera_to_base.detection.on_surface import object_on_surface
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.settings import (
@@ -38,6 +39,6 @@ __all__ = [
     'Found', 'has_changed_block', 'HEIGHT_SPECS', 'LeftOut', 'locate_pixel', 'LocatedObject',
     'mean_blocks', 'median_of', 'NoObject', 'object_heights', 'object_on_surface',
     'object_shape', 'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector',
-    'random_pixel', 'read_areas', 'read_polygons', 'Size', 'smoothed_noise', 'touches_edge',
-    'white_noise',
+    'random_pixel', 'read_areas', 'read_polygons', 'REASONS', 'Size', 'smoothed_noise',
+    'touches_edge', 'white_noise',
 ]

@@ -13,6 +13,8 @@ import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.detection.detection import Box, Detection
+from camera_to_base.detection.left_out import (
+    left_out_places, LeftOut, locate_pixel, Point, reason_by_size, REASONS)
 from camera_to_base.detection.on_surface import (
     object_on_surface, object_yaw, objects_on_surface, OnSurface, pixel_on_surface)
 from camera_to_base.detection.settings import DetectorSettings
@@ -28,10 +30,6 @@ import numpy as np
 _MOST_OBJECTS = 100
 # The tutorial's closing deforms an object that is not this much wider than its kernel.
 _LEAST_WIDTH = 2.0
-_TAKEN_AWAY = Reason(
-    'taken_away', Level.WARN, 'something was taken away from the surface since the background was '
-    'taken: clear the surface, and call ~/capture_background', is_passing=True)
-
 _PLACE_UNKNOWN = Reason(
     'place_unknown', Level.WARN, 'it has a height, and where the camera is now cannot be '
     'computed: calibrate again', is_passing=True)
@@ -39,13 +37,6 @@ _PLACE_UNKNOWN = Reason(
 # In a larger box the noise of the rim moves the centre by next to nothing.
 _LARGEST_BOX_PX = 40000
 _MARGIN_PX = 2
-
-
-class Point(NamedTuple):
-    """A position on the work surface, in the camera frame, in cm."""
-
-    x: float
-    y: float
 
 
 class LocatedObject(NamedTuple):
@@ -72,18 +63,6 @@ class LocatedObject(NamedTuple):
         if self.solid is None:
             return size_of(flat_outline(surface, self.detection), 0.0)
         return size_of(self.solid.footprint, self.solid.height_cm)
-
-
-class LeftOut(NamedTuple):
-    """
-    A detection that is not published, and the reason.
-
-    :param point: Where it is; None if it is not on the surface.
-    """
-
-    detection: Detection
-    reason: Reason
-    point: Optional[Point] = None
 
 
 class Found(NamedTuple):
@@ -145,11 +124,15 @@ class ObjectLocator:
         :param frame: Shape (h, w, 3), uint8, BGR.
         :raises FrameSizeError: If the frame's size is not the background's.
         """
-        detections = self._detector.detect(frame)[:_MOST_OBJECTS]
+        detections = self._detector.detect(frame)
+        detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
         found = list(map(self._located, detections, self._places(detections)))
-        taken_away = map(self._taken_away, self._detector.taken_away)
+        taken_away = [LeftOut(place, REASONS['taken_away'], self._point(place))
+                      for place in self._detector.taken_away]
         return Found([one for one in found if isinstance(one, LocatedObject)],
-                     (*(one for one in found if isinstance(one, LeftOut)), *taken_away))
+                     (*(one for one in found if isinstance(one, LeftOut)), *taken_away,
+                      *left_out_places(self._detector.dropped, self._surface.locate),
+                      *_too_many(rest, found)))
 
     def _located(
         self, detection: Detection, place: Union[OnSurface, HorizonError]
@@ -187,12 +170,11 @@ class ObjectLocator:
             return LeftOut(detection, reason, point)
         return LocatedObject(detection, point, None if detection.cut_off else solid.yaw, solid)
 
-    def _taken_away(self, place: Detection) -> LeftOut:
+    def _point(self, place: Detection) -> Optional[Point]:
         try:
-            point = locate_pixel(self._surface, place.centre)
+            return locate_pixel(self._surface, place.centre)
         except HorizonError:
-            point = None
-        return LeftOut(place, _TAKEN_AWAY, point)
+            return None
 
     def _reason_to_leave_out(
         self, detection: Detection, point: Point, area_cm2: float
@@ -209,13 +191,8 @@ class ObjectLocator:
             return _left_out('outside_work_area', 'it lies outside of work_area')
         if any(area.contains(point) for area in areas.ignored):
             return _left_out('in_ignored_area', 'it lies in one of ignored_areas, or on a marker')
-        if area_cm2 < settings.min_area_cm2:
-            return _left_out('too_small', f'its area of {area_cm2:.3g} cm² is less than '
-                             f'detector.min_area_cm2, {settings.min_area_cm2:g}')
-        if area_cm2 > settings.max_area_cm2:
-            return _left_out('too_large', f'its area of {area_cm2:.3g} cm² is more than '
-                             f'detector.max_area_cm2, {settings.max_area_cm2:g}')
-        return None
+        return reason_by_size(
+            area_cm2, detection.area, settings.min_area_cm2, settings.max_area_cm2)
 
     def _places(
         self, detections: Sequence[Detection]
@@ -237,6 +214,18 @@ class ObjectLocator:
             return error
 
 
+def _too_many(
+    rest: Sequence[Detection], found: Sequence[Union[LocatedObject, LeftOut]]
+) -> List[LeftOut]:
+    # They are not larger than the last one that was looked at.
+    if not rest:
+        return []
+    last = found[-1]
+    is_speck = isinstance(last, LeftOut) and last.reason.kind == 'speck'
+    reason = last.reason if is_speck else REASONS['too_much']
+    return [LeftOut(one, reason) for one in rest]
+
+
 def _determinant(matrix: np.ndarray) -> float:
     (a, b), (c, d) = matrix.tolist()
     return a * d - b * c
@@ -250,17 +239,6 @@ def _beyond_horizon(error: HorizonError) -> Reason:
 def _left_out(kind: str, sentence: str) -> Reason:
     # Objects that the parameters exclude give no warning.
     return Reason(kind, Level.OK, sentence, is_passing=True)
-
-
-def locate_pixel(surface: Surface, pixel: Sequence[float]) -> Point:
-    """
-    Map one pixel to the work surface.
-
-    :param pixel: u and v, in px.
-    :raises HorizonError: If the pixel lies on the horizon or beyond it.
-    """
-    x, y = surface.locate([pixel])[0]
-    return Point(float(x), float(y))
 
 
 def object_shape(

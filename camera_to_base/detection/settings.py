@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Tuple
 
 from camera_to_base.detection.detection import Detection, NoObject
+from camera_to_base.detection.left_out import SPECK_CM2
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import STRONG_DEVIATIONS
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
@@ -56,8 +57,9 @@ DETECTOR_SPECS = [
                   'precise: least difference of an object from the surface, in one of the '
                   'colours. It must also be at least ten times the noise.',
                   (0, 255), unit='grey levels', old_names=('detector.precise_threshold',)),
-    ParameterSpec('detector.min_area_cm2', 0.0,
-                  'Smaller objects are not published; their area on the surface.',
+    ParameterSpec('detector.min_area_cm2', SPECK_CM2,
+                  'Smaller objects are not published; their area on the surface. With the '
+                  'default, these are specks: dust, if it is less than 12 px wide, too.',
                   (0, _LARGEST_AREA_CM2), unit='cm²'),
     ParameterSpec('detector.max_area_cm2', _LARGEST_AREA_CM2,
                   'Larger objects (a hand) are not published; their area on the surface.',

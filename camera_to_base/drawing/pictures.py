@@ -248,7 +248,7 @@ class AreaOverlay:
 
 def draw_left_out(frame: np.ndarray, left_out: Sequence[LeftOut]) -> np.ndarray:
     """
-    Draw in grey what was left out, the ten largest with the word for their reason.
+    Draw in grey what was left out, ten with the word for their reason: those of a warning first.
 
     :param frame: Shape (h, w, 3), uint8, BGR; it is not changed.
     :returns: A picture of the same shape; the frame itself if nothing was left out.
@@ -256,6 +256,7 @@ def draw_left_out(frame: np.ndarray, left_out: Sequence[LeftOut]) -> np.ndarray:
     if not left_out:
         return frame
     picture = frame.copy()
+    left_out = sorted(left_out, key=lambda one: (-one.reason.level, -one.detection.area))
     for one in left_out[_MOST_LABELS:]:
         _draw_dot(picture, one.detection.centre, _LEFT_OUT_COLOUR)
     left_out = left_out[:_MOST_LABELS]

@@ -131,7 +131,11 @@ def unusable_reason(error: CameraToBaseError, may_retake: bool) -> Reason:
 
 
 class FrameCounts(Counter):
-    """Counts frames: all of them, those with an object, and those held back by their reason."""
+    """
+    Counts frames: all of them, those with an object, and those held back by their reason.
+
+    What was left out is counted by its reason, too, each thing on each frame.
+    """
 
     def add(self, sighting: Sighting) -> None:
         """Count a frame."""
@@ -140,6 +144,7 @@ class FrameCounts(Counter):
             self['frames with an object'] += 1
         if sighting.reason is not None:
             self[f'frames held back: {sighting.reason.kind}'] += 1
+        self.update(f'left out: {one.reason.kind}' for one in sighting.left_out)
 
 
 class HeldBack:

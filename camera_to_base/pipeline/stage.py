@@ -53,8 +53,8 @@ class FrameRecord(NamedTuple):
         return Sighting(self.objects, self.reason, self.left_out)
 
     def held(self, reason: Reason) -> 'FrameRecord':
-        """Hold the frame back: nothing of it may be published."""
-        return self._replace(objects=[], left_out=(), reason=reason)
+        """Hold the frame back: nothing of it may be published; its objects are left out."""
+        return self.without([reason] * len(self.objects))._replace(reason=reason)
 
     def without(self, reasons: Sequence[Optional[Reason]]) -> 'FrameRecord':
         """

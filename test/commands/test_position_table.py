@@ -11,7 +11,8 @@ import math
 
 from camera_to_base.commands.positions import csv_cells, positions, table_header, table_line
 from camera_to_base.detection.detection import Box, Detection, Pixel
-from camera_to_base.detection.locator import LocatedObject, Point
+from camera_to_base.detection.left_out import Point
+from camera_to_base.detection.locator import LocatedObject
 from camera_to_base.settings import read_node_settings
 from camera_to_base.sources.recording import TimedFrame
 from camera_to_base.surface.models import ParallelSurface

@@ -119,7 +119,7 @@ def test_a_refused_parameter_has_its_sentence_and_changes_nothing(
         'node': 'camera', 'values': {name: value, 'detector.min_area_cm2': 3.0}})
     assert status == 400
     assert part_of_sentence in answer['errors'][name] and answer['error']
-    assert cell[0].get_parameter('detector.min_area_cm2').value == 0.0
+    assert cell[0].get_parameter('detector.min_area_cm2').value == 0.05
     ros.spin_for(0.3)
     assert values_of(page) == before
 

@@ -10,7 +10,8 @@
 import math
 
 from camera_to_base.detection.detection import Pixel
-from camera_to_base.detection.locator import locate_pixel, ObjectLocator, Point
+from camera_to_base.detection.left_out import locate_pixel, Point
+from camera_to_base.detection.locator import ObjectLocator
 from camera_to_base.detection.settings import DETECTOR_SPECS, DetectorSettings
 from camera_to_base.errors import FrameSizeError, HorizonError, InvalidValueError, Level
 from camera_to_base.parameters.spec import checked_values
@@ -268,3 +269,31 @@ def test_several_objects_are_located_as_each_alone():
     both = locator(ROAD, settings).locate(frame_with(*boxes))
     assert both == [one for box in boxes
                     for one in locator(ROAD, settings).locate(frame_with(box))]
+
+
+def dusty_frame(count, radius=4):
+    """A frame with a coin and so many specks of dust, about 55 px² each."""
+    frame = plain_frame()
+    for number in range(count):
+        cv2.circle(frame, (15 + 20 * (number % 31), 12 + 20 * (number // 31)), radius,
+                   (40, 40, 40), cv2.FILLED)
+    cv2.circle(frame, (300, 400), 30, (40, 40, 40), cv2.FILLED)
+    return frame
+
+
+@pytest.mark.parametrize('width_cm, options, published, kinds', [
+    (16.0, {}, 1, {'speck'}),
+    # What a file of today says stays.
+    (16.0, {'min_area_cm2': 0.0}, 100, {'too_much'}),
+    (16.0, {'min_area_cm2': 0.1}, 1, {'speck'}),
+    (40.0, {'min_area_cm2': 1.0}, 1, {'too_small', 'too_much'})])
+def test_dust_is_counted_but_not_published(width_cm, options, published, kinds):
+    found = locator(ParallelSurface(width_cm), DetectorSettings(**options)).find(dusty_frame(400))
+    assert len(found.objects) == published
+    assert len(found.left_out) == 401 - published
+    assert {one.reason.kind for one in found.left_out} == kinds
+
+
+def test_small_thing_below_a_microscope_is_no_speck():
+    found = locator(ParallelSurface(1.6), DetectorSettings()).find(dusty_frame(3, radius=8))
+    assert len(found.objects) == 4 and not found.left_out

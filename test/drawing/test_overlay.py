@@ -11,7 +11,8 @@ from itertools import combinations
 
 from camera_to_base.coordinate_transform import CameraToRobotBaseConversion
 from camera_to_base.detection.detection import Box, Detection, Pixel
-from camera_to_base.detection.locator import LocatedObject, Point
+from camera_to_base.detection.left_out import Point
+from camera_to_base.detection.locator import LocatedObject
 from camera_to_base.drawing.files import check_picture_path, encoded_picture
 from camera_to_base.drawing.pictures import base_label, draw_note, draw_objects, object_mask
 from camera_to_base.errors import InvalidValueError

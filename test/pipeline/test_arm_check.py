@@ -14,7 +14,7 @@ import time
 
 from camera_to_base.detection import Detection, DetectorSettings, LocatedObject, Pixel
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.locator import Point
+from camera_to_base.detection.left_out import Point
 from camera_to_base.pipeline import ArmCheck, CameraPipeline, FrameRecord, Limits, Standpoint
 from camera_to_base.sources import DEVICE, VIDEO_FILE
 from camera_to_base.surface.models import ParallelSurface

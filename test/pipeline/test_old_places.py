@@ -119,7 +119,7 @@ def test_book_of_the_background_that_was_turned_gives_no_position(turn):
     centre, size, angle = BOOK
     seen = Desk(has_text=True).see(2, [(centre, size, angle + turn)])
     assert not any(one.objects for one in seen)
-    assert all({left.reason.kind for left in one.left_out} == {'taken_away'} for one in seen)
+    assert all('taken_away' in {left.reason.kind for left in one.left_out} for one in seen)
 
 
 def test_capture_makes_the_place_known_again():

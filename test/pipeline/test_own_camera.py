@@ -9,6 +9,7 @@
 
 """Whether a calibration belongs to the camera in use."""
 
+from camera_to_base.detection import LocatedObject, Point
 from camera_to_base.errors import Level
 from camera_to_base.pipeline.own_camera import OwnCamera
 from camera_to_base.pipeline.stage import FrameRecord
@@ -55,7 +56,8 @@ def test_another_view_is_told_once_there_is_a_background():
 def judged(background, is_strict):
     standpoint = Standpoint.as_calibrated(SURFACE).with_background(Background(background, 0.0))
     return OwnCamera('0', '', HOME, is_strict).judge(
-        FrameRecord(background, standpoint, objects=[object()]))
+        FrameRecord(background, standpoint, objects=[
+            LocatedObject(None, Point(1.0, 2.0))]))
 
 
 def test_strict_holds_back_what_another_view_shows():
@@ -64,4 +66,5 @@ def test_strict_holds_back_what_another_view_shows():
         assert passed.objects and passed.reason is None
     held = judged(table(2), is_strict=True)
     assert held.objects == [] and held.reason.kind == 'other_view'
+    assert [one.reason for one in held.left_out] == [held.reason]
     assert held.reason.level == Level.ERROR
