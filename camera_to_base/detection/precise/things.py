@@ -26,6 +26,7 @@ from camera_to_base.detection.precise.piece import (
     outlines_in, quantile, square)
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
+from camera_to_base.detection.precise.segments import parted
 from camera_to_base.detection.touching import nearest_part
 import cv2
 import numpy as np
@@ -72,17 +73,44 @@ def things_in(
     part = slices(window)
     found = evidence(frame[part], reference.lit[part], reference.noise, tint)
     changed = filled(region.outline, window)
-    things = _solid(_smooth(found) & cv2.dilate(changed, square(3)), found, min_area)
-    if things is not None and things.any():
-        things = _up_to_edges(things, changed, found, frame[part])
-    if things is None or not _is_clear(things, changed, found, find_highlight(
-            make_piece(frame[part], reference.light(part), changed)) is not None, min_area):
+    things = _smooth(found) & cv2.dilate(changed, square(3))
+    solid = _solid(things, found, min_area)
+    has_highlight = find_highlight(
+        make_piece(frame[part], reference.light(part), changed)) is not None
+    if solid is not None and not solid.any() and _is_clear(
+            solid, changed, found, has_highlight, min_area):
+        return []
+    by_edges = None if has_highlight else _by_segments(
+        frame[part], reference.lit[part], changed, things, found, min_area)
+    if by_edges is not None:
+        things = by_edges
+    elif solid is None or not solid.any():
         return None
+    else:
+        things = _up_to_edges(solid, changed, found, frame[part])
+        if not _is_clear(things, changed, found, has_highlight, min_area):
+            return None
     masks = _cut_at_gaps(things, frame[part], reference.lit[part], min_area)
     outlines = [outline_of(mask, window) for mask in masks]
     return [Region(outline, Box(*cv2.boundingRect(outline)), int(cv2.contourArea(outline)),
                    is_thing=True, neighbours=(*outlines[:index], *outlines[index + 1:]))
             for index, outline in enumerate(outlines)]
+
+
+def _by_segments(
+    frame: np.ndarray, background: np.ndarray, changed: np.ndarray, by_pixels: np.ndarray,
+    found: Evidence, min_area: float,
+) -> Optional[np.ndarray]:
+    logs = tuple(cv2.LUT(picture, log_levels()) for picture in (frame, background))
+    result = parted(frame, background, changed, logs, found, min_area)
+    if result is None:
+        return None
+    # What is narrow has no segment of its own.
+    narrow = cv2.erode(by_pixels, square(3)) & result.light
+    if cv2.countNonZero(narrow) > min_area / 2:
+        return None
+    # Segments touch at their common border.
+    return cv2.morphologyEx(result.things, cv2.MORPH_CLOSE, square(3))
 
 
 def _cut_at_gaps(
