@@ -20,8 +20,8 @@ Each step is a module of its own:
   shows something else, in any colour.
 - `changes`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
-- `evidence`, `things`: what of a region is a thing, and what is shade, sun or a lamp, pixel by
-  pixel; they say nothing where the picture cannot tell.
+- `evidence`, `segments`, `things`: what of a region is a thing, and what is shade, sun or a lamp,
+  pixel by pixel and edge by edge; they say nothing where the picture cannot tell.
 - `search`, `regions`: where such pixels are connected, for the long way, and what lies in the
   shade of an arm.
 - `outside_light`: shade from outside of the picture and a lamp that flickers: both no objects.

@@ -60,8 +60,8 @@ class _Steps(NamedTuple):
 
 
 def parted(
-    frame: np.ndarray, background: np.ndarray, changed: np.ndarray, logs: Tuple[np.ndarray, ...],
-    found: Evidence, min_area: float,
+    frame: np.ndarray, changed: np.ndarray, logs: Tuple[np.ndarray, ...], found: Evidence,
+    min_area: float,
 ) -> Optional[Parted]:
     """
     Part a region into things and light.

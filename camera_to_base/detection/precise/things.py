@@ -102,7 +102,7 @@ def _by_segments(
     found: Evidence, min_area: float,
 ) -> Optional[np.ndarray]:
     logs = tuple(cv2.LUT(picture, log_levels()) for picture in (frame, background))
-    result = parted(frame, background, changed, logs, found, min_area)
+    result = parted(frame, changed, logs, found, min_area)
     if result is None:
         return None
     # What is narrow has no segment of its own.

@@ -90,6 +90,13 @@ def test_wall_that_is_darker_than_any_shade_belongs_to_its_top(depth):
     assert found.centre == pytest.approx((149.5, 119.5 + depth / 2), abs=0.5)
 
 
+@pytest.mark.parametrize('brightness', [0.35, 0.6])
+def test_thing_as_dark_as_its_shade_ends_where_its_edges_are_sharp(brightness):
+    light = shaded(table(0), covered((140, 110), (172, 98), (215, 130), (180, 175), (130, 150)))
+    found, = detect(painted(light, square(150, 120, 22), brightness * TABLE), table(0))
+    assert overlap(found, square(150, 120, 22)[..., 0] > 0.5) > 0.93
+
+
 def test_two_boxes_whose_shades_overlap_are_two():
     light = table(0.15)
     for u in 100, 160:
