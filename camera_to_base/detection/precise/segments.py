@@ -8,7 +8,7 @@
 # the License.
 
 """
-Tells a region's things from its shade by segments: by their colour and texture, and by their edges.
+Tells a region's things from its shade, segment by segment: by their colours and their edges.
 
 A region is cut along the frame's edges. A thing's outline is as sharp as the lens allows, all
 around; shade ends in a penumbra on its way into the table's full light. Both count as evidence:
@@ -128,7 +128,8 @@ def _steps(
     far, own = (cv2.morphologyEx(one, cv2.MORPH_GRADIENT, disc(_FAR)) for one in logs)
     channel = int(np.argmax(cv2.mean(far)[:3]))
     far, own, level = (cv2.extractChannel(one, channel) for one in (far, own, logs[0]))
-    slope = cv2.magnitude(*(cv2.Scharr(level, -1, *axis, scale=1 / 32) for axis in ((1, 0), (0, 1))))
+    slope = cv2.magnitude(*(cv2.Scharr(level, -1, *axis, scale=1 / 32)
+                            for axis in ((1, 0), (0, 1))))
     sharpness = cv2.dilate(slope, square(3)) / cv2.max(far, _LEAST_STEP)
     is_step = far > cv2.max(cv2.max(own / _SAME_STEP, _STEP_NOISE * noise), _LEAST_STEP)
     borders = ((labels == -1) & is_step).view(np.uint8)
