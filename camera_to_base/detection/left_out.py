@@ -33,7 +33,7 @@ REASONS = {reason.kind: reason for reason in (
     _reason('light', Level.OK, 'the surface is seen there, lighter than before: it is light'),
     _reason('speck', Level.OK, 'it is too small for an object: dust, or noise'),
     _reason('joined', Level.WARN,
-            'it touches another object, and both come as one: move it, or set '
+            'it touches another object or is covered by it, and both come as one: move it, or set '
             'detector.split_touching'),
     _reason('light_or_thing', Level.WARN,
             'it cannot be told whether it is light or a thing of the colour of the surface: keep '

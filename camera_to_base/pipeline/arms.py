@@ -14,7 +14,7 @@ from functools import reduce
 from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import (
-    Detection, DetectorSettings, LeftOut, locate_pixel, LocatedObject, Point)
+    Detection, DetectorSettings, LeftOut, locate_pixel, LocatedObject, Point, REASONS)
 from camera_to_base.errors import HorizonError, Level, Reason
 from camera_to_base.pipeline.old_places import LEFT, OldPlaces
 from camera_to_base.pipeline.reaching_in import Changes, covered_share, ReachingIn
@@ -34,6 +34,9 @@ _SAME_AREA, _SAME_CENTRE_PX = 0.05, 2.0
 # So long an object is known though it is not seen: something covers it.
 _KNOWN_S = 10.0
 _MOST_KNOWN = 100
+# What was at rest for so long, and is a part of something that is larger by this factor now, is
+# covered by it, or touches it.
+_AT_REST_S, _JOINED_SIZE = 0.5, 1.3
 # What looks the same differs by no more than noise does: in levels, and in its deviations, which
 # are told from whole levels.
 _LEAST_NOISE, _NOISE_DEVIATIONS = 4.0, 8.0
@@ -54,6 +57,7 @@ class _Known(NamedTuple):
     found: LocatedObject
     rim: Rim
     seen_at: float
+    since: float
 
 
 class ArmStage(Stage):
@@ -153,7 +157,9 @@ class ArmCheck:
         record = record.without([
             self._reason(one, _is_among(one, doubtful), frame, fill, recent, taken_at)
             for one in record.objects])
-        return _with(record, self._shaded(frame, recent, taken_at))
+        joined = self._joined(record, recent, taken_at)
+        record = _with(record, self._shaded(frame, recent, joined, taken_at))
+        return record._replace(left_out=(*record.left_out, *joined))
 
     def _is_unchanged(self, one: LocatedObject, frame: np.ndarray) -> bool:
         # Whether it rests, and all around it looks as when it was found to be free.
@@ -202,7 +208,8 @@ class ArmCheck:
             # An unchanged rim is kept, so that slow changes add up.
             rim = (rim_of(frame, one.detection.outline) if known is None or is_doubtful
                    else known.rim)
-            self._know(known, _Known(one, rim, taken_at))
+            since = taken_at if known is None else known.since
+            self._know(known, _Known(one, rim, taken_at, since))
             return None
         if known is not None:
             # What it looked like when it was free stays the measure.
@@ -210,7 +217,17 @@ class ArmCheck:
             return None
         return _TOUCHED if self._is_covered(one, fill) else _WAS_TOUCHED
 
-    def _shaded(self, frame: np.ndarray, recent: _Mask,
+    def _joined(self, record: FrameRecord, recent: _Mask, taken_at: float) -> List[LeftOut]:
+        # Known objects at rest that are now a part of something larger, which is detected.
+        larger = [one.detection for one in (*record.objects, *record.left_out)]
+        joined = [known for known in self._known if known.seen_at != taken_at
+                  and known.seen_at - known.since >= _AT_REST_S
+                  and not self._is_covered(known.found, recent)
+                  and any(_is_part_of(known.found.detection, other) for other in larger)]
+        return [LeftOut(known.found.detection, REASONS['joined'], known.found.point)
+                for known in joined]
+
+    def _shaded(self, frame: np.ndarray, recent: _Mask, joined: Sequence[LeftOut],
                 taken_at: float) -> List[LocatedObject]:
         # Known objects that the detector does not tell from an arm and its shadow.
         shaded = [known for known in self._known if known.seen_at != taken_at
@@ -219,7 +236,8 @@ class ArmCheck:
             self._know(known, known._replace(seen_at=taken_at))
         # What is not seen though nothing covers it has gone.
         self._known = [known for known in self._known if known.seen_at == taken_at
-                       or self._is_covered(known.found, recent)]
+                       or self._is_covered(known.found, recent)
+                       or any(known.found.detection is one.detection for one in joined)]
         return [known.found for known in shaded]
 
     def _known_as(self, one: LocatedObject) -> Optional[_Known]:
@@ -235,6 +253,11 @@ class ArmCheck:
 
     def _share(self, outline: np.ndarray, mask: np.ndarray) -> float:
         return covered_share(mask, outline, self._reaching_in.scale)
+
+
+def _is_part_of(one: Detection, other: Detection) -> bool:
+    return (other.area > _JOINED_SIZE * one.area and cv2.pointPolygonTest(
+        np.int32(other.outline).reshape(-1, 1, 2), one.centre, False) >= 0)
 
 
 def _is_same(one: Detection, other: Detection) -> bool:

@@ -10,9 +10,8 @@
 """Decides by age and jumps which objects of a frame may be published."""
 
 from collections import deque
-import math
 import time
-from typing import Iterable, List, Optional, Sequence
+from typing import Iterable, List, Optional, Sequence, Tuple
 
 from camera_to_base.detection import LocatedObject, Pixel
 from camera_to_base.errors import Level, Reason
@@ -45,8 +44,7 @@ class JumpFilter:
     def __init__(self, radius_px: float) -> None:
         self.radius_px = radius_px
         self._seen = deque(maxlen=2)
-        self._believed: List[Pixel] = []
-        self._believed_at = -math.inf
+        self._believed: List[Tuple[Pixel, float]] = []
 
     def believed(self, pixels: Sequence[Pixel], taken_at: float) -> List[Pixel]:
         """
@@ -55,14 +53,16 @@ class JumpFilter:
         :param pixels: The positions of all its objects, the largest first.
         :param taken_at: The frame's capture time, in s of a monotonic clock.
         """
-        if taken_at - self._believed_at > _MEMORY_S:
-            self._believed = []
+        self._believed = [(pixel, at) for pixel, at in self._believed
+                          if 0 <= taken_at - at <= _MEMORY_S]
         expected = list(self._expected())
         believed = [pixel for pixel in pixels if not self.radius_px or any(
             self._is_near(pixel, other) for other in expected)]
         self._seen.append(pixels)
-        if believed:
-            self._believed, self._believed_at = believed, taken_at
+        # An object that one frame does not show is not doubted on the next one.
+        self._believed = [(pixel, taken_at) for pixel in believed] + [
+            (pixel, at) for pixel, at in self._believed
+            if not any(self._is_near(pixel, other) for other in believed)]
         return believed
 
     def believes_empty(self) -> bool:
@@ -70,7 +70,7 @@ class JumpFilter:
         return not self.radius_px or (len(self._seen) == 2 and not any(self._seen))
 
     def _expected(self) -> Iterable[Pixel]:
-        yield from self._believed
+        yield from (pixel for pixel, _ in self._believed)
         if self._seen:
             yield from self._seen[-1]
         if len(self._seen) == 2:

@@ -25,6 +25,7 @@ from camera_to_base.pipeline.sighting import (
     FrameCounts, HeldBack, Limits, Sighting, unusable_reason)
 from camera_to_base.pipeline.stage import FrameRecord, Stage
 from camera_to_base.pipeline.standpoint import Background, Standpoint
+from camera_to_base.pipeline.surroundings import SurroundingsStage
 from camera_to_base.pipeline.view.view_check import View
 from camera_to_base.pipeline.view.view_stage import ViewStage
 from camera_to_base.sources import SIMULATED, SourceKind
@@ -71,6 +72,7 @@ class CameraPipeline:
         self._detection = DetectionStage(detector)
         self._sizes = SizeCheck(self._detection.prepare)
         self._arms = ArmStage(detector)
+        self._surroundings = SurroundingsStage()
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
         self._markers = MarkerWatch(markers)
         self._own_camera = own_camera or OwnCamera()
@@ -202,7 +204,7 @@ class CameraPipeline:
         # Frames of a recording do not age, and are not damaged.
         gate = (self._gate,) if self._kind.is_live else ()
         return (self._damage, self.backgrounds, self._sizes, self._view, self._detection,
-                self._arms, *gate, self._markers, self._own_camera)
+                self._arms, self._surroundings, *gate, self._markers, self._own_camera)
 
     def _unusable(self, error: CameraToBaseError, standpoint: Standpoint) -> Reason:
         # A new background does not change the picture size of the surface's calibration.

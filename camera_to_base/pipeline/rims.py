@@ -26,13 +26,15 @@ _LEAST_CORRELATION, _LEAST_MEAN_CORRELATION = 0.7, 0.85
 _LIGHTS, _CONTRASTS = (0.2, 1.3), (0.6, 1.6)
 
 # Width of the rim on which edges are compared, in px, and how far one reaches into it.
-_OUTER_RIM_PX, _EDGE = 5, np.ones((5, 5), np.uint8)
+_OUTER_RIM_PX, _EDGE = 3, np.ones((5, 5), np.uint8)
 _RIM = np.ones((_OUTER_RIM_PX, _OUTER_RIM_PX), np.uint8)
 # An edge of the background is strong from this part of the rim's strongest edges on, and lost
 # where the frame has less than that part of it.
 _STRONG, _LOST = 0.5, 0.4
 # The least strength, in levels, and how much of the rim such edges are.
 _LEAST_LEVELS, _LEAST_SHARE = 12.0, 0.12
+# From this level on a picture saturates.
+_SATURATED = 250
 # An edge runs along the outline: the square of the cosine between their normals.
 _LEAST_ALONG = 0.5
 
@@ -168,7 +170,10 @@ class LeftBehind:
         faint = cv2.compare(now, cv2.convertScaleAbs(before, alpha=_LOST, beta=0.5), cv2.CMP_LT)
         if cv2.countNonZero(cv2.bitwise_and(clear, faint)) < least:
             return False
-        rim = rim.view(bool)
+        # Where the picture saturates, it has no edges.
+        rim = rim.view(bool) & (cv2.dilate(frame[window].max(axis=2), _EDGE) < _SATURATED)
+        if not rim.any():
+            return False
         before, now = before[rim], now[rim]
         strong = max(_STRONG * _upper_tenth(np.maximum(before, now)), _LEAST_LEVELS)
         is_lost = (before > strong) & (now < _LOST * before)
@@ -189,7 +194,7 @@ def _rim(outline: np.ndarray, left: int, top: int, window: np.ndarray) -> np.nda
 def _runs_along(picture: np.ndarray, outline: np.ndarray) -> np.ndarray:
     """Tell where the edges of a picture have an outline's direction: shape (h, w), bool."""
     inside = cv2.fillPoly(np.zeros(picture.shape[:2], np.float32), [outline], 1.0)
-    smooth = cv2.GaussianBlur(inside, (0, 0), _OUTER_RIM_PX / 2)
+    smooth = cv2.GaussianBlur(inside, (0, 0), _OUTER_RIM_PX)
     across, down = (cv2.Sobel(smooth, cv2.CV_32F, *way) for way in ((1, 0), (0, 1)))
     u, v = (cv2.Sobel(picture, cv2.CV_32F, *way) for way in ((1, 0), (0, 1)))
     steep = (u ** 2 + v ** 2).sum(axis=2) * (across ** 2 + down ** 2)

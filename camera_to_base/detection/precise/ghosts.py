@@ -37,6 +37,8 @@ _SHARE, _WHOLE = 0.9, 0.8
 _TOLERANCE, _LEAST_TOLERANCE = 0.4, 6.0
 # The background's edges at a ghost's rim are at least this strong, beside the frame's.
 _LEAST_EDGES = 0.7
+# From this level on a picture saturates, and which part of a region may, beside the background.
+_SATURATED, _MOST_SATURATED = 250, 0.1
 # An object that has moved is as large as it was.
 _SAME_SIZE = 0.7, 1.4
 
@@ -79,7 +81,7 @@ def find_ghost(frame: np.ndarray, background: np.ndarray, region: Region) -> Opt
     :param background: Of the same shape, at the frame's light.
     :returns: None where it shows an object of the frame.
     """
-    if not _has_edges(frame, background, region):
+    if not _has_edges(frame, background, region) or _is_saturated(frame, background, region):
         return None
     box = region.box
     window = grown(box, 2 * max(box.width, box.height) + 8 * _RIM, frame)
@@ -100,6 +102,15 @@ def _has_edges(frame: np.ndarray, background: np.ndarray, region: Region) -> boo
         sum(cv2.mean(cv2.morphologyEx(picture[part], cv2.MORPH_GRADIENT, square(5)), rim))
         for picture in (frame, background))
     return in_background > _LEAST_EDGES * in_frame
+
+
+def _is_saturated(frame: np.ndarray, background: np.ndarray, region: Region) -> bool:
+    # What saturates looks alike, and goes on wherever the picture does.
+    part = slices(region.box)
+    now, before = (cv2.inRange(picture[part], 0, (_SATURATED,) * 3) == 0
+                   for picture in (frame, background))
+    inside = filled(region.outline, region.box) > 0
+    return bool((now & ~before)[inside].mean() > _MOST_SATURATED)
 
 
 def _clearest_channel(
