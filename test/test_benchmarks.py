@@ -28,6 +28,7 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('view_shift', {'surface', 'move', 'disturbance', 'true_px', 'told_px'}),
     ('attack', {'surface', 'what', 'frames', 'wrong'}),
     ('nudges', {'surface', 'case', 'wrong', 'is_corrected'}),
+    ('camera_place', {'camera', 'height %'}),
     ('markers', {'what'}),
     ('marker_days', {'day', 'wrong', 'ends well'}),
     ('uncertainty', {'what', 'contained'}),

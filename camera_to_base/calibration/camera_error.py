@@ -68,8 +68,8 @@ def camera_error(fit: PinholeFit) -> CameraError:
     """
     problem, numbers = fit.problem, fit.numbers
     variance = fit.equations.variance(fit.left_out)
-    shared = problem.shared
-    covariance = fit.equations.covariance(variance)[shared, shared]
+    camera = problem.camera
+    covariance = fit.equations.covariance(variance)[camera, camera]
     pixels = _places(fit.surface)
     slopes = np.column_stack([
         (_effect(fit, pixels, numbers + step) - _effect(fit, pixels, numbers - step)) / (2 * _STEP)
@@ -85,7 +85,7 @@ def camera_error(fit: PinholeFit) -> CameraError:
 
 
 def _steps(covariance: np.ndarray, size: int) -> np.ndarray:
-    """Return a small share of the standard deviation of each shared number, shape (s, size)."""
+    """Return a small share of each of the camera's standard deviations, shape (s, size)."""
     steps = np.zeros((len(covariance), size))
     np.fill_diagonal(steps, _STEP * np.sqrt(np.diag(covariance)))
     return steps

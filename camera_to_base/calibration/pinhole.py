@@ -50,7 +50,7 @@ def calibrate_pinhole(
     columns, rows = board.corners
     names = [placement.name for placement in (*flat, *tilted)]
     fit = fit_pinhole([one.matched for one in flat], [one.matched for one in tilted],
-                      (width, height), known)
+                      (width, height), known, [one.numbers for one in (*flat, *tilted)])
     matched = _kept_flat(fit)
     doubts = [*check_boards(fit, names), *check_fit(
         fit.surface, matched, (width, height), are_clicks=False)]

@@ -22,8 +22,9 @@ from camera_to_base.calibration.pinhole_problem import expected_px, PinholeProbl
 from camera_to_base.uncertainty import pooled_variance
 import numpy as np
 
-# How many residuals the expected error of a corner is worth.
-_EXPECTED_WORTH = 10.0
+# How many residuals the expected error of a corner is worth, and how many smooth ones; how many
+# smooth shapes the errors of a board's corners may have that are no pose.
+_FEW, _FEW_SMOOTH, _SMOOTH = 10.0, 2.0, 14
 # A number that boards determine by this share of what all do is not determined by them.
 _NOTHING = 1e-9
 
@@ -104,12 +105,18 @@ class PinholeEquations:
         return [_left_out(part, normal, slope) for part in self.parts]
 
     def variance(self, left_out: Sequence[BoardError]) -> float:
-        """Return the variance of a corner's coordinate, in px²."""
+        """
+        Return the variance of a corner's coordinate, in px².
+
+        Where errors of neighbouring corners are alike (JPEG, a shadow, a board that moves), it is
+        that of independent ones that move lens and pose as much.
+        """
         freedom = np.array([part.freedom for part in self.parts], float)
         squares = float(sum(freedom * [one.relative for one in left_out]))
-        # Errors of neighbouring corners are alike, which independent ones of this size stand for.
-        return max(self.expected_px ** 2, pooled_variance(
-            squares, float(freedom.sum()), self.expected_px, _EXPECTED_WORTH))
+        alike = [self._alike(board) for board in range(len(self.parts))]
+        return max(pooled_variance(squares, float(freedom.sum()), self.expected_px, _FEW),
+                   pooled_variance(sum(alike), _SMOOTH * (len(alike) - 1), self.expected_px,
+                                   _FEW_SMOOTH))
 
     def covariance(self, variance: float) -> np.ndarray:
         """Return the covariance of all numbers, shape (size, size)."""
@@ -135,6 +142,18 @@ class PinholeEquations:
                        (self.expected_px / 4) ** 2)
         found, own = step[-count:], inverse[-count:, -count:]
         return FurtherNumbers(found, float(found @ np.linalg.solve(own, found)) / count / variance)
+
+    def _alike(self, board: int) -> float:
+        """Return the sum of squares of the smooth part of a board's residuals, in px²."""
+        rows = self._problem.rows[board]
+        used, points = self._rows[rows], self._problem.boards[board].points
+        x, y = (2 * (points - points.mean(axis=0)) / np.ptp(points, axis=0)).T
+        shapes = np.column_stack([x * x, x * y, y * y, x ** 3, x * x * y, x * y * y, y ** 3])
+        smooth = np.kron(shapes, np.eye(2))[used]
+        # What a pose explains is none.
+        axes = np.linalg.qr(self._jacobian[rows, self._problem.pose_of(board)][used])[0]
+        axes = np.linalg.qr(smooth - axes @ (axes.T @ smooth))[0]
+        return float(np.sum((axes.T @ self._residuals[rows][used]) ** 2))
 
     def _prior(self) -> Tuple[np.ndarray, np.ndarray]:
         expected, deviations = self._problem.prior()

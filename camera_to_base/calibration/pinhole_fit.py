@@ -16,7 +16,7 @@ from typing import List, Optional, Sequence, Tuple
 from camera_to_base.calibration.homography_fit import start_values
 from camera_to_base.calibration.pinhole_error import BoardError, PinholeEquations
 from camera_to_base.calibration.pinhole_problem import (
-    BEND_NUMBERS, expected_px, LENS_NUMBERS, lens_of, PinholeProblem)
+    expected_px, LENS_NUMBERS, lens_of, PinholeProblem)
 from camera_to_base.checks import ImageSize
 from camera_to_base.errors import CalibrationError, InvalidValueError
 from camera_to_base.surface import (
@@ -30,6 +30,10 @@ CANDIDATES = ((), (0,), (0, 1), (0, 1, 2, 3), (0, 1, 2, 3, 4))
 _START_FOCAL = (0.6, 1.0, 2.0)
 # A corner is a bad one if it is off by so many robust standard deviations, and usual errors.
 _BAD_DEVIATIONS, _BAD_EXPECTED, _ROUNDS = 6.0, 5.0, 3
+# A simpler lens may predict left-out boards worse by this factor of the squared error.
+_SIMPLER = 1.02
+# How often the print's exactness is estimated anew.
+_PRINT_ROUNDS = 2
 # Of a picture's corners; more are no single bad ones.
 _MOST_BAD = 0.1
 # Median length of a vector of two normal numbers.
@@ -89,19 +93,23 @@ class PinholeFit:
 
 def fit_pinhole(
     flat: Sequence[MatchedPoints], tilted: Sequence[MatchedPoints], image_size: ImageSize,
-    known: Optional[LensModel] = None,
+    known: Optional[LensModel] = None, corners: Optional[Sequence[np.ndarray]] = None,
 ) -> PinholeFit:
     """
     Fit the lens and the pose of the camera.
 
     The fit minimises the distances in the picture between the measured and the projected corners.
     All flat placements lie in one plane. Of the coefficients k1 k2 p1 p2 k3 those are fitted that
-    left-out boards want. Single bad corners are left out.
+    left-out boards want. Single bad corners are left out. No print is perfect: where each corner
+    truly is on the board is fitted, too, as with object-releasing methods (Strobl and Hirzinger,
+    ICCV workshops 2011).
 
     :param flat: The points of each flat placement, in its own coordinates; those of the first one
         are the camera frame's.
     :param tilted: The points of each board that is held at a tilt.
     :param known: The lens, if it is known: then flat placements are enough.
+    :param corners: Which of the board's corners the points of each board are, shape (n,) each, the
+        flat ones first; may be left out where each board shows all.
     :raises InvalidValueError: If a pixel lies outside the picture.
     :raises CalibrationError: If no camera sees the points so.
     """
@@ -109,16 +117,34 @@ def fit_pinhole(
         check_inside(board, image_size)
         check_spread(board)
     try:
+        boards = [*flat, *tilted]
+        if corners is None and len({len(board) for board in boards}) == 1:
+            corners = [np.arange(len(board)) for board in boards]
         if known is not None:
-            return _solved(PinholeProblem(flat, tilted, image_size, known=known), known)
-        start, best = _start_lens([*flat, *tilted], image_size), None
-        for free in CANDIDATES:
-            fit = _solved(PinholeProblem(flat, tilted, image_size, free), start)
-            if best is None or _prediction_square(fit) < _prediction_square(best):
-                best = fit
-        return replace(best, richest=None if fit is best else fit)
+            return _printed(PinholeProblem(flat, tilted, image_size, (), known), known, corners)
+        lens = _start_lens(boards, image_size)
+        exact = [_solved(PinholeProblem(flat, tilted, image_size, free), lens)
+                 for free in CANDIDATES]
+        squares = np.array([_prediction_square(fit) for fit in exact])
+        # Beyond the boards, a coefficient that is not needed does harm.
+        chosen = exact[int(np.argmax(squares < _SIMPLER * squares.min()))]
+        best, richest = (_printed(one.problem, one.surface.lens, corners)
+                         for one in (chosen, exact[-1]))
+        return replace(best, richest=richest if chosen is not exact[-1] else None)
     except (cv2.error, np.linalg.LinAlgError, InvalidValueError) as error:
         raise CalibrationError(NO_CAMERA) from error
+
+
+def _printed(
+    problem: PinholeProblem, lens: LensModel, corners: Optional[Sequence[np.ndarray]]
+) -> PinholeFit:
+    """Fit where the corners truly are on the board, too, and how exact the print is."""
+    fit = _solved(problem.with_corners(corners), lens)
+    for _ in range(_PRINT_ROUNDS if corners is not None else 0):
+        covariance = fit.equations.covariance(fit.equations.variance(fit.left_out))
+        fit = _solved(problem.with_corners(
+            corners, fit.problem.printed_cm(fit.numbers, covariance)), lens, fit.numbers)
+    return fit
 
 
 def _prediction_square(fit: PinholeFit) -> float:
@@ -153,9 +179,13 @@ def _start_lens(boards: Sequence[MatchedPoints], image_size: ImageSize) -> LensM
     return lens_of(numbers, image_size)
 
 
-def _solved(problem: PinholeProblem, start: LensModel) -> PinholeFit:
+def _solved(
+    problem: PinholeProblem, start: LensModel, numbers: Optional[np.ndarray] = None
+) -> PinholeFit:
     kept = np.ones(sum(map(len, problem.boards)), bool)
-    numbers = _least_squares(problem, _start_numbers(problem, start), kept, is_robust=True)
+    if numbers is None:
+        numbers = _start_numbers(problem, start)
+    numbers = _least_squares(problem, numbers, kept, is_robust=True)
     for _ in range(_ROUNDS):
         errors = np.linalg.norm(problem.residuals(numbers).reshape(-1, 2), axis=1)
         limit = max(_BAD_DEVIATIONS * float(np.median(errors[kept])) / _MEDIAN_LENGTH,
@@ -216,7 +246,7 @@ def _start_numbers(problem: PinholeProblem, lens: LensModel) -> np.ndarray:
         [owners == number for number in range(len(flat))])
     table = _pose_of_homography(np.linalg.solve(lens.matrix, homography))
     start = np.concatenate([
-        table, np.zeros(BEND_NUMBERS), *motions,
+        table, np.zeros(problem.shared.stop - problem.camera.stop), *motions,
         *(_pose_of_board(board, lens) for board in tilted)])
     numbers = np.zeros(LENS_NUMBERS)
     numbers[:3] = np.log(lens.focal[0]), *lens.centre
