@@ -38,20 +38,19 @@ from camera_to_base.calibration.rigid_fit import pair_figures, PairFigures
 from camera_to_base.calibration.surface import (
     calibrate_placements, calibrate_surface, check_surface)
 from camera_to_base.calibration.tables import (
-    read_camera_info, read_pairs, read_points, refuse_other_size)
+    lens_of_camera_info, read_camera_info, read_pairs, read_points, refuse_other_size)
 
 __all__ = [
     'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements', 'calibrate_surface',
     'calibrate_touches', 'Calibration', 'camera_fields', 'cell_text', 'check_surface',
-    'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown',
-    'has_one_origin', 'held_tilt', 'HeldTilt', 'learned_markers', 'look_for', 'make_placement',
-    'map_lines', 'marker_sheet_content', 'MARKERS', 'measured_place', 'missing_side',
-    'next_step', 'NINTHS',
-    'OfferedCorrection', 'pair_figures', 'PairFigures', 'pairs_text', 'PAPERS', 'part_values',
-    'parts_of', 'parts_to_lose', 'Place', 'Placement', 'point_pairs', 'PrintedBoard',
-    'read_camera_info', 'read_kept_pairs', 'read_pairs', 'read_points', 'read_typed_position',
-    'refuse_other_size', 'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of',
-    'rough_surface', 'same_touch', 'shares_of', 'sheet_content', 'suggested_places',
-    'Suggestion', 'SURFACE', 'tilt_suggestion', 'tilt_trouble', 'TITLE', 'TouchedPair',
-    'uncovered', 'without_report',
+    'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin',
+    'held_tilt', 'HeldTilt', 'learned_markers', 'lens_of_camera_info', 'look_for',
+    'make_placement', 'map_lines', 'marker_sheet_content', 'MARKERS', 'measured_place',
+    'missing_side', 'next_step', 'NINTHS', 'OfferedCorrection', 'pair_figures', 'PairFigures',
+    'pairs_text', 'PAPERS', 'part_values', 'parts_of', 'parts_to_lose', 'Place', 'Placement',
+    'point_pairs', 'PrintedBoard', 'read_camera_info', 'read_kept_pairs', 'read_pairs',
+    'read_points', 'read_typed_position', 'refuse_other_size', 'refuse_unlike', 'renumbered',
+    'Report', 'report_lines', 'report_of', 'rough_surface', 'same_touch', 'shares_of',
+    'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE', 'tilt_suggestion',
+    'tilt_trouble', 'TITLE', 'TouchedPair', 'uncovered', 'without_report',
 ]

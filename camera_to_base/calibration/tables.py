@@ -246,6 +246,28 @@ def read_camera_info(path: str) -> LensModel:
         raise InvalidValueError(f"'{path}' is no camera_info file: {error}") from error
 
 
+def lens_of_camera_info(info: Any, is_rectified: bool = False) -> Optional[LensModel]:
+    """
+    Make a lens of what a driver publishes.
+
+    :param info: A sensor_msgs/CameraInfo.
+    :param is_rectified: Whether the pictures have no distortion any more: then it is that of P.
+    :returns: None where the driver does not know it: K is 0.
+    :raises InvalidValueError: If it describes no lens, or a part of the sensor's pixels.
+    """
+    if not info.k[0]:
+        return None
+    if max(info.binning_x, info.binning_y) > 1 or info.roi.width or info.roi.height:
+        raise InvalidValueError(
+            'camera_info is of all pixels of the sensor, and the pictures show a part of them '
+            '(binning or roi): let the driver publish whole pictures')
+    size = [info.width, info.height]
+    if is_rectified:
+        return LensModel.of_matrix(size, np.reshape(info.p, (3, 4))[:, :3])
+    return LensModel.of_matrix(
+        size, np.reshape(info.k, (3, 3)), list(info.d), info.distortion_model or 'plumb_bob')
+
+
 def _lens(content: Any) -> LensModel:
     size = [_value(content, 'image_width'), _value(content, 'image_height')]
     # Older files have no such key; ROS reads them the same way.

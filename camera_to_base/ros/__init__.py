@@ -20,6 +20,8 @@ transform node starts without it.
 from camera_to_base.ros.boxes import box_markers, boxes_of_markers, SolidBox
 from camera_to_base.ros.diagnostics import (
     Diagnostics, Health, Heartbeat, NameCheck, qos_mismatch, real_time_timer)
+from camera_to_base.ros.driver import (
+    camera_info_topic, DriverInfo, is_rectified, PictureListener)
 from camera_to_base.ros.listeners import CorrectionListener, ObjectListener, ToolListener
 from camera_to_base.ros.messages import (
     left_out_markers, point_from_message, poses_from_message, poses_message, poses_of_markers,
@@ -30,10 +32,11 @@ from camera_to_base.ros.position_topics import NO_EVENTS, PositionTopics
 from camera_to_base.ros.process import keep_freed_memory, run, use_picture_memory, whole_or_gone
 
 __all__ = [
-    'box_markers', 'boxes_of_markers', 'CorrectionListener', 'Diagnostics', 'Health', 'Heartbeat',
-    'keep_freed_memory', 'left_out_markers', 'NameCheck', 'NO_EVENTS', 'NodeParameters',
-    'ObjectListener', 'point_from_message', 'poses_from_message', 'poses_message',
-    'poses_of_markers', 'position_from_message', 'position_message', 'PositionTopics',
-    'qos_mismatch', 'real_time_timer', 'run', 'SolidBox', 'tool_message', 'ToolListener',
+    'box_markers', 'boxes_of_markers', 'camera_info_topic', 'CorrectionListener', 'Diagnostics',
+    'DriverInfo', 'Health', 'Heartbeat', 'is_rectified', 'keep_freed_memory', 'left_out_markers',
+    'NameCheck', 'NO_EVENTS', 'NodeParameters', 'ObjectListener', 'PictureListener',
+    'point_from_message', 'poses_from_message', 'poses_message', 'poses_of_markers',
+    'position_from_message', 'position_message', 'PositionTopics', 'qos_mismatch',
+    'real_time_timer', 'run', 'SolidBox', 'tool_message', 'ToolListener',
     'uncertain_pose_from_message', 'UncertainPose', 'use_picture_memory', 'whole_or_gone',
 ]

@@ -20,19 +20,27 @@ from camera_to_base.commands.calibrate.files import camera_values, check_outputs
 from camera_to_base.commands.calibrate.live_camera import FreshFrames
 from camera_to_base.commands.calibrate.prompts import ask, tell, until_right
 from camera_to_base.commands.calibrate.tilted import take_tilted
+from camera_to_base.commands.calibrate.topic import TopicFrames
 from camera_to_base.errors import CameraToBaseError, InputEndedError, InvalidValueError
 from camera_to_base.parameters import ParameterFile, Values
 from camera_to_base.simulation import CameraMove, move_parameters, SimulatedChessboard
-from camera_to_base.sources import FrameSource, median_frame, open_frame_source, read_picture
+from camera_to_base.sources import (
+    FrameSource, kind_of, median_frame, open_frame_source, read_picture, SIMULATED)
+from camera_to_base.surface import LensModel
+
+_TILTED_PLACEMENTS = 4
 
 
 def run_board(options: argparse.Namespace) -> Report:
     """Calibrate the surface, and write the file."""
+    _check_options(options)
     outputs = check_outputs(
         options, SURFACE, *options.pictures, *options.tilted, options.intrinsics)
     lens = read_camera_info(options.intrinsics) if options.intrinsics else None
     board, source_values = _printed_board(options), {}
-    if options.camera is None:
+    if options.image_topic is not None:
+        placements, tilted, lens = _from_topic(board, options, lens)
+    elif options.camera is None:
         says_name = len(options.pictures) + len(options.tilted) > 1
         placements = [_from_file(board, path, number, says_name)
                       for number, path in enumerate(options.pictures)]
@@ -40,9 +48,50 @@ def run_board(options: argparse.Namespace) -> Report:
                   for number, path in enumerate(options.tilted, len(placements))]
         refuse_unlike([*placements, *tilted])
     else:
-        placements, tilted, source_values = _from_camera(board, options, outputs.old)
+        source, source_values = _open_camera(options, outputs.old)
+        placements, tilted = _taken_from(source, board, options, options.tilted_placements)
     calibration = calibrate_placements(board, placements, lens, tilted)
     return write_part(calibration, outputs, SURFACE, source_values)
+
+
+def _check_options(options: argparse.Namespace) -> None:
+    is_live = options.camera is not None or options.image_topic is not None
+    if bool(options.pictures) + sum(
+            one is not None for one in (options.camera, options.image_topic)) != 1:
+        raise InvalidValueError(
+            'expected pictures of the board, --camera, or --image-topic: calibrate board '
+            'board.png -o cell.yaml, or calibrate board --camera 0 -o cell.yaml')
+    for name, least in (('placements', 1), ('tilted_placements', 0)):
+        count = getattr(options, name)
+        if count is not None and not least <= count <= 20:
+            raise InvalidValueError(
+                f'--{name.replace("_", "-")} must be {least}..20, got {count}')
+        if count is not None and not is_live:
+            raise InvalidValueError(
+                f'--{name.replace("_", "-")} needs --camera: of pictures, give one for each '
+                'place' + (', and --tilted' if least == 0 else ''))
+    if options.tilted and is_live:
+        raise InvalidValueError('--tilted names pictures: with --camera, --tilted-placements '
+                                'says how many are taken')
+    _fill_counts(options)
+    if options.charuco and options.camera == 'simulated':
+        raise InvalidValueError(
+            'the simulated camera shows a chessboard without markers: leave out --charuco')
+
+
+def _fill_counts(options: argparse.Namespace) -> None:
+    """Take four flat and four tilted pictures, unless one number or the lens is given."""
+    kind = kind_of(options.camera or '')
+    # A video shows one placement.
+    is_topic = options.image_topic is not None
+    is_single = not is_topic and (
+        options.camera is None or not (kind.is_live or kind == SIMULATED))
+    is_told = options.placements is not None or options.intrinsics is not None
+    # A topic's camera_info may tell the lens.
+    if options.tilted_placements is None and (is_told or not is_topic):
+        options.tilted_placements = 0 if is_told or is_single else _TILTED_PLACEMENTS
+    if options.placements is None:
+        options.placements = 1 if is_single else 4
 
 
 def _printed_board(options: argparse.Namespace) -> PrintedBoard:
@@ -65,11 +114,27 @@ def _from_file(
     return placement
 
 
-def _from_camera(
-    board: PrintedBoard, options: argparse.Namespace, old: Optional[ParameterFile]
-) -> Tuple[List[Placement], List[Placement], Dict[str, Any]]:
-    """Take the pictures, guided from one to the next: flat ones, tilted ones, source's values."""
-    source, values = _open_camera(options, old)
+def _from_topic(
+    board: PrintedBoard, options: argparse.Namespace, lens: Optional[LensModel]
+) -> Tuple[List[Placement], List[Placement], Optional[LensModel]]:
+    """Take the pictures from a driver: flat ones, tilted ones; and its lens, where it is known."""
+    source = TopicFrames(options.image_topic)
+    try:
+        source.read()
+        lens = lens or source.lens()
+    except CameraToBaseError:
+        source.release()
+        raise
+    tilted_count = options.tilted_placements
+    if tilted_count is None:
+        tilted_count = 0 if lens is not None else _TILTED_PLACEMENTS
+    return (*_taken_from(source, board, options, tilted_count), lens)
+
+
+def _taken_from(
+    source: FrameSource, board: PrintedBoard, options: argparse.Namespace, tilted_count: int
+) -> Tuple[List[Placement], List[Placement]]:
+    """Take the pictures, guided from one to the next: flat ones, and tilted ones."""
     placements: List[Placement] = []
     try:
         while len(placements) < options.placements:
@@ -79,10 +144,10 @@ def _from_camera(
             if placement is None:
                 break
             placements.append(placement)
-        tilted = take_tilted(board, source, placements, options.tilted_placements)
+        tilted = take_tilted(board, source, placements, tilted_count)
     finally:
         source.release()
-    return placements, tilted, values
+    return placements, tilted
 
 
 def _taken(
@@ -116,7 +181,7 @@ def _taken(
 
 
 def _name(options: argparse.Namespace, number: int) -> str:
-    name = f'camera {options.camera}'
+    name = options.image_topic or f'camera {options.camera}'
     return name if options.placements == 1 else f'{name}, placement {number + 1}'
 
 

@@ -19,7 +19,6 @@ from camera_to_base.calibration import PAPERS
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import misspelt_name
 from camera_to_base.shell_commands import full_command
-from camera_to_base.sources import kind_of, SIMULATED
 
 BOLD, RED, GREEN, YELLOW = '1', '31', '32', '33'
 
@@ -203,44 +202,7 @@ def parse(args: Optional[List[str]]) -> argparse.Namespace:
         text = getattr(options, name, None)
         if text is not None:
             setattr(options, name, _two_counts('--' + name.replace('_', '-'), text))
-    if options.command == 'board':
-        _check_board_source(options)
     return options
-
-
-def _check_board_source(options: argparse.Namespace) -> None:
-    if bool(options.pictures) == (options.camera is not None):
-        raise InvalidValueError(
-            'expected pictures of the board, or --camera: calibrate board board.png -o cell.yaml, '
-            'or calibrate board --camera 0 -o cell.yaml')
-    for name, least in (('placements', 1), ('tilted_placements', 0)):
-        count = getattr(options, name)
-        if count is not None and not least <= count <= 20:
-            raise InvalidValueError(
-                f'--{name.replace("_", "-")} must be {least}..20, got {count}')
-        if count is not None and options.camera is None:
-            raise InvalidValueError(
-                f'--{name.replace("_", "-")} needs --camera: of pictures, give one for each '
-                'place' + (', and --tilted' if least == 0 else ''))
-    if options.tilted and options.camera is not None:
-        raise InvalidValueError('--tilted names pictures: with --camera, --tilted-placements '
-                                'says how many are taken')
-    _fill_counts(options)
-    if options.charuco and options.camera == 'simulated':
-        raise InvalidValueError(
-            'the simulated camera shows a chessboard without markers: leave out --charuco')
-
-
-def _fill_counts(options: argparse.Namespace) -> None:
-    """Take four flat and four tilted pictures, unless one number or the lens is given."""
-    kind = kind_of(options.camera or '')
-    # A video shows one placement.
-    is_single = options.camera is None or not (kind.is_live or kind == SIMULATED)
-    if options.tilted_placements is None:
-        is_told = options.placements is not None or options.intrinsics is not None
-        options.tilted_placements = 0 if is_told or is_single else 4
-    if options.placements is None:
-        options.placements = 1 if is_single else 4
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -320,6 +282,9 @@ def _add_board(board: argparse.ArgumentParser) -> None:
     board.add_argument('--camera', metavar='SOURCE',
                        help="instead of a picture: a device, a video, a stream's URL, or "
                             'simulated; the median of several frames')
+    board.add_argument('--image-topic', metavar='TOPIC',
+                       help="instead of a picture: a driver's topic, such as /camera/image_raw; "
+                            'with a lens in its camera_info, flat placements are enough')
     board.add_argument('--tilted', nargs='+', default=[], metavar='PICTURE',
                        help='pictures of the same board, held above the table at a tilt: they '
                             "give the lens, the camera's height and the foot point")
