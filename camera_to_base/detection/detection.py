@@ -106,6 +106,7 @@ class Detection:
         the centres of the object's outermost pixels.
     :param cut_off: Whether the object touches the picture's edge, so that a part may be missing.
     :param moments: Moments of the object's pixels, from cv2.moments; None to use the outline's.
+    :param doubt: Standard deviation of the centre because a part may be light, in px.
     """
 
     box: Box
@@ -114,6 +115,7 @@ class Detection:
     outline: np.ndarray = field(compare=False, repr=False)
     cut_off: bool
     moments: Optional[Mapping[str, float]] = field(default=None, compare=False, repr=False)
+    doubt: float = 0.0
 
     @property
     def spread(self) -> np.ndarray:
@@ -142,7 +144,8 @@ class NoObject(NamedTuple):
     """
     What differs from the background on a frame, and is no detection.
 
-    :param kind: 'shade' or 'light' (darker or lighter than the background), 'speck' (too small).
+    :param kind: 'shade' or 'light' (darker or lighter than the background), 'speck' (too small),
+        'light_or_thing' (the picture does not tell which).
     :param position: Its centroid, in px.
     :param area: In px².
     """

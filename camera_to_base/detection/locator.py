@@ -262,7 +262,8 @@ def object_shape(
         detection.centre, max(detection.area, 1.0),
         Spread(moments['mu20'] / area, moments['mu11'] / area, moments['mu02'] / area),
         contrast, edge_width, detection.cut_off, found.yaw is not None,
-        *(() if found.solid is None else (found.solid.height_cm, found.solid.misfit_cm)))
+        *((0.0, 0.0) if found.solid is None else (found.solid.height_cm, found.solid.misfit_cm)),
+        detection.doubt)
 
 
 def _contrast_and_edge(frame: np.ndarray, background: np.ndarray, detection: Detection):

@@ -67,6 +67,10 @@ DETECTOR_SPECS = [
     ParameterSpec('detector.split_touching', False,
                   'precise: whether convex objects that touch (coins, nuts) come as one each; '
                   'where false, nothing is taken apart.'),
+    ParameterSpec('detector.light_or_thing', 'leave_out',
+                  'precise: what is done with something that may be shade or light as well as a '
+                  'thing of the colour of the surface; publish: with a wide ellipse.',
+                  choices=('leave_out', 'publish')),
     ParameterSpec('detector.publish_cut_off', False,
                   "precise: whether an object that touches the picture's edge is published; the "
                   'tutorial publishes it.'),
@@ -98,7 +102,7 @@ DETECTOR_DEFAULTS: Mapping[str, Any] = grouped(default_values(DETECTOR_SPECS), '
 # The settings that each method uses, in addition to the limits of the objects' size and place.
 _METHOD_SETTINGS = {
     'tutorial': ('threshold', 'closing_size', 'median_size'),
-    'precise': ('faintest', 'split_touching', 'publish_cut_off'),
+    'precise': ('faintest', 'split_touching', 'light_or_thing', 'publish_cut_off'),
 }
 
 
@@ -252,6 +256,7 @@ class DetectorSettings:
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
     :param faintest: precise: least difference of an object from the surface, grey levels, 0..255.
     :param split_touching: precise: whether convex objects that touch are separated.
+    :param light_or_thing: precise: 'leave_out' or 'publish' what the picture does not tell.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
     :param area: Objects outside this area do not count; None for no limit.
@@ -269,6 +274,7 @@ class DetectorSettings:
     median_size: int = DETECTOR_DEFAULTS['median_size']
     faintest: float = DETECTOR_DEFAULTS['faintest']
     split_touching: bool = DETECTOR_DEFAULTS['split_touching']
+    light_or_thing: str = DETECTOR_DEFAULTS['light_or_thing']
     min_area_cm2: float = DETECTOR_DEFAULTS['min_area_cm2']
     max_area_cm2: float = DETECTOR_DEFAULTS['max_area_cm2']
     publish_cut_off: bool = DETECTOR_DEFAULTS['publish_cut_off']
@@ -301,7 +307,8 @@ class DetectorSettings:
         """Make the detector."""
         if self.method == 'precise':
             return PreciseDifferenceDetector(background, faintest=self.faintest,
-                                             split_touching=self.split_touching)
+                                             split_touching=self.split_touching,
+                                             publish_unclear=self.light_or_thing == 'publish')
         return AbsoluteDifferenceDetector(
             background, threshold=self.threshold, closing_size=self.closing_size,
             median_size=self.median_size)

@@ -126,7 +126,8 @@ class PositionUncertainty:
         floor_px = self.centre_floor_px
         if self.is_tutorial:
             floor_px = max(floor_px, TUTORIAL_FLOOR_PX)
-        return centre_covariance(shape, frame.noise, math.hypot(floor_px, frame.shift_px))
+        return centre_covariance(
+            shape, frame.noise, math.hypot(floor_px, frame.shift_px, shape.doubt_px))
 
     def pixel_covariance(self, shape: Shape, frame: FrameState) -> Spread:
         """Return the covariance of a position, mapped back to the picture, in px²."""

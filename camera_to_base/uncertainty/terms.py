@@ -135,6 +135,7 @@ class Shape(NamedTuple):
     :param has_yaw: Whether it has a direction.
     :param height_cm: Its height; 0 for a flat object, whose face is at the height's tolerance.
     :param misfit_cm: Standard deviation of x and y because it is no upright object.
+    :param doubt_px: Standard deviation of the centre because a part may be light.
     """
 
     pixel: Tuple[float, float]
@@ -146,6 +147,7 @@ class Shape(NamedTuple):
     has_yaw: bool = False
     height_cm: float = 0.0
     misfit_cm: float = 0.0
+    doubt_px: float = 0.0
 
 
 def centre_covariance(shape: Shape, noise: float, floor_px: float) -> Spread:

@@ -10,9 +10,10 @@
 """
 The precise detector: what differs from the background, and what of that is an object.
 
-The first one is what an arm goes to. A shadow whose object is cut off, or is as light as the
-table, may be found without it. It takes light in all colours alike, and it is a crescent, or its
-rim is soft. A grey object is neither.
+A shadow whose object is cut off, or is as light as the table, may be found without it. It takes
+light in all colours alike, and it is a crescent, or its rim is soft. A grey object is neither.
+It comes last, and its centre is in doubt. Where some edges are soft and none tells of a thing, it
+is `light_or_thing`: left out by default.
 
 Each step is a module of its own:
 
@@ -31,15 +32,17 @@ Each step is a module of its own:
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.
 
-The largest detection is the first, but no shadow alone comes before an object.
+The largest detection is the first, but nothing unclear comes before an object.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
 object of the background has left, for as long as it is away. Noise and that apart, a frame gives
 the same result whatever came before.
 """
 
+from dataclasses import replace
 from itertools import takewhile
-from typing import List, Optional
+import math
+from typing import List, Optional, Tuple
 
 from camera_to_base.checks import check_frame, check_same_size, finite_number
 from camera_to_base.detection.detection import Box, Detection, NoObject
@@ -56,7 +59,7 @@ from camera_to_base.detection.precise.search import Candidates, left_over, parts
 import cv2
 import numpy as np
 
-_MOST, _ROW_STEP = 10, 3
+_ROW_STEP = 3
 # What shade can be: the least and the largest ratio, and the strongest tint; on which part.
 _DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
 # An outline that fills less of its hull is a crescent.
@@ -68,21 +71,13 @@ _SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
 _MOST_EXACT, _MOST_GHOSTS = 100, 4
 
 
-def ranked(
-    found: List[Detection], frame: np.ndarray, background: np.ndarray
-) -> List[Detection]:
-    """
-    Sort detections.
+def _largest_first(found: List[Detection]) -> List[Detection]:
+    return sorted(found, key=lambda detection: -detection.area)
 
-    :param frame: Shape (h, w, 3), uint8, BGR.
-    :param background: Of the same shape, at the frame's light.
-    """
-    found = sorted(found, key=lambda detection: -detection.area)
-    if len(found) < 2:
-        return found
-    # Most frames have no such shadow: only until an object is the first, each look takes time.
-    shadows = list(takewhile(lambda one: _is_shadow(one, frame, background), found[:_MOST]))
-    return found[len(shadows):] + shadows
+
+def _doubtful(detection: Detection) -> Detection:
+    # It may be a shadow alone, or a part of its object.
+    return replace(detection, doubt=math.sqrt(detection.area))
 
 
 def _is_shadow(detection: Detection, frame: np.ndarray, background: np.ndarray) -> bool:
@@ -135,17 +130,19 @@ class PreciseDifferenceDetector:
     :param faintest: How many grey levels an object must at least differ by, in one of the colours.
     :param split_touching: Whether convex objects that touch come as one each.
     :param min_area: Objects that show less are taken for noise, in px².
+    :param publish_unclear: Whether what may be light as well as a thing is a detection.
     :raises InvalidValueError: If the background or a parameter cannot be used.
     """
 
     def __init__(
         self, background: np.ndarray, *, faintest: float = 13.0, min_area: float = 30.0,
-        split_touching: bool = False,
+        split_touching: bool = False, publish_unclear: bool = False,
     ) -> None:
         self.check_parameters(faintest, min_area)
         check_frame(background, 'background')
         self._faintest, self._min_area = faintest, min_area
         self._placer = Placer(min_area, split_touching)
+        self._publishes_unclear = publish_unclear
         self._background = background.copy()
         self._reference = Reference(self._background, faintest)
         self._ghosts: List[Ghost] = []
@@ -168,7 +165,7 @@ class PreciseDifferenceDetector:
         Find the objects on a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :returns: The largest first, but no shadow alone before an object; none is [].
+        :returns: The largest first, but nothing unclear before an object; none is [].
         :raises FrameSizeError: If the frame's size is not the background's.
         :raises InvalidValueError: If it is not a colour picture.
         """
@@ -188,16 +185,38 @@ class PreciseDifferenceDetector:
         if self._notice_ghosts(found):
             parts = parts_of(found.frame, self._reference)
             found = search(found.frame, parts, self._reference, self._min_area)
-        placed = ranked(self._placed(found), found.frame, self._reference.lit)
-        self._dropped = left_over(found, parts, placed, self._reference, self._min_area)
+        placed, unclear = self._placed(found)
+        if self._publishes_unclear:
+            placed, unclear = placed + unclear, []
+        self._dropped = left_over(
+            found, parts, placed, unclear, self._reference, self._min_area)
         return placed
 
-    def _placed(self, found: Candidates) -> List[Detection]:
+    def _placed(self, found: Candidates) -> Tuple[List[Detection], List[Detection]]:
+        """Give the detections, and what may be light as well."""
+        frame, shadows, unclear = found.frame, [], []
         placed = [detection for one in found.plain for detection in self._placer.place_plain(one)]
         for index, region in enumerate(found.regions):
-            placed += (self._placer.place_region(found.frame, region, self._reference)
-                       if index < _MOST_EXACT else unplaced(region.outline, found.frame))
-        return placed
+            if index >= _MOST_EXACT:
+                placed += unplaced(region.outline, frame)
+                continue
+            parts = self._placer.place_region(frame, region, self._reference)
+            if region.may_be_light and not parts:
+                unclear += unplaced(region.outline, frame)
+            if region.may_be_light:
+                shadows += parts
+            elif region.is_thing:
+                placed += parts
+            else:
+                placed += [_doubtful(part) if _is_shadow(part, frame, self._reference.lit)
+                           else part for part in parts]
+        placed = _largest_first(placed)
+        if len(placed) + len(shadows) > 1:
+            # Most frames have no such shadow: only until an object is the first.
+            first = [*takewhile(lambda one: _is_shadow(one, frame, self._reference.lit), placed)]
+            placed, shadows = placed[len(first):], shadows + first
+        return (placed + [*map(_doubtful, _largest_first(shadows))],
+                [*map(_doubtful, _largest_first(unclear))])
 
     @property
     def taken_away(self) -> List[Detection]:

@@ -54,7 +54,7 @@ class Placer:
     def place_region(
         self, frame: np.ndarray, region: Region, reference: Reference
     ) -> List[Detection]:
-        """Give the objects in a region of a frame."""
+        """Give the objects in a region of a frame; none where all of it may be light."""
         if region.is_thing:
             return self._thing(frame, region, reference)
         is_at_edge = touches_edge(region.box, frame)
@@ -71,7 +71,7 @@ class Placer:
         if is_at_edge and window.mask.size > _MOST_AT_EDGE:
             found = unplaced(region.outline, frame)
         else:
-            found = self._long_way(window, is_at_edge)
+            found = self._long_way(window, is_at_edge, region.may_be_light)
         if found and found[0].cut_off:
             found += self._in_shade_of(window)
         return found
@@ -89,9 +89,13 @@ class Placer:
         cv2.drawContours(others, region.neighbours, -1, 1, cv2.FILLED, offset=(-box.x, -box.y))
         return self._placed(place_thing(window.piece, others), box)
 
-    def _long_way(self, window: '_Window', is_at_edge: bool) -> List[Detection]:
+    def _long_way(
+        self, window: '_Window', is_at_edge: bool, may_be_light: bool
+    ) -> List[Detection]:
         coarse, scale = window.reduced(_MOST_AT_EDGE if is_at_edge else _MOST_TO_TELL)
         thing = split_off_shade(coarse, window.outward)
+        if thing is None and may_be_light:
+            return []
         kept = coarse if thing is None else coarse._replace(mask=thing.mask)
         is_whole = thing is not None and thing.is_light
         if not is_whole:

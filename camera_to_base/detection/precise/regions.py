@@ -62,6 +62,8 @@ class Region(NamedTuple):
     :param in_other_light: Whether the table has other light there than `Reference.lit` shows.
     :param is_thing: Whether all of it is a thing, see `things`.
     :param neighbours: Outlines of the things near it, as its own.
+    :param may_be_light: Whether all of it may be light, as well as a thing.
+    :param doubt: See :class:`Detection`.
     """
 
     outline: np.ndarray
@@ -70,6 +72,8 @@ class Region(NamedTuple):
     in_other_light: bool = False
     is_thing: bool = False
     neighbours: Tuple[np.ndarray, ...] = ()
+    may_be_light: bool = False
+    doubt: float = 0.0
 
 
 def find_regions(

@@ -187,28 +187,29 @@ def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
 
 
 def left_over(
-    found: Candidates, parts: List[Box], detections: List[Detection], reference: Reference,
-    min_area: float,
+    found: Candidates, parts: List[Box], detections: List[Detection], unclear: List[Detection],
+    reference: Reference, min_area: float,
 ) -> List[NoObject]:
     """
     Find what differs strongly from the background, and belongs to no detection.
 
     :param parts: Where the frame has changed.
+    :param unclear: What may be light as well; it is in the result.
     :returns: The largest first, at most 100.
     """
+    dropped = [NoObject('light_or_thing', one.centre, one.area) for one in unclear]
     # Beside a plain object there is nothing else, see `plain`.
     parts = [part for part in parts if not any(one.window.is_inside(part) for one in found.plain)]
     parts = sorted(parts, key=lambda part: -part.width * part.height)[:_MOST_DROPPED]
     if not parts:
-        return []
+        return dropped
     left = np.zeros(found.frame.shape[:2], np.uint8)
     for part in parts:
         place = slices(part)
         left[place] |= reference.limits.strong(place).outside(found.frame[place])
-    for detection in detections:
+    for detection in detections + unclear:
         for width in cv2.FILLED, _RIM:
             cv2.drawContours(left, [detection.outline[:, None]], 0, 0, width)
-    dropped: List[NoObject] = []
     for part in parts:
         dropped += _dropped(found.frame, reference.lit, left, part, min_area)
         left[slices(part)] = 0

@@ -70,7 +70,7 @@ def parted(
     :param changed: The region, shape (h, w), uint8, 1 inside.
     :param logs: Logarithms of the frame's light and the background's, each of shape (h, w, 3).
     :param min_area: Smaller segments do not count, in px².
-    :returns: None where it is not clear what is what, or where it is all the same.
+    :returns: None where it is not clear what is what, or where all has the same edges.
     """
     noise = cv2.sqrt(found.variance / 2)
     labels, count = _segments(frame, changed, logs[0], noise)
@@ -79,31 +79,36 @@ def parted(
         return None
     labels = _joined(labels, count, logs[0])
     at_table = cv2.dilate((labels == 1).view(np.uint8), square(3))
-    result = Parted(np.zeros_like(changed), np.zeros_like(changed))
+    result, has_penumbra = Parted(np.zeros_like(changed), np.zeros_like(changed)), False
     for number in range(2, count):
         segment = (labels == number).view(np.uint8)
         area = cv2.countNonZero(segment)
         if area == 0:
             continue
-        nats = _nats(segment, at_table, steps, found)
+        softness = _softness(segment, at_table, steps)
+        nats = _nats(segment, softness, found)
         if abs(nats) < _CLEAR and area >= min_area:
             return None
         result[nats < 0][segment > 0] = 1
-    # Softer than something else: with nothing else, it tells nothing.
-    return result if all(cv2.countNonZero(one) >= min_area for one in result) else None
+        has_penumbra |= softness is not None and softness > _NO_PENUMBRA / _PENUMBRA
+    is_clear = result.things.any() or has_penumbra
+    return result if is_clear and cv2.countNonZero(result.light) >= min_area else None
 
 
-def _nats(segment: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence) -> float:
+def _nats(segment: np.ndarray, softness: Optional[float], found: Evidence) -> float:
     """Tell what speaks for a segment to be a thing."""
-    inside = segment > 0
     if 2 * cv2.countNonZero(found.is_dark & segment) > cv2.countNonZero(segment):
         return _MOST_NATS
-    nats = max(min(float(quantile(found.nats[inside])), _MOST_NATS), -_MOST_NATS)
+    nats = max(min(float(quantile(found.nats[segment > 0])), _MOST_NATS), -_MOST_NATS)
+    return nats if softness is None else nats + _NO_PENUMBRA - _PENUMBRA * softness
+
+
+def _softness(segment: np.ndarray, at_table: np.ndarray, steps: _Steps) -> Optional[float]:
+    """Give the part of a rim that is soft, where the table begins counted twice; None for none."""
     rim = cv2.dilate(segment, square(3)) & steps.borders
-    outer = rim & at_table
-    soft = [cv2.countNonZero(one & steps.soft) / cv2.countNonZero(one)
-            for one in (rim, outer) if cv2.countNonZero(one) >= _FEW]
-    return nats + (_NO_PENUMBRA - _PENUMBRA * sum(soft) / len(soft) if soft else 0)
+    parts = [cv2.countNonZero(one & steps.soft) / cv2.countNonZero(one)
+             for one in (rim, rim & at_table) if cv2.countNonZero(one) >= _FEW]
+    return sum(parts) / len(parts) if parts else None
 
 
 def _segments(

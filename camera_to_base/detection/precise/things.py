@@ -82,6 +82,9 @@ def things_in(
         return []
     by_edges = None if has_highlight else _by_segments(
         frame[part], reference.lit[part], changed, things, found, min_area)
+    if by_edges is not None and not by_edges.any():
+        # Its edges are soft in part, and nothing is sharp all around to compare them with.
+        return [region._replace(may_be_light=True)]
     if by_edges is not None:
         things = by_edges
     elif solid is None or not solid.any():

@@ -164,3 +164,22 @@ def test_nothing_is_dropped_from_an_object_without_shade():
     assert detector.dropped == []
     detector.detect(coded(table(0.15), 3))
     assert detector.dropped == []
+
+
+def shade_of_something_that_looks_like_the_table():
+    soft = cv2.GaussianBlur(covered((140, 80), (175, 80), (200, 150), (165, 150)), (0, 0), 2.5)
+    light = table(0) * (1 - 0.5 * soft)[..., None]
+    return painted(light, square(150, 80, 20), TABLE)
+
+
+def test_shade_beside_what_looks_like_the_table_is_left_out_as_light_or_thing():
+    detector = PreciseDifferenceDetector(coded(table(0), 1))
+    assert detector.detect(coded(shade_of_something_that_looks_like_the_table(), 2)) == []
+    assert 'light_or_thing' in [one.kind for one in detector.dropped]
+
+
+def test_what_is_light_or_a_thing_is_published_in_doubt_where_that_is_wanted():
+    detector = PreciseDifferenceDetector(coded(table(0), 1), publish_unclear=True)
+    found, = detector.detect(coded(shade_of_something_that_looks_like_the_table(), 2))
+    assert found.doubt > 20
+    assert 'light_or_thing' not in [one.kind for one in detector.dropped]
