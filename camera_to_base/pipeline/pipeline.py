@@ -19,6 +19,7 @@ from camera_to_base.pipeline.background import BackgroundKeeper
 from camera_to_base.pipeline.damage import DamageCheck, FrameCheck
 from camera_to_base.pipeline.detection_stage import DetectionStage, FrameUncertainty, SizeCheck
 from camera_to_base.pipeline.gate import PositionGate
+from camera_to_base.pipeline.in_place import InPlaceStage
 from camera_to_base.pipeline.markers import MarkerSettings, MarkerWatch
 from camera_to_base.pipeline.own_camera import OwnCamera
 from camera_to_base.pipeline.sighting import (
@@ -72,7 +73,7 @@ class CameraPipeline:
         self._detection = DetectionStage(detector)
         self._sizes = SizeCheck(self._detection.prepare)
         self._arms = ArmStage(detector)
-        self._surroundings = SurroundingsStage()
+        self._surroundings, self._in_place = SurroundingsStage(), InPlaceStage()
         self._gate = PositionGate(limits.max_frame_age_s, limits.confirm_jump_px)
         self._markers = MarkerWatch(markers)
         self._own_camera = own_camera or OwnCamera()
@@ -152,7 +153,8 @@ class CameraPipeline:
     def doubt(self) -> Optional[Reason]:
         """Why positions are published with a warning: another camera, a nudge...; or None."""
         return (self._own_reason(is_strict=False) or self._markers.doubt
-                or self.standpoint.surface.reason or self._arms.doubt(self.standpoint))
+                or self.standpoint.surface.reason or self._in_place.doubt
+                or self._arms.doubt(self.standpoint))
 
     @property
     def faintness(self) -> Optional[str]:
@@ -204,7 +206,8 @@ class CameraPipeline:
         # Frames of a recording do not age, and are not damaged.
         gate = (self._gate,) if self._kind.is_live else ()
         return (self._damage, self.backgrounds, self._sizes, self._view, self._detection,
-                self._arms, self._surroundings, *gate, self._markers, self._own_camera)
+                self._in_place, self._arms, self._surroundings, *gate, self._markers,
+                self._own_camera)
 
     def _unusable(self, error: CameraToBaseError, standpoint: Standpoint) -> Reason:
         # A new background does not change the picture size of the surface's calibration.
