@@ -14,11 +14,12 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.dashboard.live.cells import full_name
 from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
+from camera_to_base.ros import DriverInfo, is_rectified
 import cv2
 from geometry_msgs.msg import PoseStamped
 import numpy as np
 from rclpy.exceptions import InvalidTopicNameException
-from rclpy.node import Node
+from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import CompressedImage
@@ -27,6 +28,7 @@ TOPICS = {'annotated': 'debug_image/compressed', 'frame': 'frame/compressed',
           'mask': 'mask/compressed', 'background': 'background/compressed'}
 # The background is published once; it waits for those who come later.
 _LATCHED = {'background'}
+_IMAGES = {'sensor_msgs/msg/Image', 'sensor_msgs/msg/CompressedImage'}
 
 OnPicture = Callable[[str, str, CompressedImage], None]
 
@@ -82,6 +84,25 @@ class SessionFeed:
         self._names = {kind: full_name(namespace, topic) for kind, topic in TOPICS.items()}
         self._subscriptions: Dict[str, Subscription] = {}
         self._tool: Optional[str] = None
+        self._driver: Optional[DriverInfo] = None
+
+    def look_at_driver(self, camera: Optional[str]) -> None:
+        """
+        Listen to the camera_info beside the pictures of a camera node, if a session wants it.
+
+        :param camera: Full name of the node; None if it does not run.
+        """
+        topic = self._image_topic(camera) if camera and self._sessions.wants_frames else None
+        if topic == (self._driver and self._driver.image_topic):
+            return
+        if self._driver is not None:
+            self._driver.close()
+            self._driver = None
+            self._sessions.see_camera_info(None)
+        if topic is not None:
+            self._driver = DriverInfo(
+                self._node, topic,
+                lambda info: self._sessions.see_camera_info(info, is_rectified(topic)))
 
     def check(self) -> None:
         """Begin and end what the sessions want."""
@@ -97,8 +118,17 @@ class SessionFeed:
 
     def close(self) -> None:
         """End all."""
+        self.look_at_driver(None)
         for name in list(self._subscriptions):
             self._end(name)
+
+    def _image_topic(self, camera: str) -> Optional[str]:
+        namespace, _, name = camera.rpartition('/')
+        try:
+            topics = self._node.get_subscriber_names_and_types_by_node(name, namespace or '/')
+        except NodeNameNonExistentError:
+            return None
+        return next((topic for topic, kinds in topics if set(kinds) & _IMAGES), None)
 
     def _keep(self, kind: str, is_wanted: bool, callback: Callable[[Any], None]) -> None:
         if is_wanted and kind not in self._subscriptions:

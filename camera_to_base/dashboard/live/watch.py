@@ -148,6 +148,7 @@ class CellWatch:
                 self._sessions.see_parameters(name, None)
             else:
                 parameters.ask()
+        self._feed.look_at_driver(self._cell.camera)
 
     def _tell(self, part: str, data: Any) -> None:
         if part not in self._sent or self._sent[part] != data:

@@ -21,6 +21,7 @@ from camera_to_base.dashboard.sessions.tilted import (
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
+from camera_to_base.surface import LensModel
 import numpy as np
 
 _GOOD_PLACEMENTS = 4
@@ -56,6 +57,7 @@ class BoardSession:
         self._history = History()
         self._reading: List[np.ndarray] = []
         self._tilted_before = 0
+        self._lens: Optional[LensModel] = None
 
     @property
     def kept(self) -> Tuple[Dict[str, Any], List[np.ndarray]]:
@@ -151,6 +153,11 @@ class BoardSession:
         else:
             self._watch.see(image, self._placements.outlines)
 
+    def see_lens(self, lens: Optional[LensModel]) -> None:
+        """Take the lens that the driver knows; None where it knows none."""
+        self._lens = lens
+        self._on_change()
+
     def take(self) -> None:
         """
         Take the board's placement.
@@ -221,8 +228,9 @@ class BoardSession:
         board = self._options.board
         placements = self._placements.named(f'camera {self._device() or "picture"}')
         tilted, self._is_tilting = self._tilted.placements, False
+        lens = self._known_lens
         self._worker.run(
-            lambda: calibrate_placements(board, placements, tilted=tilted), self._take_fit)
+            lambda: calibrate_placements(board, placements, lens, tilted), self._take_fit)
         self._on_change()
 
     def acceptance(self) -> CellChanges:
@@ -247,6 +255,14 @@ class BoardSession:
         self._accepted = {'sentence': sentence, 'dropped': changes.dropped}
         self._on_change()
 
+    @property
+    def _known_lens(self) -> Optional[LensModel]:
+        """The driver's, if it is of pictures as they come."""
+        images = self._placements.images
+        is_fitting = self._lens is not None and images and (
+            images[0].shape[1::-1] == tuple(self._lens.image_size))
+        return self._lens if is_fitting else None
+
     def _device(self) -> str:
         source = (self._values.camera or {}).get('source', AUTO.form)
         return '' if kind_of(source) == AUTO else lasting_name(source)
@@ -265,6 +281,8 @@ class BoardSession:
         if count < _GOOD_PLACEMENTS and count:
             return (f'{count} of {_GOOD_PLACEMENTS} placements are taken. Lay the board elsewhere '
                     'without moving the camera, or fit now.')
+        if count and self._known_lens is not None:
+            return "The driver's camera_info tells the lens: fit the surface."
         if count and not self._tilted:
             return ('Hold the board at a tilt, for the lens and the height of the camera, or fit '
                     'the surface.')

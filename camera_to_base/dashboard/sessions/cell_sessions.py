@@ -15,7 +15,8 @@ import time
 import traceback
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
 
-from camera_to_base.calibration import marker_sheet_content, OfferedCorrection, report_lines
+from camera_to_base.calibration import (
+    lens_of_camera_info, marker_sheet_content, OfferedCorrection, report_lines)
 from camera_to_base.dashboard.sessions.board import BoardSession
 from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.kept import KeptSteps, Steps
@@ -117,6 +118,21 @@ class CellSessions:
         with self._lock:
             self._board.see_frame(image)
             self._markers.see_frame(image)
+
+    def see_camera_info(self, info: Any, is_rectified: bool = False) -> None:
+        """
+        Take what the driver says of its lens.
+
+        :param info: A sensor_msgs/CameraInfo; None if there is no driver.
+        :param is_rectified: Whether its pictures have no distortion any more.
+        """
+        try:
+            lens = None if info is None else lens_of_camera_info(info, is_rectified)
+        except InvalidValueError:
+            # The board tells the lens then.
+            lens = None
+        with self._lock:
+            self._board.see_lens(lens)
 
     def see_objects(self, points: Sequence[Tuple[float, float]]) -> None:
         """Take all objects of a frame, x and y, in cm, in the camera frame."""

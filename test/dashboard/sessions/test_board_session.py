@@ -12,6 +12,7 @@
 import json
 from pathlib import Path
 import time
+from types import SimpleNamespace
 
 from camera_to_base.calibration import calibrate_placements, make_placement, PrintedBoard
 from camera_to_base.errors import CameraToBaseError
@@ -253,6 +254,27 @@ def hold(cell, number):
     state = cell.show_frames(lambda state: len(state['tilted']) == number and not state['busy'])
     assert state['error'] is None
     return state
+
+
+@pytest.mark.slow
+def test_lens_of_the_driver_makes_flat_placements_enough(cell):
+    focal = 60 / 36 * 640
+    info = SimpleNamespace(
+        width=640, height=480, distortion_model='plumb_bob', d=[0.0] * 5, p=[0.0] * 12,
+        k=[focal, 0.0, 320.0, 0.0, focal, 240.0, 0.0, 0.0, 1.0], binning_x=0, binning_y=0,
+        roi=SimpleNamespace(width=0, height=0))
+    cell.sessions.see_camera_info(info)
+    cell.do('board', 'start')
+    for number in range(4):
+        if number:
+            cell.board.lay(*cell.board.free_place(number))
+        assert cell.take()['error'] is None
+    assert 'camera_info tells the lens' in cell.state('board')['hint']
+    assert cell.fit()['error'] is None
+    cell.do('board', 'accept')
+    assert cell.values['camera']['surface.model'] == 'pinhole'
+    height_cm = cell.values['camera']['surface.pinhole.camera_position_cm'][2]
+    assert abs(height_cm) == pytest.approx(60.0, rel=0.005)
 
 
 @pytest.mark.slow
