@@ -72,7 +72,7 @@ def calibrate_pinhole(
     panels = report_panels(
         fit.surface, matched, (width, height), image=flat[0].image,
         lattice=board.first_points().reshape(rows, columns, 2),
-        error_map=report['error_map_mm'])
+        error_map=report['error_map_mm'], raised=report['raised_error_map_mm'])
     return Calibration(report, values, report_picture(panels, figure_lines(report)), panels)
 
 

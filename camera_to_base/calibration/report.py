@@ -39,6 +39,9 @@ _LEAST_MM, _MOST_MM = 0.3, 30.0
 # and 10 mm off it pushes most objects over.
 VERDICTS = (('good', 2.0, 5.0), ('fair', 5.0, 10.0), ('poor', math.inf, math.inf))
 
+# So high is what grippers hold; the report shows the errors of such objects, too.
+RAISED_CM = 5.0
+
 
 def report_lines(report: Mapping[str, Any], with_map: bool = False) -> List[str]:
     """
@@ -81,9 +84,14 @@ def _map_lines(report: Mapping[str, Any]) -> Iterator[str]:
     frame = ('the base transform included' if report['error_map_has_base']
              else 'without the base transform')
     yield (f'95 % of the positions are expected within so many mm, over the picture ({frame}):')
-    for row in report['error_map_mm']:
-        yield '  ' + ' '.join(
-            '-'.rjust(6) if error is None else f'{error:6.1f}' for error in row)
+    yield from map(_map_row, report['error_map_mm'])
+    if 'raised_error_map_mm' in report:
+        yield f"and those of objects that are {RAISED_CM:g} cm high, for the camera's place:"
+        yield from map(_map_row, report['raised_error_map_mm'])
+
+
+def _map_row(row: Sequence[Optional[float]]) -> str:
+    return '  ' + ' '.join('-'.rjust(6) if error is None else f'{error:6.1f}' for error in row)
 
 
 def _verdict_lines(report: Mapping[str, Any]) -> Iterator[str]:
@@ -265,6 +273,7 @@ class ErrorMap:
                  'detector.method': values.get('detector.method', 'precise')}
         self.image_size: ImageSize = tuple(known['surface.image_size'])
         self._uncertainty = position_uncertainty(known, make_surface(known))
+        self._knows_place = known['surface.model'] == 'pinhole'
         self._transform = None
         if 'displacement_cm' in values:
             self._transform = uncertain_transform_of(checked_values(TRANSFORM_SPECS, values))
@@ -279,26 +288,32 @@ class ErrorMap:
         """Return a report's fields of the map."""
         errors = self.errors_mm()
         verdict = verdict_of(errors)
-        return {'error_map_mm': errors, 'error_map_has_base': self.has_base,
+        raised = {'raised_error_map_mm': self.errors_mm(height_cm=RAISED_CM)
+                  } if self._knows_place else {}
+        return {'error_map_mm': errors, 'error_map_has_base': self.has_base, **raised,
                 **({'verdict': verdict.word, 'verdict_sentence': verdict.sentence}
                    if verdict else {})}
 
-    def errors_mm(self, columns: int = COLUMNS, rows: int = ROWS) -> List[List[Optional[float]]]:
+    def errors_mm(
+        self, columns: int = COLUMNS, rows: int = ROWS, height_cm: float = 0.0
+    ) -> List[List[Optional[float]]]:
         """
         Return the map, row by row from the picture's top left.
 
+        :param height_cm: Of the objects, known without an error.
         :returns: Errors in mm at the middles of equal parts; None beyond the horizon.
         """
         width, height = self.image_size
-        return [[self._at(((column + 0.5) * width / columns, (row + 0.5) * height / rows))
+        return [[self._at(((column + 0.5) * width / columns, (row + 0.5) * height / rows),
+                          height_cm)
                  for column in range(columns)] for row in range(rows)]
 
-    def _at(self, pixel: Tuple[float, float]) -> Optional[float]:
+    def _at(self, pixel: Tuple[float, float], height_cm: float) -> Optional[float]:
         try:
             x, y = self._uncertainty.surface.locate([pixel])[0].tolist()
         except HorizonError:
             return None
-        covariance = self._uncertainty.of_pixel(pixel, self.image_size).matrix
+        covariance = self._uncertainty.of_pixel(pixel, self.image_size, height_cm).matrix
         if self._transform is not None:
             covariance = self._transform.base_covariance((x, y, 0.0), covariance)
         return _MM_PER_CM * error_ellipse(covariance, _SHARE).long

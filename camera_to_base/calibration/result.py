@@ -14,7 +14,7 @@ from datetime import datetime
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence
 
 from camera_to_base.calibration.figures import ErrorFigures
-from camera_to_base.calibration.report import ErrorRows, map_picture, Report
+from camera_to_base.calibration.report import ErrorRows, map_picture, RAISED_CM, Report
 from camera_to_base.checks import ImageSize
 from camera_to_base.errors import CalibrationError
 from camera_to_base.surface import (
@@ -40,6 +40,7 @@ PICTURE_TITLE = ('the picture: the blue grid must lie on the surface, errors (re
                  f'small: drawn {ENLARGEMENT} x')
 TOP_VIEW_TITLE = 'seen from above: squares must look square; bright: where the figures hold'
 MAP_TITLE = '95 % of the positions are expected within so many mm (camera frame)'
+RAISED_TITLE = f'the same of objects {RAISED_CM:g} cm high'
 CURVE_POINTS = 60
 # OpenCV draws with a resolution of 1 / 2^SHIFT px.
 SHIFT = 4
@@ -62,7 +63,7 @@ class Panel(NamedTuple):
 
 def report_panels(surface: Surface, matched: MatchedPoints, image_size: ImageSize, *,
                   image: Optional[np.ndarray] = None, lattice: Optional[np.ndarray] = None,
-                  error_map: ErrorRows = ()) -> List[Panel]:
+                  error_map: ErrorRows = (), raised: ErrorRows = ()) -> List[Panel]:
     """
     Draw the picture with the fit over it, the surface from above, and the expected errors.
 
@@ -73,6 +74,7 @@ def report_panels(surface: Surface, matched: MatchedPoints, image_size: ImageSiz
     :param lattice: Shape (rows, columns, 2), in cm: the points that the grid runs through; None
         draws a grid along x and y with a round step.
     :param error_map: Expected errors over the picture, see :class:`ErrorMap`; empty for none.
+    :param raised: Those of objects with a height; empty for none.
     """
     if image is None:
         image = np.full((image_size[1], image_size[0], 3), EMPTY, np.uint8)
@@ -80,13 +82,13 @@ def report_panels(surface: Surface, matched: MatchedPoints, image_size: ImageSiz
     extent = surface_extent(matched.points, step_cm)
     lines_cm = _grid_lines(extent, step_cm) if lattice is None else _lattice_lines(lattice)
     seen, scale = _scaled(image, PANEL_HEIGHT / image.shape[0])
-    mapped = map_picture(seen, error_map) if len(error_map) else None
+    maps = [Panel(title, map_picture(seen, errors)) for title, errors in (
+        (MAP_TITLE, error_map), (RAISED_TITLE, raised)) if len(errors)]
     _draw_fit(seen, lambda points: (surface.pixels(points) + 0.5) * scale - 0.5,
               (matched.pixels + 0.5) * scale - 0.5, matched.points, lines_cm)
     above, project = top_view(image, surface, matched, extent, PANEL_HEIGHT)
     _draw_fit(above, project, project(surface.locate(matched.pixels)), matched.points, lines_cm)
-    panels = [Panel(PICTURE_TITLE, seen), Panel(TOP_VIEW_TITLE, above)]
-    return panels if mapped is None else [*panels, Panel(MAP_TITLE, mapped)]
+    return [Panel(PICTURE_TITLE, seen), Panel(TOP_VIEW_TITLE, above), *maps]
 
 
 def report_picture(panels: Sequence[Panel], lines: Sequence[str] = ()) -> np.ndarray:

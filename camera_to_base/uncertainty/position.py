@@ -116,10 +116,11 @@ class PositionUncertainty:
         return covariance[0] + xx, covariance[1] + xy, covariance[2] + yy
 
     def of_pixel(
-        self, pixel: Tuple[float, float], image_size: ImageSize
+        self, pixel: Tuple[float, float], image_size: ImageSize, height_cm: float = 0.0
     ) -> PositionCovariance:
         """Return the covariance of the position of a pixel that was not detected but given."""
-        return self.covariance(Shape(pixel, 1.0, Spread(0.0, 0.0, 0.0)), FrameState(image_size))
+        return self.covariance(Shape(pixel, 1.0, Spread(0.0, 0.0, 0.0), height_cm=height_cm),
+                               FrameState(image_size))
 
     def in_picture(self, shape: Shape, frame: FrameState) -> Spread:
         """Return the covariance of an object's centre in the picture, with the view's shift."""

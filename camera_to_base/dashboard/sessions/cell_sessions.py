@@ -222,7 +222,7 @@ class CellSessions:
 
     def report(self, name: str) -> bytes:
         """
-        Return a part of the board's report: 'fit.png', 'above.png', 'errors.png', 'board.txt'.
+        Return a part of the board's report: a picture of PANEL_NAMES, 'fit.png', or 'board.txt'.
 
         :raises InvalidValueError: If there is none.
         """

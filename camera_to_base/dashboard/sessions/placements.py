@@ -150,7 +150,7 @@ def report_data(calibration: Calibration, placement_count: int) -> Dict[str, Any
 
 
 # Of the panels of a report picture, in their order.
-PANEL_NAMES: List[str] = ['fit', 'above', 'errors']
+PANEL_NAMES: List[str] = ['fit', 'above', 'errors', 'raised']
 
 
 def _outline(corners: np.ndarray) -> np.ndarray:

@@ -370,7 +370,7 @@ BAD_INPUTS = {
                        'cannot open camera'),
     'missing video': (lambda: ('board', '--camera', 'none.avi', *BOARD), 'there is no such file'),
     'neither picture nor camera': (lambda: ('board', *BOARD),
-                                   'expected pictures of the board, or --camera'),
+                                   'expected pictures of the board, --camera'),
     'missing intrinsics': (lambda: ('board', board_picture(), *BOARD, '--intrinsics', 'none.yaml'),
                            "cannot read the camera_info file 'none.yaml'"),
     'intrinsics of another size': (
