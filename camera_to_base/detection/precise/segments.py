@@ -130,9 +130,9 @@ def _segments(
 def _steps(
     logs: Tuple[np.ndarray, ...], labels: np.ndarray, noise: np.ndarray
 ) -> Optional[_Steps]:
-    far, own = (cv2.morphologyEx(one, cv2.MORPH_GRADIENT, disc(_FAR)) for one in logs)
-    channel = int(np.argmax(cv2.mean(far)[:3]))
-    far, own, level = (cv2.extractChannel(one, channel) for one in (far, own, logs[0]))
+    channel = int(np.argmax(cv2.meanStdDev(logs[0])[1]))
+    level, usual = (cv2.extractChannel(one, channel) for one in logs)
+    far, own = (cv2.morphologyEx(one, cv2.MORPH_GRADIENT, disc(_FAR)) for one in (level, usual))
     slope = cv2.magnitude(*(cv2.Scharr(level, -1, *axis, scale=1 / 32)
                             for axis in ((1, 0), (0, 1))))
     sharpness = cv2.dilate(slope, square(3)) / cv2.max(far, _LEAST_STEP)
@@ -152,9 +152,10 @@ def _joined(labels: np.ndarray, count: int, logs: np.ndarray) -> np.ndarray:
                    for morph, outside in ((cv2.erode, count), (cv2.dilate, -1)))
     between = (first > 1) & (last > first) & (first < count)
     lengths = np.bincount((first * count + last)[between].astype(int), minlength=1)
-    known = (labels + 1).ravel()
+    # Every second row tells as much.
+    known = (labels[::2] + 1).ravel()
     areas = np.maximum(np.bincount(known, minlength=count + 1), 1)
-    colours = np.stack([np.bincount(known, cv2.extractChannel(logs, channel).ravel(), count + 1)
+    colours = np.stack([np.bincount(known, logs[::2, :, channel].ravel(), count + 1)
                         for channel in range(3)], axis=1) / areas[:, None]
     numbers = np.arange(-1, count)
     for pair in np.flatnonzero(lengths >= _SHORTEST):

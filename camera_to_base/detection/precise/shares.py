@@ -123,9 +123,12 @@ def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
         shares = np.maximum(_shares(piece, mask, ratio, others), inside)
         if others is not None:
             shares *= 1 - others
-        mask = (shares > 0.5).view(np.uint8)
-        if not mask.any():
+        before, mask = mask, (shares > 0.5).view(np.uint8)
+        area = cv2.countNonZero(mask)
+        if not area:
             return place_whole(piece)
+        if cv2.countNonZero(mask ^ before) <= _SETTLED * area:
+            break
     return Placed(shares.astype(np.float32), mask)
 
 
