@@ -145,7 +145,7 @@ class NoObject(NamedTuple):
     What differs from the background on a frame, and is no detection.
 
     :param kind: 'shade' or 'light' (darker or lighter than the background), 'speck' (too small),
-        'light_or_thing' (the picture does not tell which).
+        'light_or_thing' (the picture does not tell which), 'too_much' (the budget is spent).
     :param position: Its centroid, in px.
     :param area: In px².
     """

@@ -55,7 +55,8 @@ from camera_to_base.detection.precise.piece import (
 from camera_to_base.detection.precise.placer import Placer, unplaced
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, slices
-from camera_to_base.detection.precise.search import Candidates, left_over, parts_of, search
+from camera_to_base.detection.precise.search import (
+    Budget, Candidates, left_over, parts_of, search)
 import cv2
 import numpy as np
 
@@ -131,18 +132,21 @@ class PreciseDifferenceDetector:
     :param split_touching: Whether convex objects that touch come as one each.
     :param min_area: Objects that show less are taken for noise, in px².
     :param publish_unclear: Whether what may be light as well as a thing is a detection.
+    :param budget_px: How much is looked at closely on a frame, in px; the rest is left out.
     :raises InvalidValueError: If the background or a parameter cannot be used.
     """
 
     def __init__(
         self, background: np.ndarray, *, faintest: float = 13.0, min_area: float = 30.0,
         split_touching: bool = False, publish_unclear: bool = False,
+        budget_px: float = 120_000,
     ) -> None:
         self.check_parameters(faintest, min_area)
         check_frame(background, 'background')
         self._faintest, self._min_area = faintest, min_area
         self._placer = Placer(min_area, split_touching)
-        self._publishes_unclear = publish_unclear
+        self._publishes_unclear, self._budget = publish_unclear, budget_px
+        self._last: List[Detection] = []
         self._background = background.copy()
         self._reference = Reference(self._background, faintest)
         self._ghosts: List[Ghost] = []
@@ -181,15 +185,17 @@ class PreciseDifferenceDetector:
             return unplaced(frame_outline(frame), frame)
         parts = changed_parts(frame, lit, rows, limits)
         self._strips.remember(parts)
-        found = search(frame, parts, self._reference, self._min_area)
+        budget = Budget(self._budget, [one.box for one in self._last])
+        found = search(frame, parts, self._reference, self._min_area, budget)
         if self._notice_ghosts(found):
             parts = parts_of(found.frame, self._reference)
-            found = search(found.frame, parts, self._reference, self._min_area)
+            found = search(found.frame, parts, self._reference, self._min_area, budget)
         placed, unclear = self._placed(found)
         if self._publishes_unclear:
             placed, unclear = placed + unclear, []
         self._dropped = left_over(
             found, parts, placed, unclear, self._reference, self._min_area)
+        self._last = placed
         return placed
 
     def _placed(self, found: Candidates) -> Tuple[List[Detection], List[Detection]]:

@@ -14,7 +14,7 @@ Where a region may be light that comes from outside of the picture, all is looke
 with that light taken into account.
 """
 
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
@@ -25,7 +25,7 @@ from camera_to_base.detection.precise.outside_light import (
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
-from camera_to_base.detection.precise.things import things_in
+from camera_to_base.detection.precise.things import things_in, work
 import cv2
 import numpy as np
 
@@ -47,6 +47,18 @@ _MOST_DROPPED = 100
 _MOST_SPECK = 1200
 
 
+class Budget(NamedTuple):
+    """
+    How much is looked at on a frame.
+
+    :param area: In px of windows, see :func:`things.work`.
+    :param first: Where objects were on the last frame.
+    """
+
+    area: float
+    first: Sequence[Box]
+
+
 class Candidates(NamedTuple):
     """
     What may be an object on a frame.
@@ -54,15 +66,17 @@ class Candidates(NamedTuple):
     :param frame: The frame, without the bands of a lamp that flickers.
     :param plain: The plain objects.
     :param regions: The other regions, the largest first.
+    :param left: What the budget does not reach.
     """
 
     frame: np.ndarray
     plain: List[Plain]
     regions: List[Region]
+    left: Sequence[Region] = ()
 
 
 def search(
-    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
+    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float, budget: Budget
 ) -> Candidates:
     """
     Find what may be objects in the parts of a frame that have changed.
@@ -72,18 +86,18 @@ def search(
     :param min_area: What shows less is noise, in px².
     """
     are_bands_likely = _are_bands_likely(frame, parts)
-    found = _without_bands(frame, reference, min_area) if are_bands_likely else None
+    found = _without_bands(frame, reference, min_area, budget) if are_bands_likely else None
     if found is None:
-        found = _search(frame, parts, reference, min_area)
+        found = _search(frame, parts, reference, min_area, budget)
     if not any(_may_reach_border(frame, region) for region in found.regions):
         return found
     if not are_bands_likely:
-        found = _without_bands(frame, reference, min_area) or found
+        found = _without_bands(frame, reference, min_area, budget) or found
     return _without_foreign_light(found, reference, min_area)
 
 
 def _search(
-    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
+    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float, budget: Budget
 ) -> Candidates:
     plain, others = [], []
     for part in parts:
@@ -94,13 +108,24 @@ def _search(
             others.append(part)
         else:
             plain.append(one)
-    regions = find_regions(frame, others, reference.limits, min_area)
+    regions, left = _within(budget, find_regions(frame, others, reference.limits, min_area))
     tint = measure_tint(frame, regions, reference)
     regions = [thing for region in regions
                for thing in _things_of(frame, region, reference, tint, min_area)]
     # A window that grew may hold a plain object of another part.
     return Candidates(frame, plain, [region for region in regions if not any(
-        _is_same(region.box, one.window) for one in plain)])
+        _is_same(region.box, one.window) for one in plain)], left)
+
+
+def _within(budget: Budget, regions: List[Region]) -> Tuple[List[Region], List[Region]]:
+    """Give the regions that a budget reaches, and the others; at least one is reached."""
+    order = sorted(regions, key=lambda region: not any(
+        _is_same(box, region.box) for box in budget.first))
+    reached = np.cumsum([work(region.box).area for region in order]) <= budget.area
+    kept = {id(region) for region, is_reached in zip(order, reached) if is_reached}
+    kept |= {id(region) for region in order[:1]}
+    return ([region for region in regions if id(region) in kept],
+            [region for region in regions if id(region) not in kept])
 
 
 def _is_same(box: Box, window: Box) -> bool:
@@ -129,14 +154,14 @@ def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
 
 
 def _without_bands(
-    frame: np.ndarray, reference: Reference, min_area: float
+    frame: np.ndarray, reference: Reference, min_area: float, budget: Budget
 ) -> Optional[Candidates]:
     # What is found where the bands were taken out; None without bands.
     bands = find_bands(frame, reference.lit)
     if bands is None:
         return None
     even = without_bands(frame, reference.lit, bands)
-    return _search(even, parts_of(even, reference), reference, min_area)
+    return _search(even, parts_of(even, reference), reference, min_area, budget)
 
 
 def _without_foreign_light(found: Candidates, reference: Reference, min_area: float) -> Candidates:
@@ -198,6 +223,7 @@ def left_over(
     :returns: The largest first, at most 100.
     """
     dropped = [NoObject('light_or_thing', one.centre, one.area) for one in unclear]
+    dropped += [_too_much(region.box) for region in found.left]
     # Beside a plain object there is nothing else, see `plain`.
     parts = [part for part in parts if not any(one.window.is_inside(part) for one in found.plain)]
     parts = sorted(parts, key=lambda part: -part.width * part.height)[:_MOST_DROPPED]
@@ -210,10 +236,17 @@ def left_over(
     for detection in detections + unclear:
         for width in cv2.FILLED, _RIM:
             cv2.drawContours(left, [detection.outline[:, None]], 0, 0, width)
+    for region in found.left:
+        cv2.drawContours(left, [region.outline], 0, 0, cv2.FILLED)
     for part in parts:
         dropped += _dropped(found.frame, reference.lit, left, part, min_area)
         left[slices(part)] = 0
     return sorted(dropped, key=lambda one: -one.area)[:_MOST_DROPPED]
+
+
+def _too_much(box: Box) -> NoObject:
+    centre = Pixel(box.x + (box.width - 1) / 2, box.y + (box.height - 1) / 2)
+    return NoObject('too_much', centre, float(box.width * box.height))
 
 
 def _dropped(

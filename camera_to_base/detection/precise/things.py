@@ -20,10 +20,11 @@ from typing import List, NamedTuple, Optional
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.evidence import (
     box_mean, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
+from camera_to_base.detection.precise.light import LINEAR
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, chosen, enclosed, find_highlight, largest_part, make_piece, outline_of,
-    outlines_in, quantile, square)
+    channel_extremes, chosen, enclosed, enlarged, find_highlight, largest_part, make_piece,
+    outline_of, outlines_in, quantile, square)
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 from camera_to_base.detection.precise.segments import parted
@@ -54,6 +55,22 @@ _WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
 # What is between a thing and its shade: in the frame, logarithm.
 _LEAST_STEP = 0.15
 _MARGIN = 8
+# A larger window is looked at reduced, in px.
+_MOST_AT_FULL_SIZE = 60_000
+# All of a region may be light, as well as a thing.
+_UNCLEAR: List[np.ndarray] = []
+
+
+class Work(NamedTuple):
+    """
+    What it takes to look at a region.
+
+    :param scale: How many px of the frame make one, along each axis.
+    :param area: How many of these there are.
+    """
+
+    scale: int
+    area: int
 
 
 def things_in(
@@ -70,34 +87,59 @@ def things_in(
     :returns: One region for each thing, none where all is light; None where it is not clear.
     """
     window = grown(region.box, _MARGIN, frame)
-    part = slices(window)
-    found = evidence(frame[part], reference.lit[part], reference.noise, tint)
+    scale = work(region.box).scale
     changed = filled(region.outline, window)
+    size = [-(-length // scale) for length in (window.width, window.height)]
+    seen, usual, changed = (picture if scale == 1 else cv2.resize(
+        picture, size, interpolation=way) for picture, way in (
+            (frame[slices(window)], cv2.INTER_AREA),
+            (reference.lit[slices(window)], cv2.INTER_AREA), (changed, cv2.INTER_NEAREST)))
+    found = evidence(seen, usual, reference.noise / scale, tint)
+    masks = _masks(seen, usual, changed, found, min_area / scale ** 2)
+    if masks is None:
+        return None
+    if masks is _UNCLEAR:
+        return [region._replace(may_be_light=True)]
+    outlines = [outline_of(enlarged(mask, scale, frame[slices(window)]), window) for mask in masks]
+    return [Region(outline, Box(*cv2.boundingRect(outline)), int(cv2.contourArea(outline)),
+                   is_thing=True, neighbours=(*outlines[:index], *outlines[index + 1:]))
+            for index, outline in enumerate(outlines)]
+
+
+def work(box: Box) -> Work:
+    """Give the work that a region of a frame makes: large ones are looked at reduced."""
+    area, scale = (box.width + 2 * _MARGIN) * (box.height + 2 * _MARGIN), 1
+    while area > _MOST_AT_FULL_SIZE * scale ** 2:
+        scale *= 2
+    return Work(scale, area // scale ** 2)
+
+
+def _masks(
+    frame: np.ndarray, background: np.ndarray, changed: np.ndarray, found: Evidence,
+    min_area: float,
+) -> Optional[List[np.ndarray]]:
+    """Give each thing's mask; None where it is not clear."""
     things = _smooth(found) & cv2.dilate(changed, square(3))
     solid = _solid(things, found, min_area)
     has_highlight = find_highlight(
-        make_piece(frame[part], reference.light(part), changed)) is not None
+        make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
     if solid is not None and not solid.any() and _is_clear(
             solid, changed, found, has_highlight, min_area):
         return []
     by_edges = None if has_highlight else _by_segments(
-        frame[part], reference.lit[part], changed, things, found, min_area)
+        frame, background, changed, things, found, min_area)
     if by_edges is not None and not by_edges.any():
         # Its edges are soft in part, and nothing is sharp all around to compare them with.
-        return [region._replace(may_be_light=True)]
+        return _UNCLEAR
     if by_edges is not None:
         things = by_edges
     elif solid is None or not solid.any():
         return None
     else:
-        things = _up_to_edges(solid, changed, found, frame[part])
+        things = _up_to_edges(solid, changed, found, frame)
         if not _is_clear(things, changed, found, has_highlight, min_area):
             return None
-    masks = _cut_at_gaps(things, frame[part], reference.lit[part], min_area)
-    outlines = [outline_of(mask, window) for mask in masks]
-    return [Region(outline, Box(*cv2.boundingRect(outline)), int(cv2.contourArea(outline)),
-                   is_thing=True, neighbours=(*outlines[:index], *outlines[index + 1:]))
-            for index, outline in enumerate(outlines)]
+    return _cut_at_gaps(things, frame, background, min_area)
 
 
 def _by_segments(
