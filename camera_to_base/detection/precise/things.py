@@ -108,7 +108,7 @@ def things_in(
 
 def work(box: Box) -> Work:
     """Give the work that a region of a frame makes: large ones are looked at reduced."""
-    area, scale = (box.width + 2 * _MARGIN) * (box.height + 2 * _MARGIN), 1
+    area, scale = box.width * box.height, 1
     while area > _MOST_AT_FULL_SIZE * scale ** 2:
         scale *= 2
     return Work(scale, area // scale ** 2)

@@ -190,14 +190,14 @@ def two_boxes():
 
 
 def test_what_the_budget_does_not_reach_is_named():
-    detector = PreciseDifferenceDetector(coded(table(0.15), 1), budget_px=15000)
+    detector = PreciseDifferenceDetector(coded(table(0.15), 1), budget_px=10000)
     assert len(detector.detect(coded(two_boxes(), 2))) == 1
     assert [one.kind for one in detector.dropped].count('too_much') == 1
 
 
 @pytest.mark.parametrize('place', [(60, 60), (210, 150)])
 def test_objects_of_the_last_frame_come_first(place):
-    detector = PreciseDifferenceDetector(coded(table(0.15), 1), budget_px=15000)
+    detector = PreciseDifferenceDetector(coded(table(0.15), 1), budget_px=10000)
     detector.detect(coded(box_with_a_wall(table(0.15), *place), 3))
     for seed in range(3):
         found, = detector.detect(coded(two_boxes(), 4 + seed))
