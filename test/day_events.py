@@ -14,7 +14,8 @@ An event is a generator. Between two `yield` it says what it adds to the next fr
 its numbers from a generator of its own, so that a day without it is otherwise the same day.
 """
 
-from day_world import Arm, HEIGHT, WIDTH
+import cv2
+from day_world import Arm, HEIGHT, MARGIN, SHAPE, Thing, WIDTH
 import numpy as np
 
 
@@ -136,12 +137,123 @@ def retake(world, random):
     yield
 
 
+def lobe(world, random):
+    """Let a lamp light a part of the table, without an edge."""
+    at, size = random.uniform((0, 0), SHAPE[::-1]), random.uniform(40, 150)
+    v, u = np.mgrid[:SHAPE[0], :SHAPE[1]].astype(np.float32)
+    near = np.exp(-((u - at[0]) ** 2 + (v - at[1]) ** 2) / (2 * size ** 2))
+    yield from _lit(world, random, random.choice([-0.4, 0.3, 0.5]) * near)
+
+
+def patch(world, random):
+    """Let the sun shine through a window: a patch with an edge."""
+    if not world.has_texture:
+        return
+    centre, size = random.uniform((60, 60), (WIDTH, HEIGHT)), random.uniform(30, 110, 2)
+    corners = cv2.boxPoints((tuple(centre), tuple(size), random.uniform(0, 180)))
+    mask = cv2.fillPoly(np.zeros(SHAPE, np.float32), [np.int32(corners)], 1.0)
+    yield from _lit(world, random, random.uniform(0.15, 0.6) * cv2.GaussianBlur(
+        mask, (0, 0), random.uniform(0.7, 3)))
+
+
+def shadow(world, random):
+    """Let somebody stand in the light: a shadow from beyond an edge."""
+    begin = np.array(_beyond_an_edge(random)) + MARGIN
+    end = begin + random.uniform(0.2, 0.6) * (np.array(SHAPE[::-1]) / 2 - begin)
+    mask = cv2.line(np.zeros(SHAPE, np.float32), np.int32(begin), np.int32(end), 1.0,
+                    int(random.uniform(40, 160)))
+    yield from _lit(world, random, -random.uniform(0.15, 0.5) * cv2.GaussianBlur(
+        mask, (0, 0), random.uniform(2, 12)))
+
+
+def neighbour(world, random):
+    """Put an object down right beside another one."""
+    one = _any(world, random)
+    if one is None or len(world.things) > 4:
+        return
+    turn, thing = random.uniform(0, 2 * np.pi), world.new_thing(random, (0.0, 0.0))
+    apart = one.reach + thing.reach + random.uniform(4, 9)
+    thing.at = one.at + apart * np.array([np.cos(turn), np.sin(turn)])
+    is_in_view = (np.minimum(thing.at, (WIDTH, HEIGHT) - thing.at) > 30).all()
+    if is_in_view and world.is_free(thing.at, but=one):
+        yield from _done(world, random, thing.at, lambda: one in world.things and world.is_free(
+            thing.at, but=one) and world.things.append(thing))
+
+
+def saturation(world, random):
+    """Let the camera or the light overexpose the picture for a moment."""
+    strongest, rise = random.uniform(1.6, 6), int(random.integers(1, 8))
+    stays = int(random.integers(1, 12))
+    for value in [*np.linspace(1, strongest, rise + 1)[1:], *[strongest] * stays]:
+        world.flicker = value
+        yield
+
+
+def push(world, random):
+    """Push the table; the background is taken anew after a while."""
+    angle, length = random.uniform(0, 2 * np.pi), random.uniform(6, 14)
+    before = world.push
+    for share in np.linspace(0, 1, int(random.integers(2, 8))):
+        world.push = before + share * length * np.array([np.cos(angle), np.sin(angle)])
+        world.moving.append(None)
+        yield
+    for _ in range(int(random.integers(10, 50))):
+        yield
+    yield from retake(world, random)
+
+
+def leave(world, random):
+    """Take or turn an object of the background; take one with the objects if there is none."""
+    things = [thing for thing in world.things if thing.in_background]
+    if not things:
+        world.orders.append(('capture', random.uniform(0, 1, 1)))
+        yield
+        return
+    thing = things[random.integers(len(things))]
+    if random.random() < 0.5:
+        yield from _done(world, random, thing.at, lambda: _remove(world, thing))
+    else:
+        thing.angle += random.uniform(10, 80)
+        thing.at = thing.at + random.uniform(-6, 6, 2)
+        yield
+
+
+def sheet(world, random):
+    """Lay a sheet of paper on the table, and perhaps an object on that."""
+    paper = Thing(random, np.full(3, random.uniform(225, 250)), (0.0, 0.0))
+    paper.radius, paper.width, paper.is_round = 48, 36, False
+    paper.at = random.uniform((70, 70), (WIDTH - 70, HEIGHT - 70))
+    if not world.is_free(paper.at, reach=paper.reach):
+        return
+
+    def lay():
+        if world.is_free(paper.at, reach=paper.reach):
+            world.things.append(paper)
+
+    yield from _done(world, random, paper.at, lay)
+    if paper in world.things and random.random() < 0.7:
+        for _ in range(12):
+            yield
+        thing = world.new_thing(random, paper.at + random.uniform(-12, 12, 2))
+        thing.is_on_sheet = thing.is_round = True
+        if paper in world.things:
+            world.things.append(thing)
+
+
 def _done(world, random, at, do):
     # By a hand, or at once.
     if random.random() < 0.6:
         yield from hand(world, random, at, do)
     else:
         do()
+        yield
+
+
+def _lit(world, random, change):
+    rise, stays = int(random.integers(1, 20)), int(random.integers(5, 40))
+    shares = np.linspace(0, 1, rise + 1)[1:]
+    for share in [*shares, *np.ones(stays), *shares[::-1]]:
+        world.gains.append(1 + share * change)
         yield
 
 
@@ -178,4 +290,5 @@ def _beyond_an_edge(random):
 
 
 EVENTS = {event.__name__: event for event in (
-    hand, put, take, move, bump, wobble, light, damage, outage, setting, retake)}
+    hand, put, take, move, bump, wobble, light, damage, outage, setting, retake, lobe, patch,
+    shadow, neighbour, saturation, push, leave, sheet)}

@@ -24,6 +24,8 @@ MARGIN = 40
 SHAPE = HEIGHT + 2 * MARGIN, WIDTH + 2 * MARGIN
 MM_PER_PX, FRAMES_PER_S = 0.5625, 12
 AT_REST = np.zeros(4)
+# How far a part of the robot's frame reaches into the picture's corner, in px.
+BRACKET = 60, 50
 # Objects lie at least so far apart, in px: those that touch come as one.
 _APART = 10
 
@@ -33,7 +35,7 @@ class Thing:
     An object on the table: a disc or a rectangle.
 
     :param at: Its centre, in px.
-    :param in_background: Whether the background shows it.
+    :param in_background: Whether the background shows it; `is_on_sheet` whether it lies on paper.
     """
 
     def __init__(self, random, colour, at):
@@ -41,7 +43,7 @@ class Thing:
         self.radius, self.angle = random.uniform(9, 18), random.uniform(0, 180)
         self.width = self.radius * random.uniform(0.6, 1.0)
         self.is_round = random.random() < 0.5
-        self.in_background = False
+        self.in_background = self.is_on_sheet = False
 
     @property
     def reach(self):
@@ -100,29 +102,33 @@ class World:
     The table, what is on it, and the camera. A frame's events set what lasts for one frame.
 
     `pose` is the camera's: du and dv in px, turn in degrees, growth. `shift` is added for a frame.
+    `has_texture` tells whether the table has some everywhere: light can be told from paper there.
     """
 
     def __init__(self, seed):
         self._random = random = np.random.default_rng([seed, 1])
         self.colour = random.uniform(90, 150) * random.uniform(0.85, 1.1, 3)
-        field = SURFACES[random.integers(len(SURFACES))](random)
+        surface = SURFACES[random.integers(len(SURFACES))]
+        self.has_texture, field = surface is not _print, surface(random)
         tint = random.uniform(0.85, 1.1, 3)
         self._canvas = np.clip(self.colour + field[..., None] * tint, 0, 255).astype(np.uint8)
         noise = random.uniform(1, 2)
         self._noises = [np.rint(random.normal(0, noise, (HEIGHT + 16, WIDTH + 16, 3)))
                         .astype(np.int16) for _ in range(3)]
         self.things, self.pose, self.light = [], AT_REST.copy(), 1.0
+        # How far the table was pushed, and a part of the robot's frame that stays where it is.
+        self.push, self.bracket = np.zeros(2), None
         self.begin_frame()
 
     def begin_frame(self):
         """Forget what lasts for one frame."""
         self.arms, self.shift, self.moving, self.flicker = [], AT_REST.copy(), [], 1.0
-        self.damages, self.is_lost, self.orders = [], False, []
+        self.damages, self.is_lost, self.orders, self.gains = [], False, [], []
 
     @property
     def is_calm(self):
         """Whether nothing moves, and nobody reaches in."""
-        return not (self.arms or self.moving or self.damages or self.is_lost
+        return not (self.arms or self.moving or self.damages or self.is_lost or self.gains
                     or self.shift.any() or self.flicker != 1.0)
 
     def shoot(self):
@@ -132,6 +138,14 @@ class World:
             thing.draw(canvas)
         for arm, reach in self.arms:
             arm.draw(canvas, reach)
+        if self.push.any():
+            shift = np.column_stack([np.eye(2), self.push])
+            canvas = cv2.warpAffine(
+                canvas, shift, SHAPE[::-1], borderMode=cv2.BORDER_REFLECT)
+        if self.bracket is not None:
+            canvas[:MARGIN + BRACKET[1], :MARGIN + BRACKET[0]] = self.bracket
+        for gain in self.gains:
+            canvas = cv2.convertScaleAbs(canvas * gain[..., None])
         picture = cv2.warpAffine(canvas, view_of(
             self.pose + self.shift, SIZE, MARGIN), SIZE)
         picture = cv2.convertScaleAbs(picture, alpha=self.light * self.flicker)
@@ -147,9 +161,17 @@ class World:
         return None
 
     def is_free(self, at, but=None, reach=26):
-        """Tell whether no object is near a place."""
+        """Tell whether no object is near a place, and no part of the robot's frame."""
+        if self.bracket is not None and (at < np.add(BRACKET, reach + _APART)).all():
+            return False
         return all(np.hypot(*(other.at - at)) > other.reach + reach + _APART
                    for other in self.things if other is not but)
+
+    def add_bracket(self):
+        """Show a part of the robot's frame in the picture's corner."""
+        shape = MARGIN + BRACKET[1], MARGIN + BRACKET[0]
+        field = _field(np.random.default_rng(1), 3, 3)[:shape[0], :shape[1], None]
+        self.bracket = np.uint8(np.clip(70 + 25 * field, 5, 250)).repeat(3, 2)
 
     def new_thing(self, random, at):
         """Make an object that can be told from the table."""

@@ -26,7 +26,7 @@ from camera_to_base.sources import DEVICE
 from camera_to_base.surface.models import ParallelSurface
 import cv2
 from day_events import EVENTS
-from day_world import FRAMES_PER_S, HEIGHT, MM_PER_PX, seen_from_table, WIDTH, World
+from day_world import BRACKET, FRAMES_PER_S, HEIGHT, MM_PER_PX, seen_from_table, WIDTH, World
 import numpy as np
 
 WRONG_MM, SILENT_S, LENGTH_S = 3.0, 3.0, 18.0
@@ -62,11 +62,13 @@ class Failure(NamedTuple):
 class Watch:
     """The pipeline and its check for damage, with a clock of their own."""
 
-    def __init__(self):
+    def __init__(self, has_bracket=False):
         # In the future, so that no frame is too old however busy the machine is.
         self._begin = time.monotonic() + 3600
         self._damage = DamageCheck()
-        self._settings, self._limits = DetectorSettings(faintest=13.0), Limits()
+        width, height = BRACKET
+        self._settings, self._limits = DetectorSettings(faintest=13.0), Limits(
+            fixed_areas=f'0 0, {width} 0, {width} {height}, 0 {height}' if has_bracket else '')
         self.work_area = _EVERYWHERE
         self._surface = ParallelSurface(WIDTH * MM_PER_PX / 10, WIDTH)
         self._pipeline = CameraPipeline(self._surface, self._settings, self._limits, kind=DEVICE)
@@ -118,7 +120,8 @@ def random_day(seed):
     random = np.random.default_rng([seed, 0])
     kinds = list(EVENTS)
     # On most days much is put and moved; a background is not taken all the time.
-    share = np.array([{'retake': 0.5, 'put': 3.0, 'hand': 2.0}.get(kind, 1.0) for kind in kinds])
+    weights = {'retake': 0.5, 'put': 4.0, 'hand': 2.0, 'leave': 2.0}
+    share = np.array([weights.get(kind, 1.0) for kind in kinds])
     count = random.integers(5, 13)
     times = np.sort(random.uniform(1.0, LENGTH_S - SILENT_S - 2, count)).round(2)
     chosen = ['put', *random.choice(kinds, count, p=share / share.sum())]
@@ -129,7 +132,11 @@ def random_day(seed):
 
 def play(day):
     """Play a day; give its first failure, None for none, and how many points were published."""
-    world, watch = World(day.seed), Watch()
+    has_bracket = any(event.kind == 'push' for event in day.events)
+    world, watch = World(day.seed), Watch(has_bracket)
+    if has_bracket:
+        # Without one, a pushed table is taken for a nudged camera.
+        world.add_bracket()
     truth = _Truth(world, watch)
     waiting, running, orders, count = list(day.events), [], deque(), 0
     for number in range(int(LENGTH_S * FRAMES_PER_S)):
@@ -172,6 +179,7 @@ class _Truth:
         # The camera's pose when the background was taken, the one that its pixels are located by,
         # and the map from the table to the first background's view.
         self._pose = self._known_pose = world.pose
+        self._push = world.push
         self._seen_from_table, self._correction = seen_from_table(world.pose), None
         self._frames, self._had_background, self._left = [], False, []
         self._since, self._places = {}, {}
@@ -207,10 +215,11 @@ class _Truth:
             self._known_pose = (
                 self._pose if self._correction is None else world.pose + world.shift)
         is_as_before = (world.is_calm and np.array_equal(world.pose, self._pose)
+                        and np.array_equal(world.push, self._push)
                         and world.light == self._light)
         if not is_as_before or not self._watch.has_background:
             self._calm_since, self._light = at, world.light
-        places = [(self._seen_from_table @ [*thing.at, 1.0])[:2] * MM_PER_PX
+        places = [(self._seen_from_table @ [*(thing.at + world.push), 1.0])[:2] * MM_PER_PX
                   for thing in world.things]
         for point in points:
             off = min((float(np.hypot(*(point - place))) for place in places), default=np.inf)
@@ -226,6 +235,7 @@ class _Truth:
             self._seen_from_table = (
                 self._seen_from_table @ np.linalg.inv(seen_from_table(self._known_pose)) @ now)
             self._pose = self._known_pose = self._world.pose
+            self._push = self._world.push
             self._left = [thing.at.copy() for thing in self._world.things]
             for thing in self._world.things:
                 thing.in_background = True
@@ -246,7 +256,7 @@ class _Truth:
         return None
 
     def _is_expected(self, thing, place):
-        at = (seen_from_table(self._pose) @ [*thing.at, 1.0])[:2]
+        at = (seen_from_table(self._pose) @ [*(thing.at + self._push), 1.0])[:2]
         edges = np.array([0, 0, WIDTH, HEIGHT])
         in_view = (np.concatenate([at, -at]) - edges * (1, 1, -1, -1)).min() > (
             thing.reach + _NEAR_EDGE_PX)
@@ -254,4 +264,5 @@ class _Truth:
         in_area = (np.concatenate([cm, -cm]) - area * (1, 1, -1, -1)).min() > _NEAR_EDGE_CM
         # Where an object of the background has left, another one can be taken for it.
         is_clear = not any(np.hypot(*(thing.at - left)) < thing.reach + 30 for left in self._left)
-        return in_view and in_area and is_clear and not thing.in_background
+        return (in_view and in_area and is_clear and not thing.in_background
+                and not thing.is_on_sheet)

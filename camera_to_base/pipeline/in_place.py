@@ -20,7 +20,7 @@ import numpy as np
 
 # Shapes are the same, or others, where they have more, or less, than this share of their area in
 # common. What was the same for so long, in s, has changed where another shape follows it at once.
-_SAME, _OTHER, _STEADY_S = 0.85, 0.75, 0.4
+_SAME, _OTHER, _STEADY_S = 0.85, 0.75, 0.7
 # So many changes within so many seconds are a clock's. It is one until it has stood still for so
 # long.
 _CHANGES, _WITHIN_S, _FORGOTTEN_S = 3, 10.0, 150.0
@@ -28,9 +28,12 @@ _CHANGES, _WITHIN_S, _FORGOTTEN_S = 3, 10.0, 150.0
 _HAND_S = 1.0
 # All shapes together are no larger than one of them by this factor and some px: it never moves.
 _GROWTH, _MORE_PX = 1.6, 6
-# The next letter of a line of text is no farther away than it is high, and about as high.
-_HIGHER = 1.4
+# The next letter of a line of text is no farther away than it is high, and shares this part of its
+# height with it.
+_IN_ROW = 0.6
 _MOST_SPOTS = 40
+# Text is no higher than this share of the picture.
+_HIGHEST = 0.1
 
 
 class Spot:
@@ -67,17 +70,18 @@ class Spot:
     def is_beside(self, box: Box) -> bool:
         """Tell whether a box may be the next letter of the same line."""
         own, reach = self.box, self.box.height
-        return (box.height <= _HIGHER * own.height and box.width <= 4 * own.height
-                and own.y - reach / 2 <= box.y
-                and box.y + box.height <= own.y + own.height + reach / 2
+        in_row = min(own.y + own.height, box.y + box.height) - max(own.y, box.y)
+        return (in_row >= _IN_ROW * max(own.height, box.height)
                 and own.x - reach <= box.x + box.width
                 and box.x <= own.x + own.width + reach)
 
     def grow(self, box: Box) -> bool:
         """Take a box in; tell whether the whole is still no larger than something at rest."""
-        self.box = _around([self.box, box])
-        self._size = max(self._size, box.width, box.height)
-        return max(self.box.width, self.box.height) <= _GROWTH * self._size + _MORE_PX
+        whole, size = _around([self.box, box]), max(self._size, box.width, box.height)
+        if max(whole.width, whole.height) > _GROWTH * size + _MORE_PX:
+            return False
+        self.box, self._size = whole, size
+        return True
 
     def see(self, shape: List[np.ndarray], at: float, counts: bool) -> None:
         """
@@ -128,7 +132,9 @@ class InPlaceStage(Stage):
         if any(one.reason.kind == 'cut_off' for one in record.left_out):
             self._hand_at = record.now
         if record.objects:
-            self._note([one.detection for one in record.objects], record.now)
+            highest = _HIGHEST * record.frame.shape[0]
+            self._note([one.detection for one in record.objects
+                        if one.detection.box.height <= highest], record.now)
         self._tell(record.standpoint.surface.surface, record.now)
         if not self._clocks:
             return record

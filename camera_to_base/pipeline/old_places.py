@@ -20,8 +20,8 @@ import numpy as np
 # A place that is told for so long is one until the background is taken anew; another one is
 # forgotten after the same time.
 _CERTAIN_S = 1.0
-# What lies so near to a place touches it, in px.
-_MARGIN_PX = 3
+# What lies so near to a place touches it, in px, with more than this share of its area.
+_MARGIN_PX, _LEAST_TOUCHED = 3, 0.05
 # What is larger than a place that is not certain yet, as a factor on its area, is an object.
 _LARGER = 1.5
 # An object is back where no more than this differs from the background: its edge, where it is not
@@ -36,23 +36,29 @@ _PLACE_LEFT = Reason(
     'published there: clear the surface, and call ~/capture_background')
 
 
-class OldPlace(NamedTuple):
-    """
-    A place that an object of the background has left.
-
-    :param hull: Shape (n, 2), int32, columns u and v in px: all that was told of it.
-    :param first_at: When it was told first, in s.
-    :param last_at: When it was told last.
-    """
+class _Told(NamedTuple):
+    """An outline that tells a place, its first area, and when it was told first and last."""
 
     hull: np.ndarray
+    first_area: float
     first_at: float
     last_at: float
 
     @property
     def is_certain(self) -> bool:
-        """Whether it was told for long enough."""
         return self.last_at - self.first_at >= _CERTAIN_S
+
+
+class OldPlace(NamedTuple):
+    """
+    A place that an object of the background has left.
+
+    :param hull: Shape (n, 2), int32, columns u and v in px: all that tells it.
+    :param is_certain: Whether it stays.
+    """
+
+    hull: np.ndarray
+    is_certain: bool
 
     @property
     def area(self) -> float:
@@ -75,10 +81,12 @@ class OldPlaces:
 
     What tells a place are outlines: of an object that has left as a whole, or of parts of it, such
     as the corners of a box that was turned. Those that are no farther apart than they are long
-    belong to one place, the hull of all of them.
+    belong to one place, the hull of all of them. What moves away tells other places;
+    only what is told for a while stays.
     """
 
     def __init__(self) -> None:
+        self._told: List[_Told] = []
         self._places: List[OldPlace] = []
 
     def __bool__(self) -> bool:
@@ -102,15 +110,16 @@ class OldPlaces:
         :param outlines: Each of shape (n, 2), int32, columns u and v in px.
         :param at: When it was taken, in s.
         """
-        self._places = [place for place in self._places
-                        if place.is_certain or 0 <= at - place.last_at <= _CERTAIN_S]
+        self._told = [one for one in self._told
+                      if one.is_certain or 0 <= at - one.last_at <= _CERTAIN_S]
         for outline in outlines:
-            self._join(OldPlace(_hull([outline]), at, at))
+            self._add(_hull([outline]), at)
+        self._find_places()
 
     def remember(self, before: 'OldPlaces', reach_px: int) -> None:
         """Take over another camera's, which stood up to so many px from here."""
-        self._places = [place._replace(hull=_grown(place.hull, reach_px))
-                        for place in before._places]
+        self._told = [one._replace(hull=_grown(one.hull, reach_px)) for one in before._told]
+        self._find_places()
 
     def forget_those_back(self, differs: np.ndarray, scale: int,
                           detections: Sequence[Detection]) -> None:
@@ -120,10 +129,11 @@ class OldPlaces:
         :param differs: Where the frame differs, shape (h / scale, w / scale), uint8, 1 there.
         :param detections: All that was detected.
         """
-        self._places = [
-            place for place in self._places
-            if covered_share(differs, place.hull, scale) > _MOST_CHANGED
-            or any(_touch(place.hull, one) for one in detections)]
+        self._told = [
+            one for one in self._told
+            if covered_share(differs, one.hull, scale) > _MOST_CHANGED
+            or any(_touch(one.hull, detection) for detection in detections)]
+        self._find_places()
 
     def hold(self, one: Detection, is_known: bool) -> bool:
         """
@@ -143,13 +153,30 @@ class OldPlaces:
         return [place.detection for place in self._places if place.is_certain
                 and not any(_touch(place.hull, one) for one in told)]
 
-    def _join(self, place: OldPlace) -> None:
-        near = [other for other in self._places if _are_near(place.hull, other.hull)]
-        others = [other for other in self._places if not any(other is one for one in near)]
-        joined = [place, *near]
-        self._places = [*others, OldPlace(
-            place.hull if not near else _hull([one.hull for one in joined]),
-            min(one.first_at for one in joined), max(one.last_at for one in joined))]
+    def _add(self, hull: np.ndarray, at: float) -> None:
+        area = cv2.contourArea(hull)
+        for number, one in enumerate(self._told):
+            whole = _hull([one.hull, hull])
+            if cv2.contourArea(whole) <= _LARGER * max(min(one.first_area, area), 1.0):
+                self._told[number] = one._replace(hull=whole, last_at=at)
+                return
+        self._told.append(_Told(hull, area, at, at))
+
+    def _find_places(self) -> None:
+        certain = [one.hull for one in self._told if one.is_certain]
+        self._places = [OldPlace(hull, True) for hull in _joined(certain)]
+        if len(certain) < len(self._told):
+            self._places += [OldPlace(hull, False)
+                             for hull in _joined([one.hull for one in self._told])]
+
+
+def _joined(hulls: Sequence[np.ndarray]) -> List[np.ndarray]:
+    joined: List[np.ndarray] = []
+    for hull in hulls:
+        near = [other for other in joined if _are_near(hull, other)]
+        joined = [other for other in joined if not any(other is one for one in near)]
+        joined.append(_hull([hull, *near]))
+    return joined
 
 
 def _hull(outlines: Sequence[np.ndarray]) -> np.ndarray:
@@ -181,4 +208,4 @@ def _touch(hull: np.ndarray, one: Detection) -> bool:
                                  offset=(-corner[0], -corner[1]))
                     for outline in (hull, np.int32(one.outline).reshape(-1, 2)))
     around = cv2.dilate(place, np.ones((2 * _MARGIN_PX + 1,) * 2, np.uint8))
-    return cv2.countNonZero(around & thing) > 0
+    return cv2.countNonZero(around & thing) > _LEAST_TOUCHED * one.area

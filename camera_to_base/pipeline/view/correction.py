@@ -38,6 +38,9 @@ _LEAST_NUDGE_PX = 0.5
 _DRIFT_PX, _DRIFT_FRAMES = 0.8, 4
 # What stands still differs from the background by this share of what it would if it had moved.
 _STANDS_STILL = 0.7
+# After a nudge, too: it is farther than this from where the rest is, in px, if a part of at least
+# this many px, with this response of the correlation, tells.
+_MOST_APART_PX, _LEAST_PART_PX, _LEAST_RESPONSE = 2.0, 16, 0.15
 # An edge at the rim of what both pictures show is none; the blur reaches this far.
 _RIM_PX, _AROUND_EDGES = 2.0, np.ones((9, 9), np.uint8)
 # Of frames that are not held back so many are measured in a row; from then on two of each so many.
@@ -244,14 +247,15 @@ class Corrector:
         fixed &= known
         if not fixed.any():
             return None
-        moved = cv2.remap(self._background, places, None, cv2.INTER_LINEAR)
+        moved = whole = cv2.remap(self._background, places, None, cv2.INTER_LINEAR)
         # By their edges, which do not depend on the light.
         seen, still, moved = (_edges(picture)[fixed > 0] for picture in (
             frame, self._background, moved))
         off_still, off_moved = np.abs(seen - still).mean(), np.abs(seen - moved).mean()
-        if off_still < _STANDS_STILL * off_moved:
-            return ('what stands in view.fixed_areas has not moved, so the table was pushed: push '
-                    'it back, or calibrate the base again')
+        if (off_still < _STANDS_STILL * off_moved
+                or _apart(frame, whole, fixed) > _MOST_APART_PX):
+            return ('what stands in view.fixed_areas has not moved with the rest, so the table was'
+                    ' pushed: push it back, or calibrate the base again')
         return None
 
     def _is_same(self, one: Correction, other: Correction) -> bool:
@@ -278,6 +282,19 @@ class Corrector:
         apart = one.frame_from_background.pixels(places) - other.frame_from_background.pixels(
             places)
         return float(np.hypot(*apart.T).max())
+
+
+def _apart(frame: np.ndarray, other: np.ndarray, fixed: np.ndarray) -> float:
+    """Tell how far a part of two pictures is apart, in px; 0 where that cannot be told."""
+    x, y, width, height = cv2.boundingRect(fixed)
+    part = np.s_[y:y + height, x:x + width]
+    if min(width, height) < _LEAST_PART_PX:
+        return 0.0
+    edges = [_edges(picture[part]) * fixed[part][..., None] for picture in (frame, other)]
+    edges = [np.hypot(*np.moveaxis(one, 2, 0)) for one in edges]
+    (across, down), response = cv2.phaseCorrelate(
+        *edges, cv2.createHanningWindow((width, height), cv2.CV_32F))
+    return float(np.hypot(across, down)) if response > _LEAST_RESPONSE else 0.0
 
 
 def _edges(picture: np.ndarray) -> np.ndarray:
