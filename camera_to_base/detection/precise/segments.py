@@ -91,7 +91,8 @@ def parted(
             return None
         result[nats < 0][segment > 0] = 1
         has_penumbra |= softness is not None and softness > _NO_PENUMBRA / _PENUMBRA
-    is_clear = result.things.any() or has_penumbra
+    area = cv2.countNonZero(result.things)
+    is_clear = area >= min_area or has_penumbra and not area
     return result if is_clear and cv2.countNonZero(result.light) >= min_area else None
 
 

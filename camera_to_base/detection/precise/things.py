@@ -45,7 +45,7 @@ _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # How much of the table's detail is seen where only the light has changed; how many deviations tell
 # that, or that it is not by chance; how much of a variance the background has, and what may be
 # left of the detail.
-_LEAST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.5, 8.0, 4.0
+_LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.5, 1.6, 8.0, 4.0
 _OWN_NOISE, _MOST_LEFT = 0.4, 2.5
 # Light without an edge changes less per px; logarithm of the level.
 _STEEPEST = 0.06
@@ -99,7 +99,9 @@ def things_in(
     if masks is None:
         return None
     if masks is _UNCLEAR:
-        return [region._replace(may_be_light=True)]
+        # Where the table has a texture or a print, that tells better than edges.
+        is_plain = not reference.has_edges(slices(window))
+        return [region._replace(may_be_light=True)] if is_plain else None
     outlines = [outline_of(enlarged(mask, scale, frame[slices(window)]), window) for mask in masks]
     return [Region(outline, Box(*cv2.boundingRect(outline)), int(cv2.contourArea(outline)),
                    is_thing=True, neighbours=(*outlines[:index], *outlines[index + 1:]))
@@ -139,7 +141,8 @@ def _masks(
         things = _up_to_edges(solid, changed, found, frame)
         if not _is_clear(things, changed, found, has_highlight, min_area):
             return None
-    return _cut_at_gaps(things, frame, background, min_area)
+    # Where a thing was seen, parts that are too small do not make it light.
+    return _cut_at_gaps(things, frame, background, min_area) or None
 
 
 def _by_segments(
@@ -298,7 +301,8 @@ class _Detail(NamedTuple):
     @property
     def is_table(self) -> bool:
         """Whether the table is seen, so that light alone has changed."""
-        return (self.likeness > _LEAST_LIKENESS and self.slope > _LEAST_SLOPE
+        return (self.likeness > _LEAST_LIKENESS
+                and _LEAST_SLOPE < self.slope < _MOST_SLOPE
                 and self.left < _MOST_LEFT)
 
 

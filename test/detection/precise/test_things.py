@@ -202,3 +202,11 @@ def test_objects_of_the_last_frame_come_first(place):
     for seed in range(3):
         found, = detector.detect(coded(two_boxes(), 4 + seed))
         assert overlap(found, silhouette(*place)) > 0.9
+
+
+@pytest.mark.parametrize('u, v', [(144, 96), (110, 120), (125, 140)])
+def test_thing_on_printed_squares_is_no_light(u, v):
+    rows, columns = np.mgrid[:SIZE[0], :SIZE[1]] // 48 % 2
+    printed = np.where(rows == columns, 0.16, 1.5)[..., None] * np.float32([0.45, 0.48, 0.5])
+    found, = detect(painted(printed, square(u, v, 18), (0.04, 0.15, 0.6)), printed)
+    assert found.centre == pytest.approx((u - 0.5, v - 0.5), abs=1)
