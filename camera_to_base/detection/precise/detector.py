@@ -17,7 +17,7 @@ is `light_or_thing`: left out by default.
 
 Each step is a module of its own:
 
-- `reference`, `light`: the background at the frame's light, and from which levels on a pixel
+- `light`: the background at the frame's light, and from which levels on a pixel
   shows something else, in any colour.
 - `changes`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
@@ -49,11 +49,10 @@ from camera_to_base.detection.detection import Box, Detection, NoObject
 from camera_to_base.detection.precise.changes import (
     changed_parts, frame_outline, is_all_changed, Strips)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
-from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import (
     channel_extremes, outline_of, ratio_of, square)
 from camera_to_base.detection.precise.placer import Placer, unplaced
-from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, slices
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)

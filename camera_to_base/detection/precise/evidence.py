@@ -24,9 +24,8 @@ Each takes the best of the windows that contain the pixel, so that nothing leaks
 from functools import lru_cache
 from typing import List, NamedTuple
 
-from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import square
-from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, Region, slices
 import cv2
 import numpy as np

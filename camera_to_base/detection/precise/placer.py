@@ -12,12 +12,12 @@
 from typing import Callable, List, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
+from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
     close_around_highlights, enclosed, enlarged, make_piece, outline_of, outlines_in, Piece,
     reduced)
 from camera_to_base.detection.precise.plain import place_plain, Plain
-from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import (
     filled, find_shaded, grown, places_to_look, Region, slices)
 from camera_to_base.detection.precise.shares import place, place_thing, place_whole, Placed

@@ -19,11 +19,10 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
 from camera_to_base.detection.precise.evidence import measure_tint
-from camera_to_base.detection.precise.light import LevelLimits
+from camera_to_base.detection.precise.light import LevelLimits, Reference
 from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
 from camera_to_base.detection.precise.plain import find_plain, Plain
-from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
 from camera_to_base.detection.precise.things import things_in, work
 import cv2

@@ -20,12 +20,11 @@ from typing import List, NamedTuple, Optional
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.evidence import (
     box_mean, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
-from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
     channel_extremes, chosen, enclosed, enlarged, find_highlight, largest_part, make_piece,
     outline_of, outlines_in, quantile, square)
-from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 from camera_to_base.detection.precise.segments import parted
 from camera_to_base.detection.touching import nearest_part
