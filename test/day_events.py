@@ -67,6 +67,8 @@ def move(world, random):
 
 def bump(world, random):
     """Bump the camera; it is put back after a while, or the background is taken anew."""
+    if world.push.any():
+        return
     offset, begin = _offset(random), int(random.choice([0, 0, 6, 12]))
     stays = int(random.integers(2, 30))
     for share in [*np.linspace(0, 1, begin), *np.ones(stays)]:
@@ -191,6 +193,9 @@ def saturation(world, random):
 
 def push(world, random):
     """Push the table; the background is taken anew after a while."""
+    if world.push.any() or world.pose.any() or world.shift.any():
+        # Not beside a bump: both together are not told apart each time.
+        return
     angle, length = random.uniform(0, 2 * np.pi), random.uniform(6, 14)
     before = world.push
     for share in np.linspace(0, 1, int(random.integers(2, 8))):
@@ -250,6 +255,9 @@ def _done(world, random, at, do):
 
 
 def _lit(world, random, change):
+    if world.gains:
+        # One at a time: the edge of a patch that fades in is not known from a lamp that does.
+        return
     rise, stays = int(random.integers(1, 20)), int(random.integers(5, 40))
     shares = np.linspace(0, 1, rise + 1)[1:]
     for share in [*shares, *np.ones(stays), *shares[::-1]]:
