@@ -138,7 +138,8 @@ def _masks(
         return None
     else:
         things = _up_to_edges(solid, changed, found, frame)
-        if not _is_clear(things, changed, found, has_highlight, min_area):
+        if _goes_on(things, changed, frame, min_area) or not _is_clear(
+                things, changed, found, has_highlight, min_area):
             return None
     # Where a thing was seen, parts that are too small do not make it light.
     return _cut_at_gaps(things, frame, background, min_area) or None
@@ -243,14 +244,30 @@ def _up_to_edges(
     return things
 
 
+def _goes_on(
+    things: np.ndarray, changed: np.ndarray, frame: np.ndarray, min_area: float
+) -> bool:
+    """Tell whether things go on, with no step, where light alone would have changed."""
+    logs = cv2.LUT(frame, log_levels())
+    rest = changed & (1 - cv2.dilate(things, square(3)))
+    parts = [filled(outline, Box(0, 0, *things.shape[::-1])) & rest
+             for outline in outlines_in(rest) if enclosed(outline) >= min_area]
+    return any(_step(logs, things, part) < _LEAST_STEP for part in parts)
+
+
 def _has_step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> bool:
+    return _step(logs, one, other) > _LEAST_STEP
+
+
+def _step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> float:
+    """Give the step between two parts of a frame, logarithm; 0 where they do not touch."""
     # Not at the border itself, where pixels are mixed.
     sides = [cv2.erode(side, square(3)) & cv2.dilate(beyond, square(9))
              for side, beyond in ((one, other), (other, one))]
     if not all(map(cv2.countNonZero, sides)):
-        return False
+        return 0.0
     levels = [quantile(chosen(logs, side)) for side in sides]
-    return bool(np.abs(levels[0] - levels[1]).max() > _LEAST_STEP)
+    return float(np.abs(levels[0] - levels[1]).max())
 
 
 def _is_clear(
