@@ -138,8 +138,10 @@ class PinholeEquations:
         inverse = _inverse(design.T @ design + precision)
         step = -inverse @ (design.T @ residuals)
         rest = residuals + design @ step
+        # A picture that is wrong makes its own smooth errors large, and not those of most others.
+        alike = float(np.median([self._alike(board) for board in range(len(self.parts))]))
         variance = max(float(rest @ rest) / max(len(rest) - design.shape[1], 1),
-                       (self.expected_px / 4) ** 2)
+                       alike / _SMOOTH, (self.expected_px / 4) ** 2)
         found, own = step[-count:], inverse[-count:, -count:]
         return FurtherNumbers(found, float(found @ np.linalg.solve(own, found)) / count / variance)
 
