@@ -161,8 +161,13 @@ def _bend(fit: PinholeFit) -> List[str]:
     bend_mm = MM_PER_CM * float(np.abs(fit.problem.bend_cm(fit.numbers)).sum())
     if bend_mm < _DOUBTED_BEND_MM:
         return []
-    text = (f'the board is bent, by about {bend_mm:.1f} mm between its middle and its rim: glue '
-            'it to something flat and stiff, and take the pictures again')
+    is_known = fit.problem.known is not None
+    text = (f'the board {"looks" if is_known else "is"} bent, by about {bend_mm:.1f} mm between '
+            'its middle and its rim: '
+            # Through another lens than the one it has, a flat board looks bent.
+            + ('are the intrinsics those of this camera, at this zoom and focus, and is the '
+               'picture not rectified? Otherwise ' if is_known else '')
+            + 'glue it to something flat and stiff, and take the pictures again')
     if bend_mm > _REFUSED_BEND_MM:
         raise CalibrationError(text)
     return [text]

@@ -127,12 +127,12 @@ class ObjectLocator:
         detections = self._detector.detect(frame)
         detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
         found = list(map(self._located, detections, self._places(detections)))
-        taken_away = [LeftOut(place, REASONS['taken_away'], self._point(place))
-                      for place in self._detector.taken_away]
+        no_object = [LeftOut(place, REASONS['taken_away'], self._point(place))
+                     for place in self._detector.taken_away]
+        no_object += left_out_places(self._detector.dropped, self._surface.locate)
         return Found([one for one in found if isinstance(one, LocatedObject)],
-                     (*(one for one in found if isinstance(one, LeftOut)), *taken_away,
-                      *left_out_places(self._detector.dropped, self._surface.locate),
-                      *_too_many(rest, found)))
+                     (*(one for one in found if isinstance(one, LeftOut)),
+                      *map(self._unless_ignored, no_object), *_too_many(rest, found)))
 
     def _located(
         self, detection: Detection, place: Union[OnSurface, HorizonError]
@@ -186,13 +186,20 @@ class ObjectLocator:
         if settings.area is not None and not settings.area.contains(detection.centre):
             return _left_out('outside_hull', 'it lies outside the area that the calibration was '
                              'measured in, see surface.reject_outside_hull')
-        areas = settings.areas
+        return self._reason_by_area(point) or reason_by_size(
+            area_cm2, detection.area, settings.min_area_cm2, settings.max_area_cm2)
+
+    def _reason_by_area(self, point: Point) -> Optional[Reason]:
+        areas = self._settings.areas
         if areas.work is not None and not areas.work.contains(point):
             return _left_out('outside_work_area', 'it lies outside of work_area')
         if any(area.contains(point) for area in areas.ignored):
             return _left_out('in_ignored_area', 'it lies in one of ignored_areas, or on a marker')
-        return reason_by_size(
-            area_cm2, detection.area, settings.min_area_cm2, settings.max_area_cm2)
+        return None
+
+    def _unless_ignored(self, left_out: LeftOut) -> LeftOut:
+        reason = None if left_out.point is None else self._reason_by_area(left_out.point)
+        return left_out if reason is None else left_out._replace(reason=reason)
 
     def _places(
         self, detections: Sequence[Detection]

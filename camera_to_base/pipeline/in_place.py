@@ -28,10 +28,14 @@ _CHANGES, _WITHIN_S, _FORGOTTEN_S = 3, 10.0, 150.0
 _HAND_S = 1.0
 # All shapes together are no larger than one of them by this factor and some px: it never moves.
 _GROWTH, _MORE_PX = 1.6, 6
-# The next letter of a line of text is no farther away than it is high, and shares this part of its
-# height with it.
-_IN_ROW = 0.6
+# The next letter of a line of text, behind a colon, is no farther away than so many heights.
+# It, or a piece of it, has this part of its own height in the line.
+_NEXT, _IN_ROW = 1.5, 0.6
+# The hours are so many heights of a digit away from the seconds.
+_LINE = 6
 _MOST_SPOTS = 40
+# What pieces of a digit may be left out as.
+_PIECES = frozenset({'speck', 'too_small', 'taken_away'})
 # Text is no higher than this share of the picture.
 _HIGHEST = 0.1
 
@@ -69,9 +73,9 @@ class Spot:
 
     def is_beside(self, box: Box) -> bool:
         """Tell whether a box may be the next letter of the same line."""
-        own, reach = self.box, self.box.height
+        own, reach = self.box, _NEXT * self.box.height
         in_row = min(own.y + own.height, box.y + box.height) - max(own.y, box.y)
-        return (in_row >= _IN_ROW * max(own.height, box.height)
+        return (in_row >= _IN_ROW * box.height
                 and own.x - reach <= box.x + box.width
                 and box.x <= own.x + own.width + reach)
 
@@ -131,10 +135,13 @@ class InPlaceStage(Stage):
             self._shape, self._spots, self._clocks = record.frame.shape, [], []
         if any(one.reason.kind == 'cut_off' for one in record.left_out):
             self._hand_at = record.now
-        if record.objects:
+        # Thin digits that change come in pieces, of which most are specks.
+        found = [*(one.detection for one in record.objects),
+                 *(one.detection for one in record.left_out
+                   if one.reason.kind in _PIECES and one.detection is not None)]
+        if found:
             highest = _HIGHEST * record.frame.shape[0]
-            self._note([one.detection for one in record.objects
-                        if one.detection.box.height <= highest], record.now)
+            self._note([one for one in found if one.box.height <= highest], record.now)
         self._tell(record.standpoint.surface.surface, record.now)
         if not self._clocks:
             return record
@@ -178,10 +185,10 @@ def _reason(boxes: Sequence[Box], surface: Surface) -> Optional[Reason]:
     if not boxes:
         return None
     box = _around(boxes)
-    margin = max(box.height, box.width // 2)
-    corners = [(box.x - margin, box.y - margin), (box.x + box.width + margin, box.y - margin),
-               (box.x + box.width + margin, box.y + box.height + margin),
-               (box.x - margin, box.y + box.height + margin)]
+    above, beside = max(box.height, box.width // 2), max(_LINE * box.height, box.width // 2)
+    corners = [(box.x - beside, box.y - above), (box.x + box.width + beside, box.y - above),
+               (box.x + box.width + beside, box.y + box.height + above),
+               (box.x - beside, box.y + box.height + above)]
     return Reason('changes_in_place', Level.WARN, (
         'something changes in place and never moves, such as a clock that the camera writes into '
         f'its pictures: it is not published; switch it off, {_cure(corners, surface)}'))

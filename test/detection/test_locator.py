@@ -272,7 +272,7 @@ def test_several_objects_are_located_as_each_alone():
 
 
 def dusty_frame(count, radius=4):
-    """A frame with a coin and so many specks of dust, about 55 px² each."""
+    """Draw a coin and so many specks of dust, about 55 px² each."""
     frame = plain_frame()
     for number in range(count):
         cv2.circle(frame, (15 + 20 * (number % 31), 12 + 20 * (number // 31)), radius,

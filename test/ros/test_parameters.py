@@ -22,7 +22,8 @@ import yaml
 CAMERA_ARGUMENTS = [
     'source:=simulated', 'period:=2', 'background_frames:=3', 'wait_for_camera:=false',
     'camera_frame_id:="12"', "calibration.device:='on: ä #1.png'", 'detector.method:=tutorial',
-    'detector.closing_size:=7', 'detector.max_area_cm2:=1e-7', 'surface.camera_foot_cm:=[]',
+    'detector.closing_size:=7', 'detector.max_area_cm2:=1e-7',
+    'detector.min_area_cm2:=1e-8', 'surface.camera_foot_cm:=[]',
     'surface.hull:=[0.0, 0.5, 639.0, 1e-7, 320.0, 479.0]', 'surface.image_size:=[320, 240]',
     'surface.polynomial.y_of_v:=[6e-07, 1e22, -3.0]', 'simulated.diameters_cm:=[3, 2]',
     'displacement_cm:=[0.1, -1e-5, 0.0]', 'qos_overrides./mask.publisher.reliability:=best_effort']

@@ -686,10 +686,10 @@ def test_check_is_made_on_the_surface_whatever_the_height_of_the_objects(report)
     assert report('check', 'a.yaml', 'points.csv')['max_mm'] < 1e-6
 
 
-def test_intrinsics_of_another_lens_are_a_warning(report):
-    found = report('board', board_picture(), *BOARD, '-o', 'surface.yaml', '--intrinsics',
-                   camera_info(focal=400.0))
-    assert any('are they those of this camera' in text for text in found['warnings'])
+def test_intrinsics_of_another_lens_are_refused(run):
+    code, _, error = run('board', board_picture(), *BOARD, '-o', 'surface.yaml', '--intrinsics',
+                         camera_info(focal=400.0))
+    assert code == 1 and 'are the intrinsics those of this camera' in error
 
 
 def test_full_disk_for_the_report_is_one_sentence():

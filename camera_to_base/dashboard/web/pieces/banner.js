@@ -33,6 +33,7 @@ export function createBanner(store) {
     setText(document.getElementById('banner-text'), sentence);
     setText(document.getElementById('banner-more'), more ?? '');
     fillWay(document.getElementById('banner-way'), way);
+    leaveRoom();
     const isOpen = store.get('connection') === 'open';
     document.body.classList.toggle('offline', !isOpen);
     const pill = document.getElementById('connection');
@@ -40,6 +41,13 @@ export function createBanner(store) {
     setText(pill, isOpen ? 'Connected' : 'Not connected');
   };
   ['connection', 'watch'].forEach((part) => store.on(part, update));
+}
+
+/** Keep what is scrolled to, or sticks, below a banner that stays in sight. */
+function leaveRoom() {
+  const banner = document.getElementById('banner');
+  const height = getComputedStyle(banner).position === 'sticky' ? banner.offsetHeight : 0;
+  document.documentElement.style.setProperty('--banner', `${height}px`);
 }
 
 /** Return what the banner says; the server decides the state of the cell, see `state` in `watch`. */
