@@ -23,7 +23,8 @@ import pytest
 PACKAGE = Path(camera_to_base.__file__).parent
 CONTRIBUTING = Path(__file__).parents[1] / 'CONTRIBUTING.md'
 WITH_ROS = {'ros', 'nodes', 'dashboard'}
-NUMPY_AND_OPENCV_ALONE = {'surface', 'markers', 'simulation', 'detection', 'pipeline'}
+NUMPY_AND_OPENCV_ALONE = {
+    'surface', 'markers', 'simulation', 'detection', 'pipeline', 'fusion'}
 MAY_LOG_AND_PRINT = {'ros', 'nodes', 'commands', 'dashboard', 'launching', 'executables'}
 # Each is imported within the functions that need it.
 HEAVY = {'matplotlib', 'rosbags', 'scipy', 'tqdm'}
