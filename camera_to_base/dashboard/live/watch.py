@@ -126,8 +126,9 @@ class CellWatch:
 
     def _beat(self) -> None:
         self._beats += 1
-        self._tell('watch', self._status.watch_data(
-            self._cell, self.geometry, self._sessions.setup))
+        watch = self._status.watch_data(self._cell, self.geometry, self._sessions.setup)
+        self._tell('watch', watch)
+        self._sessions.see_published(watch['stamp_s'], watch['objects'])
         self._feed.check()
         if self._beats % _BEATS_PER_S == 0:
             self._look_at_graph()

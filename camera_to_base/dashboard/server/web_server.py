@@ -175,7 +175,7 @@ class SavedFile(Action):
 
 
 SESSION_ACTIONS = [
-    ('/api/(board|markers|robot|save|simulated)/([a-z_0-9]+)', SessionStep),
+    ('/api/(board|markers|robot|prove|save|simulated)/([a-z_0-9]+)', SessionStep),
     ('/api/(save|areas)', WholePart), ('/api/correction', KeepCorrection),
     ('/api/report/([a-z]+[.](?:png|txt))', ReportPart), ('/api/sheet', Sheet),
     ('/api/file', SavedFile)]

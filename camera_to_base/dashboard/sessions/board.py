@@ -13,9 +13,11 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from camera_to_base.calibration import (
     calibrate_placements, Calibration, part_values, Placement, PrintedBoard, SURFACE)
+from camera_to_base.dashboard.sessions.board_report import (
+    placement_errors, report_data, tilted_errors)
 from camera_to_base.dashboard.sessions.kept import History
 from camera_to_base.dashboard.sessions.placements import (
-    BoardOptions, BoardWatch, found_again, PictureTaker, PlacementList, report_data)
+    BoardOptions, BoardWatch, found_again, PictureTaker, PlacementList)
 from camera_to_base.dashboard.sessions.tilted import (
     tilted_picture, TiltedList, TiltedPicture, WANTED)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, sentence_of, Worker
@@ -52,6 +54,7 @@ class BoardSession:
         self._placements, self._tilted = PlacementList(), TiltedList()
         self._is_tilting = False
         self.calibration: Optional[Calibration] = None
+        self._judged: Tuple[Any, Tuple[List[float], List[float]]] = None, ([], [])
         self._accepted: Optional[Dict[str, Any]] = None
         self.accepted_calibration: Optional[Calibration] = None
         self._history = History()
@@ -108,13 +111,15 @@ class BoardSession:
         return {
             'step': 'off' if not self._is_on else 'fitted' if self.calibration else 'looking',
             'hint': self._hint(), 'options': self._options.data, 'look': self._watch.data,
-            'placements': self._placements.data, 'covered': self._placements.covered,
+            'placements': _with_errors(self._placements.data, 'error_mm', self._errors[0]),
+            'covered': self._placements.covered,
             'suggestion': self._suggestion,
             'busy': self._busy, 'error': self._error,
             'report': self.calibration and report_data(self.calibration, len(self._placements)),
             'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted,
             'undo': self._history.sentence, 'tilting': self._is_tilting,
-            'tilted': self._tilted.data, 'wanted_tilted': WANTED,
+            'tilted': _with_errors(self._tilted.data, 'error_px', self._errors[1]),
+            'wanted': _GOOD_PLACEMENTS, 'wanted_tilted': WANTED,
             'tilt_side': self._tilted.side if self._is_tilting else None}
 
     def start(self, body: Mapping[str, Any]) -> None:
@@ -256,6 +261,15 @@ class BoardSession:
         self._on_change()
 
     @property
+    def _errors(self) -> Tuple[List[float], List[float]]:
+        """Of each placement in mm, and of each tilted picture in px; none before the fit."""
+        if self.calibration is not self._judged[0]:
+            self._judged = self.calibration, ([], []) if self.calibration is None else (
+                placement_errors(self.calibration, self._placements.all),
+                tilted_errors(self.calibration))
+        return self._judged[1]
+
+    @property
     def _known_lens(self) -> Optional[LensModel]:
         """The driver's, if it is of pictures as they come."""
         images = self._placements.images
@@ -362,6 +376,11 @@ def _found_again(board: PrintedBoard, images: List[np.ndarray], tilted_count: in
     flat = found_again(board, images[:count])
     return flat, [tilted_picture(board, image, number, flat)
                   for number, image in enumerate(images[count:])]
+
+
+def _with_errors(data: List[Dict[str, Any]], name: str, errors: List[float]) -> List[Dict]:
+    return [{**one, name: error} for one, error in zip(
+        data, [*errors, *[None] * (len(data) - len(errors))])]
 
 
 def _refuse_unless(condition: Any, sentence: str) -> None:

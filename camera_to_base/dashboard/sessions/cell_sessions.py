@@ -13,15 +13,16 @@ import os
 import threading
 import time
 import traceback
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from camera_to_base.calibration import (
     lens_of_camera_info, marker_sheet_content, OfferedCorrection, report_lines)
 from camera_to_base.dashboard.sessions.board import BoardSession
+from camera_to_base.dashboard.sessions.board_report import PANEL_NAMES
 from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.kept import KeptSteps, Steps
 from camera_to_base.dashboard.sessions.markers import MarkerSession
-from camera_to_base.dashboard.sessions.placements import PANEL_NAMES
+from camera_to_base.dashboard.sessions.prove import ProveSession
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save import SaveSession
 from camera_to_base.dashboard.sessions.table import (
@@ -34,7 +35,7 @@ import numpy as np
 
 # The edge of a printed marker, in mm; the command `calibrate sheet --markers` has others.
 _MARKER_MM = 40.0
-PARTS = ('board', 'markers', 'robot', 'save', 'areas', 'simulated')
+PARTS = ('board', 'markers', 'robot', 'prove', 'save', 'areas', 'simulated')
 Action = Callable[[Mapping[str, Any]], Optional[CellChanges]]
 
 # A session may change several times for one frame.
@@ -72,6 +73,8 @@ class CellSessions:
             self._values, self._worker, lambda: on_change('board'), on_picture)
         self._markers = MarkerSession(self._values, lambda: on_change('markers'))
         self._robot = RobotSession(self._values, lambda: on_change('robot'))
+        self._prove = ProveSession(
+            self._values, self._robot.tool, lambda: on_change('prove'))
         self._save = SaveSession(
             self._values, lambda: (self._robot.accepted_calibration,
                                    self._board.accepted_calibration),
@@ -88,7 +91,7 @@ class CellSessions:
     @property
     def wants_objects(self) -> bool:
         """Whether :meth:`see_objects` and :meth:`see_background` are to be called."""
-        return self._robot.wants_objects
+        return self._robot.wants_objects or self._prove.wants_objects
 
     @property
     def file_path(self) -> str:
@@ -110,7 +113,7 @@ class CellSessions:
     def tool_topic(self) -> str:
         """The topic whose poses go to :meth:`see_tool`, in the cell's namespace; '' for none."""
         with self._lock:
-            is_on = self._robot.wants_objects or simulated_data(self._values)['shown']
+            is_on = self.wants_objects or simulated_data(self._values)['shown']
             return self._robot.tool.topic if is_on else ''
 
     def see_frame(self, image: np.ndarray) -> None:
@@ -146,6 +149,12 @@ class CellSessions:
             self._robot.tool.see(x, y, frame_id, stamp_s)
             if self._robot.tool.data != before:
                 self._on_change('robot')
+                self._on_change('prove')
+
+    def see_published(self, stamp_s: Optional[float], objects: List[Dict[str, Any]]) -> None:
+        """Take the published objects of the newest frame, as the page shows them."""
+        with self._lock:
+            self._prove.see_published(stamp_s, objects)
 
     def see_background(self, mark: Any) -> None:
         """Take something that changes with each background."""
@@ -174,7 +183,7 @@ class CellSessions:
             if part in ('areas', 'simulated'):
                 return (areas_data if part == 'areas' else simulated_data)(self._values)
             return {'board': self._board, 'markers': self._markers, 'robot': self._robot,
-                    'save': self._save}[part].state
+                    'prove': self._prove, 'save': self._save}[part].state
 
     def act(self, part: str, name: str, body: Mapping[str, Any]) -> Optional[CellChanges]:
         """
@@ -280,8 +289,8 @@ class CellSessions:
         self._is_restored = True
 
     def _list_actions(self) -> Dict[Tuple[str, str], Action]:
-        board, markers, robot, values = (
-            self._board, self._markers, self._robot, self._values)
+        board, markers, robot, prove, values = (
+            self._board, self._markers, self._robot, self._prove, self._values)
         return {
             ('board', 'start'): board.start, ('board', 'take'): lambda body: board.take(),
             ('board', 'remove'): board.remove, ('board', 'fit'): lambda body: board.fit(),
@@ -297,6 +306,9 @@ class CellSessions:
             ('robot', 'base_z'): robot.set_base_z,
             ('robot', 'accept'): lambda body: robot.acceptance(),
             ('robot', 'undo'): robot.undo, ('robot', 'cancel'): robot.cancel,
+            ('prove', 'see'): prove.see, ('prove', 'touch'): prove.touch,
+            ('prove', 'from_topic'): prove.from_topic, ('prove', 'remove'): prove.remove,
+            ('prove', 'undo'): prove.undo, ('prove', 'cancel'): prove.cancel,
             ('save', 'save'): self._save.save, ('save', 'cancel'): self._save.cancel,
             ('save', 'load'): self._save.load, ('save', 'undo'): self._save.undo,
             ('areas', 'set'): lambda body: area_changes(values, body),

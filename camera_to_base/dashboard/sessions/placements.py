@@ -14,8 +14,8 @@ import time
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.calibration import (
-    BoardLook, Calibration, covered_shares, look_for, make_placement, NINTHS, PAPERS, Placement,
-    PrintedBoard, refuse_unlike, renumbered, report_lines, shares_of, sheet_content, uncovered)
+    BoardLook, covered_shares, look_for, make_placement, NINTHS, PAPERS, Placement, PrintedBoard,
+    refuse_unlike, renumbered, shares_of, sheet_content, uncovered)
 from camera_to_base.checks import finite_number, whole_number
 from camera_to_base.dashboard.sessions.values import sentence_of, Worker
 from camera_to_base.errors import FrameSourceError, InvalidValueError
@@ -133,24 +133,6 @@ def suggestion(placements: Sequence[Placement]) -> Optional[Dict[str, Any]]:
     return {'sentence': f'Lay the board elsewhere, best {" or ".join(missing[:2])}, without '
                         'moving the camera; turn it a little.',
             'pixel': [(column + 0.5) * width / 3, (row + 0.5) * height / 3]}
-
-
-def report_data(calibration: Calibration, placement_count: int) -> Dict[str, Any]:
-    """Describe a fit; its pictures are named as the server serves them."""
-    report = calibration.report
-    return {
-        'held_out_mm': report['leave_one_out_rms_mm'], 'rms_mm': report['rms_mm'],
-        'largest_mm': report['max_mm'], 'points': report['points'],
-        'placements': placement_count, 'covered': report['coverage'],
-        'lines': [line for line in report_lines(report) if not line.startswith('warning: ')],
-        'warnings': list(report['warnings']), 'error_map_mm': report['error_map_mm'],
-        'pictures': [{'title': panel.title, 'url': f'/api/report/{name}.png?{report["date"]}'}
-                     for name, panel in zip(PANEL_NAMES, calibration.panels)],
-        'text_url': f'/api/report/board.txt?{report["date"]}'}
-
-
-# Of the panels of a report picture, in their order.
-PANEL_NAMES: List[str] = ['fit', 'above', 'errors', 'raised']
 
 
 def _outline(corners: np.ndarray) -> np.ndarray:

@@ -18,11 +18,13 @@ import {connect, Store} from './base/state.js';
 import {createCalibrate} from './parts/calibrate.js';
 import {createDetect} from './parts/detect.js';
 import {createHealth} from './parts/health.js';
+import {createProve} from './parts/prove.js';
 import {createRobot} from './parts/robot.js';
 import {createSave} from './parts/save.js';
 import {createWatch} from './parts/watch.js';
 import {createBanner} from './pieces/banner.js';
 import {createCells} from './pieces/cells.js';
+import {createSetup} from './pieces/setup.js';
 import {createSimulated} from './pieces/simulated.js';
 import {createTabs} from './pieces/tabs.js';
 
@@ -33,10 +35,12 @@ createTabs(document.getElementById('tabs'), document.getElementById('main'), {
   detect: ['Detect', createDetect(store)],
   calibrate: ['Calibrate', createCalibrate(store)],
   robot: ['Robot', createRobot(store)],
+  prove: ['Prove', createProve(store)],
   health: ['Health', createHealth(store)],
   save: ['Save', createSave(store)],
 });
 createBanner(store);
 createCells(store);
+createSetup(store);
 createSimulated(store);
 connect(store);

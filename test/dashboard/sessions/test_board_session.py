@@ -80,6 +80,7 @@ def test_the_fit_is_that_of_the_command(cell):
     state = cell.calibrate_board(4)
     report = state['report']
     assert state['step'] == 'fitted' and report['held_out_mm'] < 0.2 and report['covered'] > 0.4
+    assert all(0 < one['error_mm'] < 0.2 for one in state['placements'])
     assert report['placements'] == 4 and len(report['error_map_mm']) == 6
     board = PrintedBoard()
     placements = []

@@ -12,7 +12,7 @@
 // See the License for the specific language governing permissions and
 // limitations under the License.
 
-// The two sessions of the server: the board's and the robot's. Their states live there.
+// The sessions of the server, such as the board's and the robot's. Their states live there.
 
 import {act} from './actions.js';
 import {attempt} from './notices.js';
@@ -27,3 +27,4 @@ function session(name) {
 export const board = session('board');
 export const markers = session('markers');
 export const robot = session('robot');
+export const prove = session('prove');

@@ -90,8 +90,9 @@ function makePlacement({number}) {
     class: 'quiet small', 'aria-label': `Remove placement ${number}`}));
 }
 
-function fillPlacement(node, {corners, doubts}) {
-  setText(node.firstChild, [`${corners} corners`, ...doubts].join('; '));
+function fillPlacement(node, {corners, doubts, error_mm: error}) {
+  setText(node.firstChild, [`${corners} corners`, ...(error === null ? [] :
+    [`off by ${fixed(error, 2)} mm`]), ...doubts].join('; '));
 }
 
 function makeTilted({number}) {
@@ -100,9 +101,9 @@ function makeTilted({number}) {
     class: 'quiet small', 'aria-label': `Remove tilted picture ${number}`}));
 }
 
-function fillTilted(node, {side, degrees, doubts}) {
-  setText(node.firstChild, [`tilted by about ${degrees}°, raised at the ${side}`, ...doubts]
-    .join('; '));
+function fillTilted(node, {side, degrees, doubts, error_px: error}) {
+  setText(node.firstChild, [`tilted by about ${degrees}°, raised at the ${side}`,
+    ...(error === null ? [] : [`off by ${fixed(error, 2)} px`]), ...doubts].join('; '));
 }
 
 /** A bar along the side of the picture at which the board is to be raised. */
@@ -113,14 +114,24 @@ function tiltGuide(side, {width, height}) {
 }
 
 function drawCover(picture, {placements, suggestion, tilted, tilting, tilt_side: side}) {
-  const outlines = [...tilting ? [] : placements, ...tilted].map(({outline, number, degrees}) => [
+  const shown = [...tilting ? [] : placements, ...tilted];
+  const outlines = shown.map(({outline, number, degrees}) => [
     'polygon', {class: degrees === undefined ? 'placement' : 'placement tilted', 'data-number': number,
       points: outline.map(([u, v]) => `${u},${v}`).join(' ')}]);
+  const numbers = shown.map(({outline, number, degrees}) => ['text', {
+    class: degrees === undefined ? 'place-number' : 'place-number tilted',
+    x: mean(outline.map(([u]) => u)), y: mean(outline.map(([, v]) => v)), dy: '0.35em',
+    'text-anchor': 'middle', 'font-size': picture.size.width / 16}, String(number)]);
   const target = suggestion?.pixel ? [['circle', {class: 'target', cx: suggestion.pixel[0],
     cy: suggestion.pixel[1], r: picture.size.width * 0.06}]] : [];
-  const shapes = [...outlines, ...target, ...tiltGuide(side, picture.size)];
+  const shapes = [...outlines, ...numbers, ...target, ...tiltGuide(side, picture.size)];
   sync(picture.overlay, shapes, ([tag], index) => `${tag}${index}`, ([tag]) => svg(tag),
-    (shape, [, attributes]) => {
+    (shape, [, attributes, text]) => {
       Object.entries(attributes).forEach(([name, value]) => setAttribute(shape, name, value));
+      if (text) setText(shape, text);
     });
+}
+
+function mean(values) {
+  return values.reduce((sum, value) => sum + value, 0) / values.length;
 }

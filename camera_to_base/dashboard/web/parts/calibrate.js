@@ -20,7 +20,7 @@ import {createMarkers} from './markers.js';
 import {fetchFile, keepFile} from '../base/actions.js';
 import {button, card, createUndo, element, setText, show} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
-import {read} from '../base/numbers.js';
+import {read, sentence as asSentence} from '../base/numbers.js';
 import {board} from '../base/sessions.js';
 
 /** Make the part. */
@@ -43,7 +43,7 @@ export function createCalibrate(store) {
     else table.stop();
   };
   store.on('board', (state) => {
-    setText(hint, state.error ?? state.busy ?? state.hint ?? '');
+    setText(hint, asSentence(state.error) ?? state.busy ?? state.hint ?? '');
     hint.classList.toggle('error', Boolean(state.error));
     [lead, sheets, options.node].forEach((each) => show(each, state.step === 'off'));
     options.update(state);

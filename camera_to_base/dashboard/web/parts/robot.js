@@ -14,10 +14,11 @@
 
 // Robot: pairs of what the camera sees and what the robot touches tell where the base frame is.
 
-import {button, card, createUndo, element, setAttribute, setText, show, svg, sync} from '../base/dom.js';
+import {button, card, createUndo, element, setText, show, sync} from '../base/dom.js';
 import {createPairs} from './pairs.js';
-import {LivePicture} from '../pieces/pictures.js';
+import {createChoice, markPlaces} from '../pieces/choice.js';
 import {createFit} from './robot_fit.js';
+import {sentence as asSentence} from '../base/numbers.js';
 import {robot} from '../base/sessions.js';
 import {createTouch} from './touch.js';
 
@@ -30,7 +31,7 @@ export function createRobot(store) {
     'lies in the base frame.'), card('Start', start));
   const undo = createUndo(() => robot('undo'));
   const see = createSee(store);
-  const touch = createTouch();
+  const touch = createTouch(robot, {id: 'touch', label: "x and y on the robot's display", add: 'Add the pair'});
   const pairs = createPairs();
   const fit = createFit();
   const work = element('div', {}, element('div', {class: 'columns'}, see.node, touch.node),
@@ -42,7 +43,7 @@ export function createRobot(store) {
   };
   store.on('robot', (state) => {
     const isMeasuring = state.step === 'measuring';
-    setText(hint, state.error ?? state.needs ?? state.hint ?? '');
+    setText(hint, asSentence(state.error) ?? state.needs ?? state.hint ?? '');
     hint.classList.toggle('error', Boolean(state.error ?? state.needs));
     show(begin, !isMeasuring);
     start.disabled = Boolean(state.needs);
@@ -60,45 +61,30 @@ export function createRobot(store) {
 }
 
 function createSee(store) {
-  const picture = new LivePicture('annotated', 'The live picture with the number of each object.');
-  const buttons = element('div', {class: 'buttons', role: 'group',
-    'aria-label': 'Objects in the picture'});
+  const {picture, buttons} = createChoice(store, (pixel) => robot('see', pixel));
   const markers = element('div', {class: 'buttons', role: 'group',
     'aria-label': 'Markers on the table'});
   const suggestion = element('p');
-  picture.node.addEventListener('click', (event) => {
-    const pixel = picture.pixelAt(event);
-    if (pixel) robot('see', pixel);
-  });
-  store.on('watch', ({objects}) => sync(buttons, objects.filter((each) => each.pixel),
-    ({number}) => number, ({number}) => button(`Object ${number}`, () => {
-      const object = store.get('watch').objects.find((each) => each.number === number);
-      if (object) robot('see', {u: object.pixel[0], v: object.pixel[1]});
-    }), () => {}));
+  const orMarkers = element('p', {class: 'quiet'},
+    'In place of an object, the robot can touch the middle of a learned marker:');
   const update = (state) => {
     const isDone = state.open || state.accepted;
     setText(suggestion, isDone ? '' : state.suggestion?.sentence ?? '');
+    show(orMarkers, state.markers.length);
     sync(markers, state.markers, (number) => number, (number) => button(`Marker ${number}`,
       () => robot('marker', {number})), () => {});
-    drawPairs(picture, state);
+    markPairs(picture, state);
   };
   return {update, start: () => picture.start(), stop: () => picture.stop(),
     node: card('1. Choose the object', picture.node, suggestion,
-      element('p', {class: 'quiet'}, 'Click the object that the robot will touch, or choose it here. ' +
-        'In place of an object, it can touch the middle of a learned marker:'),
-      buttons, markers)};
+      element('p', {class: 'quiet'}, 'Click the object that the robot will touch, or choose it here.'),
+      buttons, orMarkers, markers)};
 }
 
-function drawPairs(picture, {pairs, suggestion, open, accepted}) {
-  const r = picture.size.width * 0.02;
-  const marks = [
+function markPairs(picture, {pairs, suggestion, open, accepted}) {
+  markPlaces(picture, [
     ...pairs.filter(({pixel}) => pixel).map((pair) => ({...pair, name: pair.valid && pair.fits ? 'pair' : 'pair bad'})),
     ...(suggestion?.pixel && !open && !accepted ? [{number: 'next', pixel: suggestion.pixel, name: 'target'}] : []),
     ...(open?.pixel ? [{number: 'open', pixel: open.pixel, name: 'chosen'}] : []),
-  ];
-  sync(picture.overlay, marks, ({number}) => number, () => svg('circle'),
-    (node, {pixel: [u, v], name}) => {
-      const place = {class: name, cx: u, cy: v, r: name.startsWith('pair') ? r : 2.5 * r};
-      Object.entries(place).forEach(([key, value]) => setAttribute(node, key, value));
-    });
+  ]);
 }

@@ -12,31 +12,30 @@
 // See the License for the specific language governing permissions and
 // limitations under the License.
 
-// The open pair: the object is seen in some frames, and then touched by the robot.
+// The open object: it is seen in some frames, and then touched by the robot.
 
 import {button, card, element, setText, show} from '../base/dom.js';
 import {point, sentence as asSentence} from '../base/numbers.js';
-import {robot} from '../base/sessions.js';
 
-/** Make the card. */
-export function createTouch() {
+/** Make the card of a session, `run`; `add` is the button, `label` what is typed. */
+export function createTouch(run, {id, label, add}) {
   const sentence = element('p', {role: 'status'});
   const bar = element('progress', {max: 20, value: 0, 'aria-label': 'Frames that show the object'});
-  const input = element('input', {type: 'text', id: 'touch', autocomplete: 'off',
-    'aria-describedby': 'touch-help'});
+  const input = element('input', {type: 'text', id, autocomplete: 'off',
+    'aria-describedby': `${id}-help`});
   const typed = element('form', {class: 'buttons', onsubmit: async (event) => {
     event.preventDefault();
-    if (await robot('touch', {text: input.value})) input.value = '';
+    if (await run('touch', {text: input.value})) input.value = '';
     else input.focus();
-  }}, element('label', {for: 'touch'}, "x and y on the robot's display"), input,
-  element('button', {class: 'primary'}, 'Add the pair'));
-  const help = element('p', {class: 'quiet', id: 'touch-help'},
+  }}, element('label', {for: id}, label), input,
+  element('button', {class: 'primary'}, add));
+  const help = element('p', {class: 'quiet', id: `${id}-help`},
     'In cm: 12.5 -3.4. With another unit, write it: 125 -34 mm.');
-  const topic = createTopic();
+  const topic = createTopic(run, `${id}-topic`);
   const body = element('div', {}, bar, typed, help, topic.node);
   const node = card('2. Touch it with the robot', sentence, body);
   const update = ({step, open, tool}) => {
-    show(node, step === 'measuring');
+    show(node, step !== 'off');
     setText(sentence, open ? asSentence(open.sentence) : 'First choose the object that the robot will touch.');
     show(body, open);
     if (!open) return;
@@ -52,11 +51,11 @@ export function createTouch() {
   return {node, update};
 }
 
-function createTopic() {
-  const input = element('input', {type: 'text', id: 'tool-topic', autocomplete: 'off',
+function createTopic(run, id) {
+  const input = element('input', {type: 'text', id, autocomplete: 'off',
     placeholder: '/tool_pose'});
   const state = element('p', {class: 'quiet', role: 'status'});
-  const take = button('Take it from the topic', () => robot('from_topic', {topic: input.value}));
+  const take = button('Take it from the topic', () => run('from_topic', {topic: input.value}));
   let known = '';
   const update = (tool) => {
     if (tool.topic !== known && document.activeElement !== input) {
@@ -67,7 +66,7 @@ function createTopic() {
   };
   const node = element('details', {}, element('summary', {},
     "Or take it from a topic of the robot's driver"),
-  element('p', {class: 'buttons'}, element('label', {for: 'tool-topic'},
+  element('p', {class: 'buttons'}, element('label', {for: id},
     'Topic (geometry_msgs/PoseStamped)'), input, take), state);
   return {node, update};
 }

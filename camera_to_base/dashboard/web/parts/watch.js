@@ -20,7 +20,6 @@ import {createMap} from '../pieces/map.js';
 import {ago, fixed, point} from '../base/numbers.js';
 import {LivePicture} from '../pieces/pictures.js';
 import {createScatter} from '../pieces/scatter.js';
-import {createSetup} from '../pieces/setup.js';
 
 const KINDS = {
   annotated: ['With outlines', 'The live picture, with the outline and the number of each object.'],
@@ -42,7 +41,6 @@ export function createWatch(store) {
   const empty = element('p', {class: 'quiet'}, 'No object.');
   const figures = createFigures();
   const leftOut = createLeftOut();
-  const setup = createSetup(store);
   const scatter = createScatter();
 
   const draw = () => {
@@ -70,7 +68,7 @@ export function createWatch(store) {
   });
   picture.node.addEventListener('click', () => selection.choose(pressed));
 
-  const node = element('div', {class: 'watch'}, setup.node, element('div', {class: 'columns'},
+  const node = element('div', {class: 'watch'}, element('div', {class: 'columns'},
     element('div', {},
       card('Picture', kindChoice(picture), picture.node,
         element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),

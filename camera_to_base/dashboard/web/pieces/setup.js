@@ -12,40 +12,52 @@
 // See the License for the specific language governing permissions and
 // limitations under the License.
 
-// The way to a calibrated cell, as a list of steps; it disappears when all are done.
+// The way to a calibrated cell, as one list of steps above the parts; it goes when all are done.
 
 import {button, element, setAttribute, setText, show, sync} from '../base/dom.js';
 import {lacksBackground} from '../base/reasons.js';
 
 const KEPT_AS = 'setup-closed';
+// Where the list is shown even if all but the proof is done; elsewhere it goes then.
+const OF_SETUP = ['calibrate', 'robot', 'prove', 'save'];
+const WITHOUT = ['health'];
 
 /** Make the list. */
 export function createSetup(store) {
   const list = element('ol', {class: 'steps'});
-  const node = element('section', {class: 'card setup', 'aria-labelledby': 'setup-title'},
-    element('h3', {id: 'setup-title'}, 'Set up this cell'),
-    button('Hide this list', () => {
+  const node = element('section', {class: 'setup', 'aria-label': 'Set up this cell'}, list,
+    button('Hide', () => {
       sessionStorage.setItem(KEPT_AS, 'yes');
       update();
-    }, {class: 'quiet small'}), list);
+    }, {class: 'quiet small', 'aria-label': 'Hide this list'}));
+  document.getElementById('setup').append(node);
+  let before = null;
   const update = () => {
     const steps = stepsOf(store);
+    const part = location.hash.slice(1) || 'watch';
     const next = steps.findIndex((step) => !step.isDone);
-    show(node, next >= 0 && !sessionStorage.getItem(KEPT_AS));
+    const isOpen = OF_SETUP.includes(part) ? next >= 0 : next >= 0 && steps[next].part !== 'prove';
+    show(node, isOpen && !WITHOUT.includes(part) && !sessionStorage.getItem(KEPT_AS));
     sync(list, steps, (step) => step.name, makeStep,
-      (item, step, index) => fillStep(item, step, index === next));
+      (item, step, index) => fillStep(item, step, index === next, step.part === part));
+    // On a small screen the list is one line that scrolls.
+    const here = list.querySelector('[aria-current]') ?? list.children[Math.max(next, 0)];
+    if (here !== before && list.scrollWidth > list.clientWidth) list.scrollLeft = here.offsetLeft - list.offsetLeft - 40;
+    before = here;
   };
-  ['watch', 'parameters', 'save', 'cells'].forEach((part) => store.on(part, update));
-  return {node};
+  ['watch', 'parameters', 'save', 'cells', 'board', 'robot', 'prove'].forEach((part) =>
+    store.on(part, update));
+  addEventListener('hashchange', update);
 }
 
 function makeStep({part, name}) {
   return element('li', {}, element('a', {href: `#${part}`}, name), element('span', {class: 'state'}));
 }
 
-function fillStep(item, step, isNext) {
+function fillStep(item, step, isNext, isHere) {
   setAttribute(item, 'class', step.isDone ? 'done' : isNext ? 'next' : 'later');
-  setText(item.lastChild, step.isDone ? 'done' : isNext ? step.todo : '');
+  setAttribute(item.firstChild, 'aria-current', isHere ? 'step' : null);
+  setText(item.lastChild, step.isDone ? 'done' : step.state ?? (isNext ? step.todo : ''));
 }
 
 function stepsOf(store) {
@@ -56,17 +68,37 @@ function stepsOf(store) {
   return [
     {part: 'health', name: 'Camera', isDone: Boolean(watch?.image?.width),
       todo: 'no picture yet: look at Health'},
-    {part: 'calibrate', name: 'Surface', isDone: Boolean(surface),
-      todo: 'lay a printed board on the table'},
+    ...surfaceSteps(store.get('board'), Boolean(surface)),
     {part: 'detect', name: 'Background',
       isDone: Boolean(watch) && !lacksBackground(watch.state.reason),
       todo: 'clear the table, and take the background'},
-    {part: 'robot', name: 'Robot', isDone: Boolean(base),
-      todo: 'touch five objects with the robot'},
+    {part: 'robot', name: 'Robot', ...robotStep(store.get('robot'), Boolean(base))},
     {part: 'save', name: 'Save',
       isDone: Boolean(surface && base && save?.path) && !save.changes?.length,
       todo: 'keep everything for the next start'},
+    {part: 'prove', name: 'Prove', isDone: store.get('prove')?.good === true,
+      todo: 'touch an object at a new place'},
   ];
+}
+
+/** The board on the table, and at a tilt: without the latter, the lens and the height lack. */
+function surfaceSteps(board, isKnown) {
+  const isOn = board && board.step !== 'off' && !board.accepted;
+  const count = isOn && `${board.placements.length} of ${board.wanted} places`;
+  const flat = isOn ? board.report ? 'check the report' : count : undefined;
+  const steps = [{part: 'calibrate', name: 'Surface', isDone: isKnown && !isOn, state: flat,
+    todo: 'lay a printed board on the table'}];
+  if (isOn && board.placements.length) {
+    steps.push({part: 'calibrate', name: 'Tilted board', isDone: false,
+      state: `${board.tilted.length} of ${board.wanted_tilted}`});
+  }
+  return steps;
+}
+
+function robotStep(robot, isKnown) {
+  const isOn = robot?.step === 'measuring' && !robot.accepted;
+  return {isDone: isKnown && !isOn, todo: 'touch five objects with the robot',
+    state: isOn ? `${robot.pairs.length} of 5 pairs` : undefined};
 }
 
 function value(store, node, name) {
