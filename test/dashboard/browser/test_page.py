@@ -91,6 +91,28 @@ def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
     page.click('Moving objects', '#simulated')
 
 
+def test_new_place_is_proved_by_touching_it(page):
+    page.click('Objects at rest', '#simulated')
+    page.go_to('prove')
+    assert page.element('.setup [aria-current=step]').text == 'Prove'
+    wait_until(lambda: page.button('Object 5', '#part-prove'), lambda: page.read())
+    page.click('Object 2', '#part-prove')
+    wait_until(lambda: page.button('Compare', '#part-prove'), lambda: page.read('#part-prove'))
+    page.click('Object 2', '#simulated')
+    display = wait_until(
+        lambda: re.fullmatch(r'x (\S+)\s+y (\S+) cm', page.read('#simulated .display')),
+        lambda: page.read('#simulated'))
+    page.fill('True x and y in the base frame', ' '.join(display.groups()))
+    page.wait_for('of 1 within the 95 % ellipse', '#part-prove .verdict')
+    error = page.run("return document.querySelector('#part-prove tbody').rows[0].cells[3].textContent")
+    assert float(error.split()[0]) < 1.0
+    assert page.serious_problems() == []
+    page.click('Remove place 1', '#part-prove')
+    page.click('Undo: place 1 removed', '#part-prove')
+    wait_until(lambda: page.button('Remove place 1', '#part-prove'), lambda: page.read())
+    page.click('Moving objects', '#simulated')
+
+
 def test_mask_lies_over_a_large_picture_as_strong_as_the_slider_says(page):
     page.resize(1280, 800)
     page.go_to('detect')
@@ -198,28 +220,6 @@ def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
     page.click('Remove ignored area 1')
     wait_until(lambda: '3 corners' not in page.read('#part-detect'),
                lambda: page.read('#part-detect'))
-
-
-def test_new_place_is_proved_by_touching_it(page):
-    page.click('Objects at rest', '#simulated')
-    page.go_to('prove')
-    assert page.element('.setup [aria-current=step]').text == 'Prove'
-    wait_until(lambda: page.button('Object 5', '#part-prove'), lambda: page.read())
-    page.click('Object 2', '#part-prove')
-    wait_until(lambda: page.button('Compare', '#part-prove'), lambda: page.read('#part-prove'))
-    page.click('Object 2', '#simulated')
-    display = wait_until(
-        lambda: re.fullmatch(r'x (\S+)\s+y (\S+) cm', page.read('#simulated .display')),
-        lambda: page.read('#simulated'))
-    page.fill('True x and y in the base frame', ' '.join(display.groups()))
-    page.wait_for('of 1 within the 95 % ellipse', '#part-prove .verdict')
-    error = page.run("return document.querySelector('#part-prove tbody').rows[0].cells[3].textContent")
-    assert float(error.split()[0]) < 1.0
-    assert page.serious_problems() == []
-    page.click('Remove place 1', '#part-prove')
-    page.click('Undo: place 1 removed', '#part-prove')
-    wait_until(lambda: page.button('Remove place 1', '#part-prove'), lambda: page.read())
-    page.click('Moving objects', '#simulated')
 
 
 def test_health_tells_of_both_nodes_in_words(page):

@@ -15,6 +15,7 @@
 // Elements of the page: made in one call, and changed only where something differs.
 
 const SVG = 'http://www.w3.org/2000/svg';
+let cards = 0;
 
 /** Make an HTML element; `on…` properties are listeners, null and false leave a property out. */
 export function element(tag, properties = {}, ...children) {
@@ -98,7 +99,8 @@ export function table(caption, heads, properties = {}) {
 
 /** Make a card: a section with a heading. */
 export function card(title, ...children) {
-  const id = `card-${title.toLowerCase().replace(/[^a-z]+/g, '-')}`;
+  cards += 1;
+  const id = `card-${cards}`;
   return element('section', {class: 'card', 'aria-labelledby': id},
     element('h3', {id}, title), ...children);
 }
