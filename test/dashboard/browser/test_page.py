@@ -104,7 +104,8 @@ def test_new_place_is_proved_by_touching_it(page):
         lambda: page.read('#simulated'))
     page.fill('True x and y in the base frame', ' '.join(display.groups()))
     page.wait_for('of 1 within the 95 % ellipse', '#part-prove .verdict')
-    error = page.run("return document.querySelector('#part-prove tbody').rows[0].cells[3].textContent")
+    error = page.run("return document.querySelector('#part-prove tbody').rows[0]"
+                     '.cells[3].textContent')
     assert float(error.split()[0]) < 1.0
     assert page.serious_problems() == []
     page.click('Remove place 1', '#part-prove')
