@@ -25,7 +25,7 @@ _STEP_PX, _FEWEST, _MOST = 1.5, 48, 160
 # object is not upright, or has another height.
 LEAST_FIT = 0.9
 # With less than this, where it stands is not known to a few mm.
-_NO_FIT = 0.6
+_NO_FIT = 0.85
 # Of several heights, one that fits has the first, and one that does not has less than the second.
 _GOOD_FIT, _BAD_FIT = 0.97, 0.955
 # A coin measures up to 1.02 times longer than wide (20 px, noise 10, tilt 50), plus the percentage

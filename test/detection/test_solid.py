@@ -111,7 +111,7 @@ def test_object_that_is_much_lower_than_told_is_left_out():
 
 def test_object_that_fits_badly_is_located_with_its_misfit():
     place = np.array([9.0, -6.0])
-    found, = find(camera(35), [4.5], (prism(place, 4.0, 4.0, 0.0, 60), 1.5)).objects
+    found, = find(camera(35), [3.7], (prism(place, 4.0, 4.0, 0.0, 60), 1.5)).objects
     assert found.solid.misfit_cm > 0
     assert math.dist(found.point, place) < 2 * found.solid.misfit_cm
 

@@ -12,8 +12,8 @@ The precise detector: what differs from the background, and what of that is an o
 
 A shadow whose object is cut off, or is as light as the table, may be found without it. It takes
 light in all colours alike, and it is a crescent, or its rim is soft. A grey object is neither.
-It comes last, and its centre is in doubt. Where some edges are soft and none tells of a thing, it
-is `light_or_thing`: left out by default.
+Then, and where some edges are soft and none tells of a thing, it is `light_or_thing`: left out by
+default; if it is published, it comes last, and its centre is in doubt.
 
 Each step is a module of its own:
 
@@ -32,7 +32,7 @@ Each step is a module of its own:
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.
 
-The largest detection is the first, but nothing unclear comes before an object.
+The largest detection is the first.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
 object of the background has left, for as long as it is away. Noise and that apart, a frame gives
@@ -168,7 +168,7 @@ class PreciseDifferenceDetector:
         Find the objects on a frame.
 
         :param frame: Shape (h, w, 3), uint8, BGR, of the background's size.
-        :returns: The largest first, but nothing unclear before an object; none is [].
+        :returns: The largest first, but nothing unclear before a clear one; none is [].
         :raises FrameSizeError: If the frame's size is not the background's.
         :raises InvalidValueError: If it is not a colour picture.
         """
@@ -199,29 +199,27 @@ class PreciseDifferenceDetector:
 
     def _placed(self, found: Candidates) -> Tuple[List[Detection], List[Detection]]:
         """Give the detections, and what may be light as well."""
-        frame, shadows, unclear = found.frame, [], []
+        frame, unclear = found.frame, []
         placed = [detection for one in found.plain for detection in self._placer.place_plain(one)]
         for index, region in enumerate(found.regions):
             if index >= _MOST_EXACT:
                 placed += unplaced(region.outline, frame)
                 continue
             parts = self._placer.place_region(frame, region, self._reference)
-            if region.may_be_light and not parts:
-                unclear += unplaced(region.outline, frame)
             if region.may_be_light:
-                shadows += parts
+                unclear += parts or unplaced(region.outline, frame)
             elif region.is_thing:
                 placed += parts
             else:
-                placed += [_doubtful(part) if _is_shadow(part, frame, self._reference.lit)
-                           else part for part in parts]
+                for part in parts:
+                    (unclear if _is_shadow(part, frame, self._reference.lit)
+                     else placed).append(part)
         placed = _largest_first(placed)
-        if len(placed) + len(shadows) > 1:
+        if len(placed) + len(unclear) > 1:
             # Most frames have no such shadow: only until an object is the first.
             first = [*takewhile(lambda one: _is_shadow(one, frame, self._reference.lit), placed)]
-            placed, shadows = placed[len(first):], shadows + first
-        return (placed + [*map(_doubtful, _largest_first(shadows))],
-                [*map(_doubtful, _largest_first(unclear))])
+            placed, unclear = placed[len(first):], unclear + first
+        return placed, [*map(_doubtful, _largest_first(unclear))]
 
     @property
     def taken_away(self) -> List[Detection]:
