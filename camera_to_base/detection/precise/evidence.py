@@ -53,7 +53,12 @@ _PRIOR, _OWN = 12.0, 3.5
 # Logarithm of the ratio: a sixth of the light.
 _DARKEST = float(np.log(1 / 6))
 # What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
-_SATURATED, _UNKNOWN = 250, 1.0
+_SATURATED, _UNKNOWN = 250, 0.1
+# What is cut off does not drift: the largest variance that does.
+_MOST_DRIFT = 0.01
+# Logarithm of the ratio: sun is 2.5 times as bright as shade. What is brighter is a thing, where
+# it ends within some px on this part of its rim; a lamp's mirror image fades away.
+_BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 # Chi-square of the light, over its degrees of freedom: from here on it is none.
 WORST_LIGHT = 3.0
 _LEAST_LIGHT = 1e-3
@@ -115,7 +120,7 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
 
 
 def evidence(
-    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, tint: np.ndarray
+    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, tint: np.ndarray
 ) -> Evidence:
     """
     Compare both explanations of a part of a frame.
@@ -123,6 +128,7 @@ def evidence(
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param background: Of the same shape, at the frame's light.
     :param noise: Shape (256, 3): the deviation of the grey levels, see `light.measure_noise`.
+    :param drift: The variance that all of a window has in common, by that of the noise.
     :param tint: See :func:`measure_tint`.
     """
     variances = np.float32((noise ** 2 + _LEAST_VARIANCE) * _slopes() ** 2)[:, None]
@@ -133,7 +139,7 @@ def evidence(
     change = [cv2.subtract(*pair) for pair in zip(seen, usual)]
     variance = [one + other + _TREMBLE ** 2 * gradient(detail)
                 for one, other, detail in zip(seen_variance, usual_variance, usual)]
-    light = _light(change, variance, tint, _SIZE)
+    light = _light(change, variance, drift, tint, _SIZE)
     thing = _off_constant(seen, seen_variance, _SIZE)
     limit = 2 * _OWN * 3 * _SIZE ** 2
     if cv2.minMaxLoc(thing)[1] > limit:
@@ -142,12 +148,24 @@ def evidence(
         for axis in range(2):
             step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(_SIZE))
             variance[axis] += (_BLEED * step) ** 2
-        narrow = _light(change, variance, tint, _NARROW)
+        narrow = _light(change, variance, drift, tint, _NARROW)
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * _LEVEL_SCALE
-    is_dark = (ratio < _DARKEST).view(np.uint8)
+    is_dark = (ratio < _DARKEST).view(np.uint8) | _sharp_bright(ratio)
     return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2])
+
+
+def _sharp_bright(ratio: np.ndarray) -> np.ndarray:
+    bright = (ratio > _BRIGHTEST).view(np.uint8)
+    if not bright.any():
+        return bright
+    rim = cv2.dilate(bright, square(_BEYOND_RIM)) & (1 - cv2.dilate(bright, square(_NEAR_RIM)))
+    soft = rim & (ratio > _FADES).view(np.uint8)
+    count, labels = cv2.connectedComponents(cv2.dilate(bright, square(_BEYOND_RIM)))
+    of_rim, of_soft = (np.bincount(labels[one > 0], minlength=count) for one in (rim, soft))
+    is_sharp = of_soft <= (1 - _LEAST_SHARP) * of_rim
+    return bright & is_sharp[labels].view(np.uint8)
 
 
 def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[np.ndarray]:
@@ -156,7 +174,7 @@ def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[n
 
 
 def _light(
-    change: List[np.ndarray], variance: List[np.ndarray], tint: np.ndarray, size: int
+    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray, size: int
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
     count = size ** 2
@@ -173,7 +191,9 @@ def _light(
     for axis in range(2):
         off_tint = means[axis] - part * np.float32(tint[axis])
         light += (count * (box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
-                  + count * off_tint ** 2 / (variance[axis] + known))
+                  + count * off_tint ** 2 / (
+                      variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)
+                      + known))
     return cv2.erode(light, square(size))
 
 

@@ -40,6 +40,8 @@ WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
 
 # Places that are compared, about, and how far apart the two of a pair are, in px.
 _PLACES, _APART = 9000, 3
+# The same for what neighbours have in common, and how much larger its deviation is at least.
+_FAR_APART, _LEAST_DRIFT = 24, 1.3
 _BIN, _LEAST_IN_BIN = 16, 60
 _BINS, _DIFFERENCES = 256 // _BIN, 2 * 255 + 1
 # A difference of whole numbers has a median of 0 on a quiet picture.
@@ -248,7 +250,9 @@ class _LitRange:
         return Range(self._lit.darkest[part], self._lit.lightest[part])
 
 
-def measure_noise(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+def measure_noise(
+    frame: np.ndarray, background: np.ndarray, apart: int = _APART
+) -> np.ndarray:
     """
     Measure how much a frame differs from the background by noise alone.
 
@@ -257,15 +261,16 @@ def measure_noise(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param background: Of the same shape, at the frame's light.
+    :param apart: How far the two places of a pair are apart, in px.
     :returns: Shape (256, 3): the deviation of one frame's grey levels, by level and channel.
     """
     step = max(int(np.sqrt(frame.shape[0] * frame.shape[1] / _PLACES)), 1)
     rows = slice(step // 2, None, step)
     change = frame[rows].astype(np.int16) - background[rows]
-    if change.shape[1] <= 2 * _APART:
+    if change.shape[1] <= 2 * apart:
         return np.full((256, 3), _QUIETEST, np.float32)
-    pairs = change[:, :-_APART:step] - change[:, _APART::step]
-    levels = background[rows, :-_APART:step] // _BIN
+    pairs = change[:, :-apart:step] - change[:, apart::step]
+    levels = background[rows, :-apart:step] // _BIN
     return np.stack([_by_level(np.abs(pairs[..., channel]).ravel(), levels[..., channel].ravel())
                      for channel in range(3)], axis=1)
 
@@ -307,6 +312,8 @@ class Reference:
         self.limits = LevelLimits(picture, faintest)
         self.noise: Optional[np.ndarray] = None
         self.mean_noise: Optional[float] = None
+        # The variance that neighbours have in common (JPEG, video), by that of the noise.
+        self.drift = 0.0
         self._faintest = faintest
         self._meter = GainMeter(picture)
         self._frame_count = 0
@@ -331,6 +338,9 @@ class Reference:
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
             self.mean_noise = float(self.noise[self._usual_level].mean())
+            far = float(measure_noise(frame, self.lit, _FAR_APART)[self._usual_level].mean())
+            ratio = far / self.mean_noise
+            self.drift = ratio ** 2 - 1 if ratio > _LEAST_DRIFT else 0.0
         self.limits.set_light(gain, self.noise)
         return True
 

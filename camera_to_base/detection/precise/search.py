@@ -39,6 +39,9 @@ _FAR, _FAINT = 0.04, 0.15
 _MOSTLY = 0.4
 # A region of which this part lies in a plain object's window is the same object.
 _SAME = 0.8
+# What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
+# is wider than the edge of a shade, in px.
+_LEAST_HAND, _NARROW = 0.2, 8
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
 _MOST_DROPPED = 100
@@ -92,7 +95,15 @@ def search(
         return found
     if not are_bands_likely:
         found = _without_bands(frame, reference, min_area, budget) or found
-    return _without_foreign_light(found, reference, min_area)
+    return _settled(_without_foreign_light(found, reference, min_area))
+
+
+def _settled(found: Candidates) -> Candidates:
+    # What reaches in may be a hand: all of its region is, but for what is known to lie apart.
+    known = [region.box for region in found.regions if region.is_thing]
+    return found._replace(regions=[region._replace(
+        is_thing=region.is_thing or touches_edge(region.box, found.frame)
+        and any(box.is_inside(region.box) for box in known)) for region in found.regions])
 
 
 def _search(
@@ -137,11 +148,18 @@ def _things_of(
     frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
 ) -> List[Region]:
     things = things_in(frame, region, reference, tint, min_area)
-    # What reaches in may be a hand, and light from outside of the picture is taken out first:
-    # there, only a region that is light as a whole is decided.
-    if things is None or things and touches_edge(region.box, frame):
+    if things is None:
         return [region]
-    return things
+    if not touches_edge(region.box, frame):
+        return things
+    at_edge = [thing for thing in things if touches_edge(thing.box, frame)]
+    inside = [thing for thing in things if not touches_edge(thing.box, frame)
+              and min(thing.box.width, thing.box.height) > _NARROW]
+    # What reaches in may be a hand, and all of its region is, but for what lies apart in its
+    # shade; or it is light, and looked at once more without it.
+    is_thing = (sum(thing.strong_area for thing in at_edge)
+                > _LEAST_HAND * cv2.contourArea(region.outline))
+    return [region._replace(is_thing=is_thing)] * bool(at_edge) + inside
 
 
 def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
@@ -172,10 +190,14 @@ def _without_foreign_light(found: Candidates, reference: Reference, min_area: fl
         return found
     usual = in_usual_light(frame, lit, field)
     regions = find_regions(usual, parts_of(usual, reference), reference.limits, min_area)
-    return Candidates(frame, [], [
-        region._replace(in_other_light=has_light(field, region.box)) for region in regions
-        if touches_edge(region.box, frame)
-        or region.strong_area > _MOSTLY * cv2.contourArea(region.outline)])
+    # What is known to be a thing is one in any light.
+    known = [region for region in found.regions if region.is_thing]
+    boxes = [region.box for region in known] + [one.window for one in found.plain]
+    others = [region._replace(in_other_light=has_light(field, region.box)) for region in regions
+              if touches_edge(region.box, frame) or (
+                  not any(_is_same(box, region.box) for box in boxes)
+                  and region.strong_area > _MOSTLY * cv2.contourArea(region.outline))]
+    return Candidates(frame, found.plain, known + others, found.left)
 
 
 def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float) -> bool:

@@ -17,7 +17,7 @@ the light changes without an edge, it is light.
 
 from typing import List, NamedTuple, Optional
 
-from camera_to_base.detection.detection import Box
+from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     box_mean, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
 from camera_to_base.detection.precise.light import LINEAR, Reference
@@ -48,11 +48,15 @@ _LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.5, 1.6, 8.0, 4.0
 _OWN_NOISE, _MOST_LEFT = 0.4, 2.5
 # Light without an edge changes less per px; logarithm of the level.
 _STEEPEST = 0.06
+# What fades into the table has such an edge on less of its rim.
+_MOST_STEEP = 0.3
 # How far two things may be apart that are taken for one at first, in px; how much nearer to the
 # table's colour it is there; how large a part each is; how far the frame goes towards the table.
 _WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
 # What is between a thing and its shade: in the frame, logarithm.
 _LEAST_STEP = 0.15
+# How far the surroundings of a part matter for that, px.
+_BESIDE = 12
 _MARGIN = 8
 # A larger window is looked at reduced, in px.
 _MOST_AT_FULL_SIZE = 60_000
@@ -93,8 +97,10 @@ def things_in(
         picture, size, interpolation=way) for picture, way in (
             (frame[slices(window)], cv2.INTER_AREA),
             (reference.lit[slices(window)], cv2.INTER_AREA), (changed, cv2.INTER_NEAREST)))
-    found = evidence(seen, usual, reference.noise / scale, tint)
-    masks = _masks(seen, usual, changed, found, min_area / scale ** 2)
+    found = evidence(seen, usual, reference.noise / scale, reference.drift, tint)
+    # Light from outside of the picture may end as sharply as a thing.
+    masks = _masks(seen, usual, changed, found, min_area / scale ** 2,
+                   not touches_edge(region.box, frame))
     if masks is None:
         return None
     if masks is _UNCLEAR:
@@ -117,17 +123,19 @@ def work(box: Box) -> Work:
 
 def _masks(
     frame: np.ndarray, background: np.ndarray, changed: np.ndarray, found: Evidence,
-    min_area: float,
+    min_area: float, do_edges_tell: bool,
 ) -> Optional[List[np.ndarray]]:
     """Give each thing's mask; None where it is not clear."""
-    things = _smooth(found) & cv2.dilate(changed, square(3))
+    # Between two colours of a thing, pixels show neither.
+    things = cv2.morphologyEx(
+        _smooth(found) & cv2.dilate(changed, square(3)), cv2.MORPH_CLOSE, square(_SIZE))
     solid = _solid(things, found, min_area)
     has_highlight = find_highlight(
         make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
     if solid is not None and not solid.any() and _is_clear(
             solid, changed, found, has_highlight, min_area):
         return []
-    by_edges = None if has_highlight else _by_segments(
+    by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
     if by_edges is not None and not by_edges.any():
         # Its edges are soft in part, and nothing is sharp all around to compare them with.
@@ -236,11 +244,13 @@ def _up_to_edges(
     unknown = changed & (found.nats > -_CLEAR).view(np.uint8) & (1 - things)
     seeds = np.int32(things) + 2 * (1 - np.int32(cv2.dilate(unknown | things, square(3))))
     reached = (cv2.watershed(np.ascontiguousarray(frame), seeds) == 1).view(np.uint8)
-    logs = cv2.LUT(frame, log_levels())
+    logs, things = cv2.LUT(frame, log_levels()), things.copy()
     for outline in outlines_in(reached & (1 - things)):
-        part = filled(outline, Box(0, 0, *things.shape[::-1])) & reached & (1 - things)
-        if not _has_step(logs, things, part):
-            things = things | part
+        box = grown(Box(*cv2.boundingRect(outline)), _BESIDE, things)
+        near = slices(box)
+        part = filled(outline, box) & reached[near] & (1 - things[near])
+        if not _has_step(logs[near], things[near], part):
+            things[near] |= part
     return things
 
 
@@ -250,22 +260,27 @@ def _goes_on(
     """Tell whether things go on, with no step, where light alone would have changed."""
     logs = cv2.LUT(frame, log_levels())
     rest = changed & (1 - cv2.dilate(things, square(3)))
-    parts = [filled(outline, Box(0, 0, *things.shape[::-1])) & rest
-             for outline in outlines_in(rest) if enclosed(outline) >= min_area]
-    return any(_step(logs, things, part) < _LEAST_STEP for part in parts)
+    steps = []
+    for outline in outlines_in(rest):
+        if enclosed(outline) >= min_area:
+            box = grown(Box(*cv2.boundingRect(outline)), _BESIDE, things)
+            near = slices(box)
+            steps.append(_step(logs[near], things[near], filled(outline, box) & rest[near]))
+    return any(step is not None and step < _LEAST_STEP for step in steps)
 
 
 def _has_step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> bool:
-    return _step(logs, one, other) > _LEAST_STEP
+    step = _step(logs, one, other)
+    return step is not None and step > _LEAST_STEP
 
 
-def _step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> float:
-    """Give the step between two parts of a frame, logarithm; 0 where they do not touch."""
+def _step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> Optional[float]:
+    """Give the step between two parts of a frame, logarithm; None where they do not touch."""
     # Not at the border itself, where pixels are mixed.
     sides = [cv2.erode(side, square(3)) & cv2.dilate(beyond, square(9))
              for side, beyond in ((one, other), (other, one))]
     if not all(map(cv2.countNonZero, sides)):
-        return 0.0
+        return None
     levels = [quantile(chosen(logs, side)) for side in sides]
     return float(np.abs(levels[0] - levels[1]).max())
 
@@ -286,7 +301,8 @@ def _is_clear(
     detail = _detail(found, rest)
     sure = cv2.countNonZero(rest & (found.nats < -_CLEAR).view(np.uint8)) > _MOSTLY * count
     if (detail.is_table or sure and detail.likeness > _SOME_LIKENESS
-            or _is_smooth(found, near, min_area)):
+            or _is_smooth(found, near, min_area)
+            or things.any() and _ends_softly(found, changed, things)):
         return True
     # A highlight or a lamp's mirror image is small and surrounded; a thing is not.
     return things.any() and not has_highlight and (
@@ -337,6 +353,17 @@ def _detail(found: Evidence, part: np.ndarray) -> _Detail:
 
 def _is_smooth(found: Evidence, near: np.ndarray, min_area: float) -> bool:
     """Tell whether the light changes without an edge: a lamp, a cloud, a far shadow."""
-    ratio = cv2.blur(found.seen - found.usual, (_SIZE, _SIZE))
-    steep = (gradient(ratio) > _STEEPEST ** 2).view(np.uint8) & near
+    steep = _steep(found) & near
     return cv2.countNonZero(cv2.morphologyEx(steep, cv2.MORPH_OPEN, square(3))) < min_area
+
+
+def _ends_softly(found: Evidence, changed: np.ndarray, things: np.ndarray) -> bool:
+    """Tell whether what is beside things fades into the table, as shade that surrounds them."""
+    rim = cv2.dilate(changed, square(3)) & (1 - changed) & (1 - cv2.dilate(things, square(15)))
+    steep = cv2.dilate(_steep(found), square(_SIZE))
+    return cv2.countNonZero(rim & steep) < _MOST_STEEP * cv2.countNonZero(rim)
+
+
+def _steep(found: Evidence) -> np.ndarray:
+    ratio = cv2.blur(found.seen - found.usual, (_SIZE, _SIZE))
+    return (gradient(ratio) > _STEEPEST ** 2).view(np.uint8)

@@ -187,16 +187,6 @@ def test_areas_survive_another_view_of_the_surface(cell):
     areas = camera_settings(cell.values['camera']).detector.areas
     pixels = camera_settings(cell.values['camera']).surface.pixels(areas.work.corners)
     np.testing.assert_allclose(pixels, polygon, atol=0.2)
-    # A corner that is not moved stays exactly where it is, however it was given.
-    exact = '0.1234567890123 0.5, 7.1 0.3, 7.1 6.000000000001'
-    cell.values['camera']['ignored_areas'] = exact
-    cell.tell()
-    kept = cell.state('areas')['ignored_areas'][0]['cm']
-    cell.do('areas', 'set', ignored_areas=[kept])
-    assert cell.values['camera']['ignored_areas'] == exact
-    cell.do('areas', 'set', ignored_areas=[[*kept, [60, 300]], kept])
-    assert cell.values['camera']['ignored_areas'].startswith(exact + ', ')
-    assert cell.values['camera']['ignored_areas'].endswith('; ' + exact)
     assert cell.do('areas', 'set', ignored_areas=[])['ignored_areas'] == []
     assert cell.state('areas')['work_area'] is not None
     assert cell.do('areas', 'set', work_area=None)['work_area'] is None
@@ -295,10 +285,7 @@ def test_the_pairs_are_there_after_a_restart_of_the_dashboard_as_valid_as_before
     first.sessions.close()
     again = Cell(tmp_path / 'cell.yaml', **cell.values['camera'])
     assert again.state('robot')['pairs'] == before['pairs']
-    assert again.sessions.wants_objects
-    fits = [dict(one['fit']) for one in (again.state('robot'), before)]
-    # The first line says when it was fitted.
-    assert fits[0].pop('lines')[1:] == fits[1].pop('lines')[1:] and fits[0] == fits[1]
+    assert again.sessions.wants_objects and again.state('robot')['fit'] == before['fit']
     again.sessions.see_background((7, 5))
     assert again.state('robot')['pairs'] == before['pairs']
     # Another background was taken while the dashboard did not run.

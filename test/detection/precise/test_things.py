@@ -210,3 +210,42 @@ def test_thing_on_printed_squares_is_no_light(u, v):
     printed = np.where(rows == columns, 0.16, 1.5)[..., None] * np.float32([0.45, 0.48, 0.5])
     found, = detect(painted(printed, square(u, v, 18), (0.04, 0.15, 0.6)), printed)
     assert found.centre == pytest.approx((u - 0.5, v - 0.5), abs=1)
+
+
+def video(light, seed):
+    # What a video leaves of noise: hardly any from pixel to pixel, more from block to block.
+    drift = np.random.default_rng(seed).normal(0, 1.5, (SIZE[0] // 8, SIZE[1] // 8, 3))
+    grey = 255 * np.clip(light, 0, 1) ** (1 / 2.2) + cv2.resize(np.float32(drift), SIZE[::-1])
+    jpeg = cv2.imencode('.jpg', np.uint8(np.clip(np.rint(grey), 0, 255)))[1]
+    return cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
+
+
+def ball(light, u, v, colour):
+    y, x = np.mgrid[:SIZE[0], :SIZE[1]]
+    far = np.hypot(x - u, y - v)
+    light = light * (1 - 0.5 * np.exp(-(far / 26) ** 2))[..., None].astype(np.float32)
+    return painted(light, np.clip(16.5 - far, 0, 1)[..., None].astype(np.float32), colour)
+
+
+@pytest.mark.parametrize('colours', [
+    ([0.1, 0.08, 0.6], [0.5, 0.2, 0.05]), ([1.2, 1.2, 1.2], [0.1, 0.08, 0.6]),
+    ([1.2, 1.2, 1.2], [0.01, 0.01, 0.01])])
+def test_balls_whose_soft_shades_are_one_are_two_also_in_a_video(colours):
+    background = np.full((*SIZE, 3), 0.16, np.float32)
+    light = background
+    for u, colour in zip((130, 190), colours):
+        light = ball(light, u, 120, colour)
+    found = PreciseDifferenceDetector(video(background, 1)).detect(video(light, 2))
+    assert sorted(round(one.centre.u / 10) for one in found) == [13, 19]
+    assert all(abs(one.centre.v - 120) < 2 for one in found)
+
+
+def test_thing_in_the_shade_of_an_arm_is_found_apart_from_the_arm():
+    background = np.full((*SIZE, 3), 0.16, np.float32)
+    arm = covered((0, 60), (150, 90), (150, 120), (0, 130))
+    light = background * (1 - 0.5 * cv2.GaussianBlur(arm, (0, 0), 20))[..., None]
+    light = ball(painted(light, arm, [0.5, 0.3, 0.15]), 120, 160, [0.1, 0.08, 0.6])
+    found = PreciseDifferenceDetector(video(background, 1)).detect(video(light, 2))
+    assert [one.cut_off for one in found].count(True) == 1
+    apart, = [one for one in found if not one.cut_off]
+    assert abs(apart.centre.u - 120) < 2 and abs(apart.centre.v - 160) < 2
