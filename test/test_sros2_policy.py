@@ -60,9 +60,10 @@ def done_by(node, ros):
 def done_at_any_start(name, ros):
     node_class, sources = STARTS[name]
     done = set()
-    # Ellipses and boxes are converted while somebody looks at them.
+    # Ellipses, boxes and silhouettes are converted while somebody looks at them.
     ros.listen_to(MarkerArray, '/objects_in_robot_base_frame/ellipses')
     ros.listen_to(MarkerArray, '/objects_in_robot_base_frame/boxes')
+    ros.listen_to(MarkerArray, '/objects_in_robot_base_frame/silhouettes')
     for source in sources:
         arguments = ['--ros-args', '-p', f'source:={source}'] if source else None
         node = node_class(context=ros.context, cli_args=arguments)

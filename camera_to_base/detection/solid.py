@@ -21,6 +21,7 @@ import numpy as np
 
 # An outline is followed in steps of about this many px, with so many points at least and at most.
 _STEP_PX, _FEWEST, _MOST = 1.5, 48, 160
+_SIMPLER_PX = 0.25
 # The right height fits a silhouette to 0.96 and more in rendered scenes; with less than this the
 # object is not upright, or has another height.
 LEAST_FIT = 0.9
@@ -147,6 +148,19 @@ def silhouette(detection: Detection) -> np.ndarray:
     by = 2 * missing / (length + math.sqrt(max(length ** 2 + 4 * math.pi * missing, 0.0)))
     points = points + np.clip(by, -1.0, 2.0) * outwards
     return points + detection.centre - polygon_centroid(points)
+
+
+def silhouette_on_surface(detection: Detection, surface: Surface) -> np.ndarray:
+    """
+    Return an object's outline on the surface, side faces included.
+
+    :param surface: Maps the frame's pixels to the work surface.
+    :returns: Shape (n, 2), in cm; corners that are less than a quarter of a pixel beside the line
+        between others are left out.
+    :raises HorizonError: If a part of it lies on the horizon or beyond it.
+    """
+    corners = cv2.approxPolyDP(silhouette(detection).astype(np.float32), _SIMPLER_PX, True)
+    return surface.locate(corners[:, 0].astype(float))
 
 
 def solid_of(

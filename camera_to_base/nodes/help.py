@@ -22,6 +22,8 @@ publishes:
   objects_in_cam_frame       geometry_msgs/PoseArray: every object, largest first, in m
   objects_in_cam_frame/ellipses  visualization_msgs/MarkerArray: where 95 % of errors lie, for RViz
   objects_in_cam_frame/boxes     visualization_msgs/MarkerArray: yaw, length, width and height
+  objects_in_cam_frame/silhouettes  visualization_msgs/MarkerArray: outlines, for camera_fusion
+  camera_in_cam_frame        geometry_msgs/PoseWithCovarianceStamped: where the camera is
   objects_in_cam_frame/left_out  visualization_msgs/MarkerArray: what is not published, and why
   frame/compressed           sensor_msgs/CompressedImage: the frame as JPEG, at most 10 a second
   mask/compressed, background/compressed  likewise as PNG; the background when it is taken
@@ -62,7 +64,8 @@ subscribes to:
   pos_in_cam_frame/pose           geometry_msgs/PoseWithCovarianceStamped, in m and rad
   objects_in_cam_frame            geometry_msgs/PoseArray, in m
   objects_in_cam_frame/ellipses   visualization_msgs/MarkerArray, while its result has subscribers
-  objects_in_cam_frame/boxes      likewise
+  objects_in_cam_frame/boxes, objects_in_cam_frame/silhouettes  likewise
+  camera_in_cam_frame             geometry_msgs/PoseWithCovarianceStamped, in m
 
 publishes, one message for each that it receives:
   pos_in_robot_base_frame         std_msgs/Float64MultiArray: [x, y], in cm
@@ -71,6 +74,8 @@ publishes, one message for each that it receives:
   objects_in_robot_base_frame     geometry_msgs/PoseArray, in m
   objects_in_robot_base_frame/ellipses  visualization_msgs/MarkerArray, for RViz
   objects_in_robot_base_frame/boxes     visualization_msgs/MarkerArray: what a gripper needs
+  objects_in_robot_base_frame/silhouettes  visualization_msgs/MarkerArray, for camera_fusion
+  camera_in_robot_base_frame      geometry_msgs/PoseWithCovarianceStamped: where the camera is
   /diagnostics                    state of the node, once a second
 
 parameters that are used most:

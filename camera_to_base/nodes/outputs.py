@@ -15,14 +15,15 @@ import time
 from typing import Callable, List, Optional, Sequence
 
 from camera_to_base.coordinate_transform import axis_angle, Pose
-from camera_to_base.detection import LocatedObject, Size
+from camera_to_base.detection import LocatedObject, silhouette_on_surface, Size
 from camera_to_base.drawing import (
     AreaOverlay, draw_ellipses, draw_left_out, draw_note, draw_objects, Label, object_mask)
 from camera_to_base.errors import HorizonError
 from camera_to_base.nodes.simulated import TruePositions
 from camera_to_base.pipeline import FrameUncertainty, Sighting
 from camera_to_base.ros import (
-    left_out_markers, NO_EVENTS, PositionTopics, SolidBox, UncertainPose)
+    camera_pose, left_out_markers, NO_EVENTS, PositionTopics, SilhouetteTopics, SolidBox,
+    SurfaceSilhouette, UncertainPose)
 from camera_to_base.settings import NamedSource
 from camera_to_base.simulation import SimulatedBoard
 from camera_to_base.surface import Hull, Surface, towards_camera
@@ -60,6 +61,8 @@ class PublishedPositions:
         self._left_out = node.create_publisher(
             MarkerArray, 'objects_in_cam_frame/left_out', 10, event_callbacks=NO_EVENTS,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
+        self._silhouettes = SilhouetteTopics(
+            node, 'objects_in_cam_frame', 'camera_in_cam_frame')
         self._truth: Optional[TruePositions] = None
         if isinstance(source.frames, SimulatedBoard):
             self._truth = TruePositions(node, source.frames)
@@ -94,6 +97,8 @@ class PublishedPositions:
             self._publish_left_out(header, sighting)
             if self._topics.wants_boxes:
                 self._topics.publish_boxes(header, boxes_of(sighting.objects, surface))
+            if self._silhouettes.is_wanted:
+                self._publish_silhouettes(header, sighting.objects, uncertainty, surface)
 
     def publish(
         self, header: Header, poses: List[Pose],
@@ -126,6 +131,22 @@ class PublishedPositions:
             self._left_out.publish(left_out_markers(header, [
                 (one.point, one.reason) for one in sighting.left_out if one.point is not None]))
 
+    def _publish_silhouettes(
+        self, header: Header, objects: Sequence[LocatedObject], uncertainty: FrameUncertainty,
+        surface: Surface,
+    ) -> None:
+        place = surface.camera_place
+        if place is None:
+            self._logger.warning(
+                'no silhouettes are published, as the place of the camera is not known: calibrate '
+                'board with tilted placements measures it', once=True)
+            return
+        (x, y), up = place.foot_cm, towards_camera(surface)
+        turned = np.diag([1.0, 1.0, up])
+        self._silhouettes.publish_camera(header, camera_pose(
+            x, y, up * place.height_cm, turned @ uncertainty.camera_covariance @ turned))
+        self._silhouettes.publish(header, silhouettes_of(objects, uncertainty, surface))
+
     def _warn_outside_hull(
         self, objects: Sequence[LocatedObject], hull: Optional[Hull]
     ) -> None:
@@ -154,6 +175,27 @@ def boxes_of(objects: Sequence[LocatedObject], surface: Surface) -> List[SolidBo
             math.cos(size.angle), math.sin(size.angle)))
         boxes.append(SolidBox(middle, size.length_cm, size.width_cm, size.height_cm))
     return boxes
+
+
+def silhouettes_of(
+    objects: Sequence[LocatedObject], uncertainty: FrameUncertainty, surface: Surface
+) -> List[SurfaceSilhouette]:
+    """
+    Return the silhouettes of objects on the surface, in the camera frame.
+
+    :param surface: Maps the frame's pixels to the work surface.
+    """
+    silhouettes = []
+    for found in objects:
+        try:
+            corners = silhouette_on_surface(found.detection, surface)
+        except HorizonError:  # A part of it is not on the surface.
+            continue
+        silhouettes.append(SurfaceSilhouette(
+            np.column_stack([corners, np.zeros(len(corners))]), UncertainPose(
+                Pose(*corners.mean(axis=0).tolist(), 0.0, 0.0),
+                uncertainty.of_silhouette(found).matrix)))
+    return silhouettes
 
 
 class CameraPictures:

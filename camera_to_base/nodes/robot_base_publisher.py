@@ -21,10 +21,10 @@ from camera_to_base.errors import (
 from camera_to_base.parameters import (
     CAMERA_FRAME_SPEC, ParameterSpec, TRANSFORM_SPECS, TransformSettings, value_in_files)
 from camera_to_base.ros import (
-    boxes_of_markers, Diagnostics, Health, Heartbeat, NameCheck, NodeParameters,
+    boxes_of_markers, Diagnostics, Health, Heartbeat, latched, NameCheck, NodeParameters,
     point_from_message, poses_from_message, poses_of_markers, position_from_message,
-    PositionTopics, qos_mismatch, run, SolidBox, uncertain_pose_from_message, UncertainPose,
-    whole_or_gone)
+    PositionTopics, qos_mismatch, run, silhouettes_of_markers, SilhouetteTopics, SolidBox,
+    SurfaceSilhouette, uncertain_pose_from_message, UncertainPose, whole_or_gone)
 from camera_to_base.uncertainty import uncertain_transform_of
 from geometry_msgs.msg import PointStamped, PoseArray, PoseWithCovarianceStamped
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -39,6 +39,7 @@ _PERIOD_S = 1.0
 # Each event of a subscription slows every message; `qos_mismatch` replaces the event.
 _NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 _POSITION, _OBJECTS = 'pos_in_cam_frame', 'objects_in_cam_frame'
+_CAMERA = 'camera_in_cam_frame'
 # Keys of the diagnostics for dropped positions; all other errors count as 'no position'.
 _DROPPED_AS = {OutOfReachError: 'out of reach', OtherFrameError: 'in another frame'}
 
@@ -78,12 +79,15 @@ class RobotBasePublisher(Node):
             cli_args = node_options.get('cli_args') or []
             self._node_parameters = NodeParameters(
                 self, self._specs([*sys.argv, *cli_args]), uncertain_transform_of,
-                cli_args=cli_args)
+                self._convert_camera, cli_args=cli_args)
             self._received_count = self._published_count = 0
             self._dropped: Counter = Counter()
             self._dropped_before = 0
             self._topics = PositionTopics(
                 self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame')
+            self._silhouettes = SilhouetteTopics(
+                self, 'objects_in_robot_base_frame', 'camera_in_robot_base_frame')
+            self._camera: Optional[PoseWithCovarianceStamped] = None
             heartbeat = Heartbeat(self)
             Diagnostics(self, heartbeat, self._health)
             NameCheck(self, heartbeat)
@@ -100,6 +104,12 @@ class RobotBasePublisher(Node):
             WantedInput(
                 self, heartbeat, lambda: self._topics.wants_boxes, lambda: self._subscribe(
                     MarkerArray, f'{_OBJECTS}/boxes', self._on_boxes))
+            WantedInput(
+                self, heartbeat, lambda: self._silhouettes.is_wanted, lambda: self._subscribe(
+                    MarkerArray, f'{_OBJECTS}/silhouettes', self._on_silhouettes))
+            self.create_subscription(
+                PoseWithCovarianceStamped, _CAMERA, self._on_camera, latched(),
+                event_callbacks=_NO_EVENTS)
             self.get_logger().info(self._settings.calibration)
             self.get_logger().info(f'publishing on {self._topics.name} what comes on '
                                    f'{self.resolve_topic_name(_POSITION)}')
@@ -172,6 +182,41 @@ class RobotBasePublisher(Node):
         conversion = self._settings.conversion
         middle = conversion.convert([[x], [y], [z], [1.0]])[:3, 0].tolist()
         return box._replace(pose=Pose(*middle, conversion.convert_yaw(yaw)))
+
+    def _on_silhouettes(self, message: MarkerArray) -> None:
+        with self._dropping_what_is_wrong(f'{_OBJECTS}/silhouettes'):
+            silhouettes, header = silhouettes_of_markers(message), message.markers[0].header
+            self._settings.check_frame(header.frame_id)
+            self._silhouettes.publish(
+                self._header(header), list(filter(None, map(self._base_silhouette, silhouettes))))
+            self._published_count += 1
+
+    def _base_silhouette(self, silhouette: SurfaceSilhouette) -> Optional[SurfaceSilhouette]:
+        try:
+            place = self._in_base_frame(silhouette.place)
+        except OutOfReachError as error:
+            self._drop(f'{_OBJECTS}/silhouettes', error)
+            return None
+        base_from_camera = self._settings.conversion.base_from_camera
+        corners = silhouette.corners @ base_from_camera[:3, :3].T + base_from_camera[:3, 3]
+        return SurfaceSilhouette(corners, place)
+
+    def _on_camera(self, message: PoseWithCovarianceStamped) -> None:
+        self._camera = message
+        self._convert_camera()
+
+    def _convert_camera(self) -> None:
+        """Publish where the camera is in the base frame, anew after new parameters."""
+        if self._camera is None:
+            return
+        with self._dropping_what_is_wrong(_CAMERA):
+            self._settings.check_frame(self._camera.header.frame_id)
+            pose, covariance = uncertain_pose_from_message(self._camera)
+            point = self._settings.conversion.convert_point(*pose[:3])
+            self._silhouettes.publish_camera(
+                self._header(self._camera.header), UncertainPose(
+                    Pose(*point, 0.0), self._node_parameters.current.base_covariance(
+                        pose[:3], covariance)))
 
     def _in_base_frame(self, uncertain: UncertainPose) -> UncertainPose:
         covariance = self._node_parameters.current.base_covariance(

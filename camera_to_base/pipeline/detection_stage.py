@@ -9,6 +9,7 @@
 
 """The stages that prepare and find the objects, and how uncertain their positions are."""
 
+from dataclasses import replace
 import math
 from typing import Callable, NamedTuple, Optional, Tuple
 
@@ -43,6 +44,17 @@ class FrameUncertainty(NamedTuple):
     def of(self, found: LocatedObject) -> PositionCovariance:
         """Return the covariance of an object's position, in the camera frame."""
         return self.uncertainty.covariance(self._shape(found), self.state)
+
+    @property
+    def camera_covariance(self) -> np.ndarray:
+        """The covariance of the camera's foot point and height: shape (3, 3), in cm²."""
+        return self.uncertainty.place_covariance
+
+    def of_silhouette(self, found: LocatedObject) -> PositionCovariance:
+        """Return how far an object's silhouette may be off as a whole, whatever its height is."""
+        flat = replace(self.uncertainty, height_tolerance_cm=0.0)
+        shape = self._shape(found)._replace(height_cm=0.0, misfit_cm=0.0)
+        return flat.covariance(shape, self.state)
 
     def in_picture(self, found: LocatedObject) -> Spread:
         """Return the covariance of an object's centre in the picture, the calibration included."""

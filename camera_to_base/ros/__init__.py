@@ -30,13 +30,18 @@ from camera_to_base.ros.messages import (
 from camera_to_base.ros.parameters import NodeParameters
 from camera_to_base.ros.position_topics import NO_EVENTS, PositionTopics
 from camera_to_base.ros.process import keep_freed_memory, run, use_picture_memory, whole_or_gone
+from camera_to_base.ros.silhouettes import (
+    camera_pose, latched, silhouette_markers, silhouettes_of_markers, SilhouetteTopics,
+    SurfaceSilhouette)
 
 __all__ = [
-    'box_markers', 'boxes_of_markers', 'camera_info_topic', 'CorrectionListener', 'Diagnostics',
-    'DriverInfo', 'Health', 'Heartbeat', 'is_rectified', 'keep_freed_memory', 'left_out_markers',
-    'NameCheck', 'NO_EVENTS', 'NodeParameters', 'ObjectListener', 'PictureListener',
-    'point_from_message', 'poses_from_message', 'poses_message', 'poses_of_markers',
-    'position_from_message', 'position_message', 'PositionTopics', 'qos_mismatch',
-    'real_time_timer', 'run', 'SolidBox', 'tool_message', 'ToolListener',
-    'uncertain_pose_from_message', 'UncertainPose', 'use_picture_memory', 'whole_or_gone',
+    'box_markers', 'boxes_of_markers', 'camera_info_topic', 'camera_pose',
+    'CorrectionListener', 'Diagnostics', 'DriverInfo', 'Health', 'Heartbeat', 'is_rectified',
+    'keep_freed_memory', 'latched', 'left_out_markers', 'NameCheck', 'NO_EVENTS',
+    'NodeParameters', 'ObjectListener', 'PictureListener', 'point_from_message',
+    'poses_from_message', 'poses_message', 'poses_of_markers', 'position_from_message',
+    'position_message', 'PositionTopics', 'qos_mismatch', 'real_time_timer', 'run',
+    'silhouette_markers', 'silhouettes_of_markers', 'SilhouetteTopics', 'SolidBox',
+    'SurfaceSilhouette', 'tool_message', 'ToolListener', 'uncertain_pose_from_message',
+    'UncertainPose', 'use_picture_memory', 'whole_or_gone',
 ]
