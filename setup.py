@@ -50,6 +50,7 @@ setup(
     entry_points={
         'console_scripts': [
             'calibrate = camera_to_base.executables:calibrate',
+            'camera_fusion = camera_to_base.executables:camera_fusion',
             'camera_publisher = camera_to_base.executables:camera_publisher',
             'dashboard = camera_to_base.executables:dashboard',
             'locate = camera_to_base.executables:locate',

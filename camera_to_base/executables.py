@@ -96,6 +96,12 @@ def robot_base_publisher() -> int:
     return start('robot_base_publisher', 'camera_to_base.nodes.robot_base_publisher')
 
 
+def camera_fusion() -> int:
+    """Run the node `camera_fusion`."""
+    use_one_blas_thread()
+    return start('camera_fusion', 'camera_to_base.nodes.camera_fusion')
+
+
 def dashboard() -> int:
     """Run the node `dashboard`."""
     use_one_blas_thread()

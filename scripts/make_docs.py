@@ -17,13 +17,14 @@ import sys
 from typing import Any, Iterable, List, Optional
 
 from camera_to_base.dashboard.specs import DASHBOARD_SPECS
+from camera_to_base.fusion import FUSION_SPECS
 from camera_to_base.parameters import ParameterSpec, TRANSFORM_SPECS
 from camera_to_base.settings import CAMERA_SPECS
 
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'parameters.md'
 BEGIN, END = '<!-- generated: begin -->', '<!-- generated: end -->'
 NODES = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS,
-         'dashboard': DASHBOARD_SPECS}
+         'camera_fusion': FUSION_SPECS, 'dashboard': DASHBOARD_SPECS}
 HEAD = ('| parameter | default | unit | limits | meaning | at run time |\n'
         '| --- | --- | --- | --- | --- | --- |')
 

@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 from camera_to_base.commands.calibrate.command import main as calibrate
 from camera_to_base.commands.calibrate.options import parse
 from camera_to_base.commands.locate import main as locate
+from camera_to_base.fusion import FUSION_SPECS
 from camera_to_base.parameters.transform import TRANSFORM_SPECS
 from camera_to_base.settings import CAMERA_SPECS, read_node_settings
 from camera_to_base.simulation import SimulatedBoard, SimulatedChessboard
@@ -130,7 +131,7 @@ def test_options_of_calibrate_are_understood(page):
 
 @each_page
 def test_parameters_are_declared(page):
-    declared = {spec.name for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS]}
+    declared = {spec.name for spec in [*CAMERA_SPECS, *TRANSFORM_SPECS, *FUSION_SPECS]}
     example = set(re.findall(r"(?:_length|number)\('(\w+)'", ''.join(
         (ROOT / 'examples' / name).read_text()
         for name in ('two_link_arm.py', 'pick_and_place.py'))))

@@ -26,8 +26,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 INSTALLED = ['LICENSE', 'camera_to_base', 'config', 'examples', 'launch', 'package.xml',
              'resource', 'setup.cfg', 'setup.py']
-EXECUTABLES = {'calibrate', 'camera_publisher', 'dashboard', 'locate', 'robot_base_publisher',
-               'robotic_arm_publishing_subscriber'}
+EXECUTABLES = {'calibrate', 'camera_fusion', 'camera_publisher', 'dashboard', 'locate',
+               'robot_base_publisher', 'robotic_arm_publishing_subscriber'}
 MODULES = sorted(
     '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
     for path in (ROOT / 'camera_to_base').rglob('*.py'))

@@ -17,11 +17,17 @@ Callers: see the arrows in CONTRIBUTING. It imports numpy alone: the node `camer
 without OpenCV.
 """
 
+from camera_to_base.fusion.cell import (
+    CameraFrame, FusedCell, FusedObject, FusedSighting, FusionLimits, NotFused)
+from camera_to_base.fusion.clocks import ClockCheck, ClockError
 from camera_to_base.fusion.matching import Group, match, Matches, Member
 from camera_to_base.fusion.shape import Extent, Moments
 from camera_to_base.fusion.solver import KnownHeight, SeenOutline, Solution, solve, Viewpoint
+from camera_to_base.fusion.specs import fusion_settings, FUSION_SPECS, FusionSettings
 
 __all__ = [
-    'Extent', 'Group', 'KnownHeight', 'match', 'Matches', 'Member', 'Moments', 'SeenOutline',
-    'Solution', 'solve', 'Viewpoint',
+    'CameraFrame', 'ClockCheck', 'ClockError', 'Extent', 'FusedCell', 'FusedObject',
+    'FusedSighting', 'FusionLimits', 'fusion_settings', 'FUSION_SPECS', 'FusionSettings', 'Group',
+    'KnownHeight', 'match', 'Matches', 'Member', 'Moments', 'NotFused', 'SeenOutline', 'Solution',
+    'solve', 'Viewpoint',
 ]

@@ -87,6 +87,33 @@ examples:
   ros2 run camera_to_base {name} --ros-args --params-file cell.yaml
   ros2 run camera_to_base {name} --ros-args -p reach_cm:=35.0
 """,
+    'camera_fusion': """
+Fuses what two cameras or more see of the same objects: their places, heights and sizes.
+
+It needs both nodes of each camera, each camera in a namespace of its own.
+
+subscribes to, in the namespace of each camera:
+  objects_in_robot_base_frame/silhouettes  visualization_msgs/MarkerArray
+  camera_in_robot_base_frame      geometry_msgs/PoseWithCovarianceStamped
+
+publishes:
+  pos_in_robot_base_frame         std_msgs/Float64MultiArray: [x, y] of the largest object, in cm
+  pos_in_robot_base_frame/point   geometry_msgs/PointStamped: the middle of its top, in m
+  pos_in_robot_base_frame/pose    geometry_msgs/PoseWithCovarianceStamped, in m and rad
+  objects_in_robot_base_frame     geometry_msgs/PoseArray: every object, largest first, in m
+  objects_in_robot_base_frame/ellipses  visualization_msgs/MarkerArray, for RViz
+  objects_in_robot_base_frame/boxes     visualization_msgs/MarkerArray: what a gripper needs
+  objects_in_robot_base_frame/left_out  visualization_msgs/MarkerArray: what is not, and why
+  /diagnostics                    state of the node, once a second
+
+parameters that are used most:
+  cameras                         namespaces of the cameras: [left, right]
+  highest_object_cm               no object is higher
+  one_camera_height_cm            the height of what one camera alone sees
+
+examples:
+  ros2 run camera_to_base {name} --ros-args -p cameras:=[left,right]
+""",
     'dashboard': """
 Serves a page on which a cell is set up and watched in a browser; it prints the page's address.
 

@@ -12,16 +12,18 @@ import re
 import subprocess
 
 from ament_index_python.packages import get_package_prefix
+from camera_to_base.fusion import FUSION_SPECS
 from camera_to_base.nodes.help import NODE_HELP, plain_arguments
 from camera_to_base.parameters.transform import TRANSFORM_SPECS
 from camera_to_base.settings import CAMERA_SPECS
 import pytest
 from rclpy.utilities import remove_ros_args
 
-NODES = {'camera_publisher': 'camera_publisher',
+NODES = {'camera_fusion': 'camera_fusion', 'camera_publisher': 'camera_publisher',
          'robot_base_publisher': 'robot_base_publisher',
          'robotic_arm_publishing_subscriber': 'robot_base_publisher'}
-SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
+SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS,
+         'camera_fusion': FUSION_SPECS}
 
 every_executable = pytest.mark.parametrize('executable', [*NODES, 'calibrate', 'locate'])
 

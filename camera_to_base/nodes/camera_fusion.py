@@ -1,0 +1,285 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+"""Node: fuses what two cameras or more see of the same objects, and measures their heights."""
+
+import math
+import time
+from typing import List, Optional
+
+from camera_to_base.coordinate_transform import CameraPlace, Pose
+from camera_to_base.errors import all_well, InvalidValueError, Level, Reason
+from camera_to_base.fusion import (
+    CameraFrame, ClockCheck, FusedCell, FusedObject, FusedSighting, fusion_settings, FUSION_SPECS,
+    FusionSettings, SeenOutline, Viewpoint)
+from camera_to_base.ros import (
+    Diagnostics, Health, Heartbeat, latched, left_out_markers, NameCheck, NO_EVENTS,
+    NodeParameters, PositionTopics, run, silhouettes_of_markers, SolidBox,
+    uncertain_pose_from_message, UncertainPose, whole_or_gone)
+from camera_to_base.uncertainty import UNKNOWN_ANGLE
+from geometry_msgs.msg import PoseWithCovarianceStamped
+import numpy as np
+from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from std_msgs.msg import Header
+from visualization_msgs.msg import MarkerArray
+
+_SILHOUETTES, _CAMERA = 'objects_in_robot_base_frame/silhouettes', 'camera_in_robot_base_frame'
+_WATCH_S = 0.2
+# A reason that lasts for less is not shown: the next frame may be good.
+_LASTING_S = 0.4
+# How far an end of an object's outline may be off, which turns its direction.
+_END_CM = 0.05
+_NANO = 1e-9
+
+
+class FusedCamera:
+    """
+    What is known of a camera.
+
+    :param name: Its namespace.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.frame: Optional[CameraFrame] = None
+        self.header = Header()
+        # The others wait for its first frame as for each later one.
+        self.arrived_at = time.monotonic()
+        self.surface_z_cm = 0.0
+        self.place: Optional[UncertainPose] = None
+
+    def is_live(self, max_silence_s: float) -> bool:
+        """Tell whether it gives frames."""
+        return time.monotonic() - self.arrived_at <= max_silence_s
+
+    @property
+    def up(self) -> float:
+        """1 where the base frame's z points from the surface to the camera, else -1."""
+        return math.copysign(1.0, self.place.pose.z - self.surface_z_cm)
+
+    def take(self, message: MarkerArray) -> None:
+        """
+        Take a message with silhouettes.
+
+        :raises InvalidValueError: If it holds none.
+        """
+        if not message.markers:
+            raise InvalidValueError('expected silhouettes, got a message without a marker')
+        silhouettes = silhouettes_of_markers(message)
+        if silhouettes:
+            self.surface_z_cm = float(np.mean([one.corners[:, 2].mean() for one in silhouettes]))
+        pose, covariance = self.place
+        viewpoint = Viewpoint(
+            CameraPlace(tuple(pose[:2]), abs(pose.z - self.surface_z_cm)), covariance[:3, :3])
+        self.header = message.markers[0].header
+        stamp = self.header.stamp
+        self.frame = CameraFrame.of(stamp.sec + _NANO * stamp.nanosec, [
+            SeenOutline(one.corners[:, :2], one.place.covariance[:2, :2], viewpoint)
+            for one in silhouettes])
+        self.arrived_at = time.monotonic()
+
+
+class CameraFusion(Node):
+    """Publishes the objects that several cameras see, with their heights, in the base frame."""
+
+    def __init__(self, **node_options) -> None:
+        super().__init__('camera_fusion', **node_options)
+        with whole_or_gone(self):
+            self._node_parameters = NodeParameters(
+                self, FUSION_SPECS, fusion_settings, self._on_new_settings,
+                cli_args=node_options.get('cli_args'))
+            self._cameras = [FusedCamera(name) for name in self._settings.cameras]
+            self._cell = FusedCell(self._settings.cameras, self._settings.limits)
+            self._clocks, self._pending = ClockCheck(), set()
+            self._fused_count = self._dropped_count = 0
+            self._objects_last = 0
+            self._passing: Optional[Reason] = None
+            self._passing_since, self._told = 0.0, ''
+            self._topics = PositionTopics(
+                self, 'pos_in_robot_base_frame', 'objects_in_robot_base_frame', live=True)
+            self._left_out = self.create_publisher(
+                MarkerArray, 'objects_in_robot_base_frame/left_out', 10,
+                event_callbacks=NO_EVENTS)
+            heartbeat = Heartbeat(self)
+            self._diagnostics = Diagnostics(self, heartbeat, self._health)
+            NameCheck(self, heartbeat)
+            heartbeat.every(_WATCH_S, self._watch)
+            for number, camera in enumerate(self._cameras):
+                self._listen(number, camera)
+            self.get_logger().info(
+                f'publishing on {self._topics.name} what {" and ".join(self._settings.cameras)} '
+                'see together')
+
+    @property
+    def _settings(self) -> FusionSettings:
+        return self._node_parameters.current
+
+    def _listen(self, number: int, camera: FusedCamera) -> None:
+        self.create_subscription(
+            PoseWithCovarianceStamped, f'{camera.name}/{_CAMERA}',
+            lambda message: self._on_place(camera, message), latched())
+        self.create_subscription(
+            MarkerArray, f'{camera.name}/{_SILHOUETTES}',
+            lambda message, info: self._on_silhouettes(number, camera, message, info), 10,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
+
+    def _on_new_settings(self) -> None:
+        self._cell.limits = self._settings.limits
+
+    def _on_place(self, camera: FusedCamera, message: PoseWithCovarianceStamped) -> None:
+        try:
+            camera.place = uncertain_pose_from_message(message)
+        except InvalidValueError as error:
+            self._drop(camera, error)
+            return
+        # What was remembered was seen from elsewhere.
+        self._cell.forget()
+
+    def _on_silhouettes(
+        self, number: int, camera: FusedCamera, message: MarkerArray, info: dict
+    ) -> None:
+        if camera.place is None:
+            return
+        try:
+            camera.take(message)
+        except InvalidValueError as error:
+            self._drop(camera, error)
+            return
+        if info['source_timestamp'] and info['received_timestamp']:
+            self._clocks.note(camera.name, _NANO * info['source_timestamp'],
+                              _NANO * info['received_timestamp'])
+        self._pending.add(number)
+        live = {other for other, one in enumerate(self._cameras)
+                if one.is_live(self._settings.max_silence_s)}
+        if live <= self._pending and self._odd_frame() is None:
+            self._pending.clear()
+            self._fuse(live)
+
+    def _fuse(self, live: set) -> None:
+        is_untrusted = self._clocks.error(self._settings.stamp_tolerance_s) is not None
+        sighting = self._cell.fuse(
+            [one.frame if number in live else None for number, one in enumerate(self._cameras)],
+            time.monotonic(), is_untrusted)
+        latest = max((self._cameras[number] for number in live),
+                     key=lambda one: one.frame.stamp_s)
+        self._fused_count += 1
+        self._objects_last = len(sighting.objects)
+        self._note(sighting.reason)
+        self._publish(latest, sighting)
+
+    def _publish(self, camera: FusedCamera, sighting: FusedSighting) -> None:
+        header = camera.header
+        tops = [self._top(camera, one) for one in sighting.objects]
+        if tops:
+            pose = tops[0].pose
+            self._topics.publish_position(pose.x, pose.y)
+            self._topics.publish_point(header, *pose[:3])
+            if self._topics.wants_pose:
+                self._topics.publish_pose(header, tops[0])
+        self._topics.publish_objects(header, [top.pose for top in tops])
+        if self._topics.wants_ellipses:
+            self._topics.publish_ellipses(header, tops)
+        if self._topics.wants_boxes:
+            self._topics.publish_boxes(
+                header, [self._box(camera, one) for one in sighting.objects])
+        if self._left_out.get_subscription_count():
+            self._left_out.publish(left_out_markers(
+                header, [(tuple(one.point.tolist()), one.reason) for one in sighting.left_out]))
+
+    @staticmethod
+    def _top(camera: FusedCamera, one: FusedObject) -> UncertainPose:
+        """Return an object's pose at its top, with its covariance."""
+        solution, covariance = one.solution, np.zeros((6, 6))
+        yaw, height = solution.moments.yaw, solution.height
+        covariance[:2, :2] = solution.covariance
+        end = _END_CM / max(solution.extent.length, _END_CM)
+        covariance[range(2, 6), range(2, 6)] = (
+            height.deviation_cm ** 2, UNKNOWN_ANGLE, UNKNOWN_ANGLE,
+            UNKNOWN_ANGLE if yaw is None else end ** 2)
+        x, y = solution.moments.centre.tolist()
+        return UncertainPose(
+            Pose(x, y, camera.surface_z_cm + camera.up * height.height_cm, yaw or 0.0), covariance)
+
+    @staticmethod
+    def _box(camera: FusedCamera, one: FusedObject) -> SolidBox:
+        (x, y), (length, width, angle) = one.solution.moments.centre.tolist(), one.solution.extent
+        height = max(one.solution.height.height_cm, 0.0)
+        middle = camera.surface_z_cm + camera.up * height / 2
+        return SolidBox(Pose(x, y, middle, angle), length, width, height)
+
+    def _drop(self, camera: FusedCamera, error: InvalidValueError) -> None:
+        self._dropped_count += 1
+        self.get_logger().warning(
+            f'dropped a message of {camera.name}: {error} ({self._dropped_count} dropped so far)',
+            throttle_duration_sec=5.0)
+
+    def _note(self, reason: Optional[Reason]) -> None:
+        if reason is None or self._passing is None or reason.kind != self._passing.kind:
+            self._passing_since = time.monotonic()
+        self._passing = reason
+
+    def _watch(self) -> None:
+        reason = self._reason()
+        if reason.kind != self._told:
+            self._told = reason.kind
+            if reason.level:
+                self.get_logger().warning(reason.sentence)
+            else:
+                self.get_logger().info(reason.sentence)
+            self._diagnostics.publish()
+
+    def _health(self) -> Health:
+        return Health(self._reason(), {
+            'source': ', '.join(self._settings.cameras), 'frames fused': str(self._fused_count),
+            'objects': str(self._objects_last), 'messages dropped': str(self._dropped_count)})
+
+    def _odd_frame(self) -> Optional[Reason]:
+        names = {one.header.frame_id: one.name for one in self._cameras
+                 if one.frame is not None and one.is_live(self._settings.max_silence_s)}
+        if len(names) < 2:
+            return None
+        told = ', '.join(f'{camera} in {frame!r}' for frame, camera in names.items())
+        return Reason('other_frame', Level.ERROR, (
+            f'the cameras publish in different frames, {told}: calibrate them against one base, '
+            'and give them one base_frame_id'))
+
+    def _silent(self) -> Optional[Reason]:
+        for camera in self._cameras:
+            if camera.is_live(self._settings.max_silence_s):
+                continue
+            topic = self.resolve_topic_name(f'{camera.name}/{_SILHOUETTES}')
+            if not self.count_publishers(topic):
+                return Reason('no_publisher', Level.WARN, (
+                    f'nobody publishes {topic}: start both nodes of {camera.name}'))
+            if camera.place is None:
+                return Reason('place_unknown', Level.WARN, (
+                    f'{camera.name} does not tell where it is: calibrate board with tilted '
+                    'placements measures it'))
+            return Reason('camera_silent', Level.WARN, (
+                f'{camera.name} publishes no positions: its own diagnostics tell why'))
+        return None
+
+    def _reason(self) -> Reason:
+        odd = self._odd_frame() or self._silent()
+        if odd is not None:
+            return odd
+        clock = self._clocks.error(self._settings.stamp_tolerance_s)
+        if clock is not None:
+            return Reason('clocks_differ', Level.WARN, (
+                f'the clock of {clock.camera} is {abs(clock.ahead_s) * 1000:.0f} ms '
+                f'{"ahead" if clock.ahead_s > 0 else "behind"}, or the network is slow: only what '
+                'rests is fused; set the clocks by chrony or ptp'))
+        if self._passing is not None and time.monotonic() - self._passing_since >= _LASTING_S:
+            return self._passing
+        return all_well('objects are fused')
+
+
+def main(args: Optional[List[str]] = None) -> int:
+    """Run the node until a signal arrives."""
+    return run('camera_fusion', CameraFusion, args)
