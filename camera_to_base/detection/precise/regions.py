@@ -37,6 +37,12 @@ import numpy as np
 _CLOSE = np.ones((3, 3), np.uint8)
 _FARTHER = 16
 SHORTEST_OUTLINE = 12
+# Lines of a print are thinner than this. What they part lies opposite for twice as far as it is
+# apart, that is, a gap's area is so many times its half width squared.
+_PRINT, _LONG_GAP, _NEARBY = np.ones((11, 11), np.uint8), 8.0, (15, 15)
+# A print has an object's colour where it is off by less than this part of the object's contrast,
+# which is so many times the least.
+_SAME_COLOUR, _CLEAR = 0.3, 2.0
 
 # What no shadow is: lighter, or of a colour. Logarithms of ratios, from dark to very dark: what is
 # darker than a shadow, of whatever depth, is set apart by one of them.
@@ -147,11 +153,44 @@ def _regions_in(
     outlines = outlines_in(weak)
     if len(outlines) == 1 and _is_solid(outlines[0], weak, area, min_area):
         return [_moved(outlines[0], area, window)]
+    if len(outlines) > 1:
+        between = _print_between(levels, weak, limits.least)
+        strong[between] = weak[between] = 255
     strong, weak = (
         cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE) for mask in (strong, weak))
     regions = (_region(outline, strong, window, min_area) for outline in outlines_in(weak)
                if len(outline) >= SHORTEST_OUTLINE)
     return [region for region in regions if region is not None]
+
+
+def _print_between(levels: np.ndarray, mask: np.ndarray, least: float) -> np.ndarray:
+    """
+    Find what differs from the background around it only: a print that has the object's colour.
+
+    :param levels: Shape (h, w, 3), uint8, BGR.
+    :param mask: What differs, shape (h, w), uint8, not 0 there.
+    :param least: Grey levels by which an object differs from the background.
+    :returns: Shape (h, w), bool: what lies between its parts and has their colour.
+    """
+    gaps = cv2.subtract(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _PRINT), mask)
+    if not cv2.countNonZero(gaps):
+        return gaps > 0
+    # The mean colour of what differs nearby, without its rim.
+    core = (cv2.erode(mask, _CLOSE) > 0).view(np.uint8)
+    share = cv2.blur(np.float32(core), _NEARBY)[..., None]
+    near = cv2.blur(np.float32(levels) * core[..., None], _NEARBY) / np.maximum(share, 1e-3)
+    contrast = np.abs(near - cv2.mean(levels, (mask == 0).view(np.uint8))[:3]).max(axis=2)
+    is_same = np.abs(levels - near).max(axis=2) < _SAME_COLOUR * contrast
+    is_same &= contrast > _CLEAR * least
+    is_same &= (share[..., 0] > 0) & (gaps > 0)
+    depths = cv2.distanceTransform((mask == 0).view(np.uint8), cv2.DIST_L2, 3)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(is_same.view(np.uint8))
+    deepest = np.zeros(len(stats))
+    np.maximum.at(deepest, labels, depths)
+    # A line that leads from one object to the next is no wider than they are apart.
+    is_long = stats[:, cv2.CC_STAT_AREA] > _LONG_GAP * deepest ** 2
+    is_long[0] = False
+    return is_long[labels]
 
 
 def _is_solid(outline: np.ndarray, weak: np.ndarray, area: int, min_area: float) -> bool:

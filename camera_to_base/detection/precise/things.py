@@ -207,7 +207,8 @@ def _is_gap(
     # A dark joint of the table below a dark thing is no gap: the frame goes on.
     across = np.int16(frame)[gap > 0] - np.median(frame[(sum(parts) & near) > 0], axis=0)
     to_table = across - change[gap > 0]
-    return float((across * to_table).sum()) > _LEAST_GAP * float((to_table ** 2).sum())
+    shares = (across * to_table).sum(axis=1) / max(float(changes[0] @ changes[0]), 1.0)
+    return float(np.median(shares)) > _LEAST_GAP
 
 
 def _smooth(found: Evidence) -> np.ndarray:

@@ -249,3 +249,19 @@ def test_thing_in_the_shade_of_an_arm_is_found_apart_from_the_arm():
     assert [one.cut_off for one in found].count(True) == 1
     apart, = [one for one in found if not one.cut_off]
     assert abs(apart.centre.u - 120) < 2 and abs(apart.centre.v - 160) < 2
+
+
+@pytest.mark.parametrize('place', [(160, 120), (157, 113), (70, 128)])
+@pytest.mark.parametrize('width', [2, 3])
+def test_stone_that_is_as_black_as_the_lines_below_it_is_one(place, width):
+    black, lines = np.float32([0.02, 0.02, 0.02]), np.zeros(SIZE, np.uint8)
+    for at in range(10, 320, 30):
+        cv2.line(lines, (at, 0), (at, SIZE[0]), 255, width)
+        cv2.line(lines, (0, at), (SIZE[1], at), 255, width)
+    board = painted(table(0.05), lines[..., None] / np.float32(255), black)
+    stone = np.zeros(SIZE, np.uint8)
+    cv2.circle(stone, place, 20, 255, cv2.FILLED, cv2.LINE_AA)
+    frame = coded(painted(board, stone[..., None] / np.float32(255), black), 2)
+    found, = PreciseDifferenceDetector(coded(board, 1)).detect(frame)
+    # Where a line leads away from its rim, the rim is not seen.
+    assert tuple(found.centre) == pytest.approx(place, abs=1.5)
