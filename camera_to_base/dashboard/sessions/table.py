@@ -45,8 +45,8 @@ def area_changes(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
     """
     Return the parameters of areas that are drawn on the picture.
 
-    :param body: {'work_area': a polygon of pixels or None, 'ignored_areas': polygons}; what is
-        left out stays as it is.
+    :param body: {'work_area': a polygon or None, 'ignored_areas': polygons}; what is left out
+        stays as it is. A corner is a pixel [u, v], or {'x', 'y'} in cm, which stays exactly so.
     :raises CameraToBaseError: If one is no polygon, or not on the surface.
     """
     surface, wanted = values.settings.surface, {}
@@ -64,19 +64,28 @@ def area_changes(values: CellValues, body: Mapping[str, Any]) -> CellChanges:
 
 
 def _corners(surface: Surface, polygon: Any) -> np.ndarray:
-    pixels = finite_numbers('the corners of an area', polygon, -1, 2)
-    if len(pixels) > _MOST_CORNERS:
-        raise InvalidValueError(f'an area may have {_MOST_CORNERS} corners, got {len(pixels)}')
-    # To a hundredth of a mm.
-    return np.round(surface.locate(pixels), 3)
+    if not isinstance(polygon, list) or len(polygon) > _MOST_CORNERS:
+        raise InvalidValueError(
+            f'an area must be a list of at most {_MOST_CORNERS} corners, got {polygon!r:.60}')
+    kept = [isinstance(corner, dict) for corner in polygon]
+    corners = finite_numbers('the corners of an area', [
+        [corner.get('x'), corner.get('y')] if is_kept else corner
+        for corner, is_kept in zip(polygon, kept)], -1, 2)
+    drawn = ~np.array(kept, bool)
+    if drawn.any():
+        # To a hundredth of a mm.
+        corners[drawn] = np.round(surface.locate(corners[drawn]), 3)
+    return corners
 
 
 def _text(corners: np.ndarray) -> str:
-    return ', '.join(f'{x:.10g} {y:.10g}' for x, y in corners.tolist())
+    return ', '.join(f'{x!r} {y!r}' for x, y in corners.tolist())
 
 
 def _area_data(area: Area, values: CellValues) -> Dict[str, Any]:
-    return {'px': [values.pixel_of(corner) for corner in area.corners.tolist()]}
+    corners = area.corners.tolist()
+    return {'px': [values.pixel_of(corner) for corner in corners],
+            'cm': [{'x': x, 'y': y} for x, y in corners]}
 
 
 def simulated_data(values: CellValues) -> Dict[str, Any]:

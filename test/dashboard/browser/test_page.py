@@ -205,6 +205,32 @@ def test_fields_that_are_read_at_the_start_only_are_folded_away(page):
     assert seen == 0
 
 
+def change_by_pointer(page):
+    """Drag a corner, make a new one and take it away: the others stay to the last digit."""
+    from selenium.webdriver import ActionChains
+
+    def ignored():
+        return page.field('ignored_areas').get_attribute('value').split(', ')
+
+    def drag(selector, right, down):
+        ActionChains(page.driver).click_and_hold(page.element(selector)).move_by_offset(
+            right // 2, down // 2).move_by_offset(right // 2, down // 2).release().perform()
+
+    before = wait_until(lambda: len(ignored()) == 3 and ignored(), ignored)
+    page.click('Change ignored area 1')
+    drag('#part-detect circle.corner', 0, -30)
+    drag('#part-detect circle.middle', -40, -10)
+    assert len(page.elements('#part-detect circle.corner')) == 4
+    page.click('Delete this corner', '#part-detect')
+    page.click('Undo', '#part-detect .pen')
+    page.click('Delete this corner', '#part-detect')
+    page.click('Finish', '#part-detect')
+    after = wait_until(lambda: ignored() != before and ignored(), ignored)
+    assert after[1:] == before[1:] and after[0] != before[0]
+    page.click('Undo: ignored area 1 changed', '#part-detect')
+    wait_until(lambda: ignored() == before, ignored)
+
+
 def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
     page.go_to('detect')
     page.click('Draw an area to ignore')
@@ -213,6 +239,7 @@ def test_area_to_ignore_is_drawn_by_the_keyboard_and_removed(page):
         picture.send_keys(moves + ENTER)
     page.click('Finish')
     page.wait_for('ignored area 1, 3 corners', '#part-detect')
+    change_by_pointer(page)
     page.click('Remove ignored area 1')
     wait_until(lambda: '3 corners' not in page.read('#part-detect'),
                lambda: page.read('#part-detect'))

@@ -187,6 +187,16 @@ def test_areas_survive_another_view_of_the_surface(cell):
     areas = camera_settings(cell.values['camera']).detector.areas
     pixels = camera_settings(cell.values['camera']).surface.pixels(areas.work.corners)
     np.testing.assert_allclose(pixels, polygon, atol=0.2)
+    # A corner that is not moved stays exactly where it is, however it was given.
+    exact = '0.1234567890123 0.5, 7.1 0.3, 7.1 6.000000000001'
+    cell.values['camera']['ignored_areas'] = exact
+    cell.tell()
+    kept = cell.state('areas')['ignored_areas'][0]['cm']
+    cell.do('areas', 'set', ignored_areas=[kept])
+    assert cell.values['camera']['ignored_areas'] == exact
+    cell.do('areas', 'set', ignored_areas=[[*kept, [60, 300]], kept])
+    assert cell.values['camera']['ignored_areas'].startswith(exact + ', ')
+    assert cell.values['camera']['ignored_areas'].endswith('; ' + exact)
     assert cell.do('areas', 'set', ignored_areas=[])['ignored_areas'] == []
     assert cell.state('areas')['work_area'] is not None
     assert cell.do('areas', 'set', work_area=None)['work_area'] is None

@@ -25,7 +25,7 @@ const LATE_MS = 1000;
 
 /** A picture with a layer for drawing above it, in the pixels of the camera. */
 export class LivePicture {
-  #image = element('img');
+  #image = element('img', {draggable: 'false'});
   #waiting = element('p', {class: 'waiting'});
   #line = null;
   #isWanted = false;
