@@ -295,7 +295,10 @@ def test_the_pairs_are_there_after_a_restart_of_the_dashboard_as_valid_as_before
     first.sessions.close()
     again = Cell(tmp_path / 'cell.yaml', **cell.values['camera'])
     assert again.state('robot')['pairs'] == before['pairs']
-    assert again.sessions.wants_objects and again.state('robot')['fit'] == before['fit']
+    assert again.sessions.wants_objects
+    fits = [dict(one['fit']) for one in (again.state('robot'), before)]
+    # The first line says when it was fitted.
+    assert fits[0].pop('lines')[1:] == fits[1].pop('lines')[1:] and fits[0] == fits[1]
     again.sessions.see_background((7, 5))
     assert again.state('robot')['pairs'] == before['pairs']
     # Another background was taken while the dashboard did not run.
