@@ -221,8 +221,9 @@ class Page:
         self.typed.append(text)
 
     def field(self, label):
-        """Return the input with a label."""
-        name = self.driver.find_element('xpath', f'//label[normalize-space()="{label}"]')
+        """Return the input with a label, or of a parameter."""
+        name = self.driver.find_element('xpath', f'//label[normalize-space()="{label}" or '
+                                                 f'following-sibling::code[.="{label}"]]')
         return self.element(f"[id='{name.get_attribute('for')}']")
 
     def serious_problems(self):

@@ -19,6 +19,12 @@ import numpy as np
 
 # Points along each side of the picture: a side is no straight line with a lens that distorts.
 _PER_SIDE = 9
+# Of a grid on the picture: its steps, the most lines in a direction, and the points of each.
+_STEPS_CM = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+_MOST_LINES = 9
+_PER_LINE = 13
+# Lines go on a little beyond the picture, and no pixel is farther away than this.
+_BEYOND = 0.2
 
 
 class Geometry:
@@ -60,6 +66,51 @@ class Geometry:
         """The picture's size as JSON."""
         width, height = self.settings.image_size
         return {'width': width, 'height': height}
+
+    @property
+    def grid_data(self) -> Dict[str, Any]:
+        """The grids of both frames on the picture as JSON; None where one cannot be drawn."""
+        view = self._view()
+        unit = np.eye(3, 2)[[2, 0, 1]]
+        in_base = None if self.transform is None else (
+            self.transform.conversion.convert_surface_points(unit)[:, :2])
+        return {'camera': None if view is None else self._grid(view, unit),
+                'base': None if view is None or in_base is None else self._grid(view, in_base)}
+
+    def _grid(self, view: np.ndarray, frame: np.ndarray) -> Optional[Dict[str, Any]]:
+        """
+        Return the lines of a frame.
+
+        :param view: Points of the camera frame around what the picture shows, shape (n, 2), in cm.
+        :param frame: Where the camera frame's origin and the ends of its unit vectors are in the
+            frame, shape (3, 2), in cm.
+        """
+        axes = (frame[1:] - frame[0]).T
+        if abs(np.linalg.det(axes)) < 1e-6:
+            return None  # it looks along the surface
+        placed = view @ axes.T + frame[0]
+        low, high = placed.min(axis=0), placed.max(axis=0)
+        step = next((one for one in _STEPS_CM if max(high - low) / one <= _MOST_LINES), None)
+        if step is None:
+            return None
+
+        def pixels(points: np.ndarray) -> List[List[float]]:
+            width, height = self.settings.image_size
+            found = self.settings.surface.pixels((points - frame[0]) @ np.linalg.inv(axes).T)
+            size = np.array([width, height])
+            near = np.isfinite(found).all(axis=1)
+            near[near] = (np.abs(found[near] / size - 0.5) < 0.5 + _BEYOND).all(axis=1)
+            return np.round(found[near], 1).tolist()
+
+        lines = []
+        for axis, name in enumerate('xy'):
+            along = np.linspace(low[1 - axis], high[1 - axis], _PER_LINE)
+            for value in np.arange(np.ceil(low[axis] / step), high[axis] / step) * step:
+                points = np.stack([np.full(_PER_LINE, value), along], axis=1)[:, ::1 - 2 * axis]
+                lines.append({'name': f'{name} {value + 0.0:g}', 'points': pixels(points)})
+        ends = pixels(np.array([[0.0, 0.0], [step, 0.0], [0.0, step]]))
+        return {'step_cm': step, 'lines': [one for one in lines if len(one['points']) > 1],
+                'axes': dict(zip(('origin', 'x', 'y'), ends)) if len(ends) == 3 else None}
 
     def _view(self) -> Optional[np.ndarray]:
         width, height = self.settings.image_size

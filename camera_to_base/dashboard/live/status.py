@@ -29,6 +29,9 @@ _MM_PER_CM = 10.0
 # A base position belongs to a camera position that is transformed to this close to it.
 _SAME_CM = 0.05
 _DIGITS = 4
+# Slower than this, an object that moves by 10 cm/s is 2 cm farther with each frame, and 3 cm farther
+# when its position comes.
+_LEAST_HZ, _LONGEST_MS = 5.0, 300.0
 # An object's last ellipse is held for so long, while it moves at most so far.
 _HELD_S, _HELD_CM = 2.0, 3.0
 
@@ -186,7 +189,7 @@ class CellStatus:
             'state': self._state, 'rate_hz': round(self._positions.rate_hz, 1),
             'stamp_s': None if frame is None else round(frame.stamp_s, 3),
             'age_s': None if frame is None else round(time.time() - frame.stamp_s, 1),
-            'latency_ms': self._latency_ms,
+            'latency_ms': self._latency_ms, 'pace': self._pace,
             'objects': objects_data(shown, geometry, self._held) if shown else [],
             'left_out': left_out_data(shown, geometry) if shown else [],
             'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data}
@@ -212,6 +215,14 @@ class CellStatus:
     @property
     def _shown(self) -> Optional[SeenFrame]:
         return self._positions.newest if self._positions.silent_s <= SILENT_S else None
+
+    @property
+    def _pace(self) -> Dict[str, Optional[str]]:
+        """Whether the rate is 'low' and the latency 'high'; None where they are not."""
+        if self._shown is None or self._state['reason'] == 'random':
+            return {'rate': None, 'latency': None}
+        return {'rate': 'low' if self._positions.rate_hz < _LEAST_HZ else None,
+                'latency': 'high' if self._latency_ms > _LONGEST_MS else None}
 
     @property
     def _latency_ms(self) -> Optional[float]:

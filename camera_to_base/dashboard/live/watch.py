@@ -169,6 +169,7 @@ class CellWatch:
                 self.camera.values, self.transform.values) if self.camera.is_known else None
         except CameraToBaseError:
             self.geometry = None  # the node itself has refused them
+        self._tell('grid', self.geometry.grid_data if self.geometry else {})
 
 
 def _asked(client: Client, what_was_not_done: str) -> Future:

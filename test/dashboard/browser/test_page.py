@@ -114,6 +114,32 @@ def test_new_place_is_proved_by_touching_it(page):
     page.click('Moving objects', '#simulated')
 
 
+def test_grid_of_a_frame_lies_on_the_picture_which_fills_the_screen(page):
+    from selenium.webdriver import ActionChains
+
+    layer = '#part-watch .frame-grid'
+    for name in ('Camera frame', 'Base frame'):
+        page.click(name, '#part-watch')
+        wait_until(lambda: len(page.elements(f'{layer} path')) > 6, lambda: 'no grid')
+        assert page.element(f'{layer} .frame-name').text == f'{name}, cm'
+    page.click('No grid', '#part-watch')
+    assert not page.elements(f'{layer} path')
+    page.click('Full screen', '#part-watch')
+    wait_until(lambda: page.run('return Boolean(document.fullscreenElement)'), lambda: 'small')
+    box = page.element('#part-watch .picture img').rect
+    assert box['width'] >= page.run('return innerWidth') - 1
+    page.click('Full screen', '#part-watch')
+    wait_until(lambda: page.run('return !document.fullscreenElement'), lambda: 'large')
+    page.click('Camera frame', '#part-watch')
+    # What a parameter means is read with the pointer on its name.
+    page.go_to('detect')
+    about = page.element('#p-camera-detector-faintest-about')
+    assert not about.is_displayed()
+    ActionChains(page.driver).move_to_element(page.field('detector.faintest').find_element(
+        'xpath', '//label[.="Faintest object"]')).perform()
+    wait_until(about.is_displayed, lambda: 'no sentence')
+
+
 def test_mask_lies_over_a_large_picture_as_strong_as_the_slider_says(page):
     page.resize(1280, 800)
     page.go_to('detect')
@@ -130,7 +156,7 @@ def test_parameter_takes_effect_and_goes_back_to_its_default(page):
     page.go_to('detect')
     page.wait_for('detector.faintest', '#part-detect')
     page.fill('detector.faintest', '31')
-    page.click('detector.faintest: back to the default')
+    page.click('Faintest object: back to the default')
     wait_until(lambda: page.field('detector.faintest').get_attribute('value') == '13',
                lambda: page.field('detector.faintest').get_attribute('value'))
 
@@ -166,9 +192,13 @@ def test_second_page_sees_what_the_first_has_changed(page, open_page, cell, brow
 
 
 def test_background_is_taken_anew(page):
+    # What lies there now would be missed later: it would have been taken away.
+    page.click('Nothing', '#simulated')
+    page.wait_for('The surface is empty', '#banner')
     page.go_to('detect')
     page.click('Take the background now')
     page.wait_for('The background is new', '#notices')
+    page.click('Moving objects', '#simulated')
 
 
 def test_tabs_follow_the_arrow_keys(page):

@@ -17,6 +17,7 @@
 import {act} from '../base/actions.js';
 import {createAreas} from '../pieces/areas.js';
 import {button, card, element, setText, show} from '../base/dom.js';
+import {everydayName} from '../base/names.js';
 import {createField} from '../pieces/fields.js';
 import {attempt} from '../base/notices.js';
 import {LivePicture} from '../pieces/pictures.js';
@@ -45,12 +46,14 @@ export function createDetect(store) {
   effect.classList.add('effect');
   // Its tools lie below the picture, which is in its place now.
   const areas = createAreas(store, picture);
+  const parameters = card('Parameters', fields.node);
+  parameters.classList.add('sticky');
   const node = element('div', {class: 'detect'},
-    element('div', {class: 'sticky'},
+    element('div', {},
       effect,
       createBackground(),
       areas.node),
-    card('Parameters', fields.node));
+    parameters);
   return {
     node,
     shown: () => { picture.start(); mask.start(); },
@@ -113,7 +116,7 @@ function addField(groups, place, node, spec) {
   const field = createField(spec, `p-${node}-${spec.name.replaceAll('.', '-')}`,
     (value) => act('/api/parameters', {node, values: {[spec.name]: value}}));
   const group = groupFor(groups, place, name);
-  group.fields.push({node: field.node, text: `${spec.name} ${spec.description}`.toLowerCase()});
+  group.fields.push({node: field.node, text: `${everydayName(spec.name)} ${spec.name} ${spec.description}`.toLowerCase()});
   group.node.append(field.node);
   return field;
 }

@@ -16,6 +16,7 @@
 
 import {card, element, fillRow, row, setAttribute, setText, show, svg, sync, table, button}
   from '../base/dom.js';
+import {createGrid} from '../pieces/grid.js';
 import {createMap} from '../pieces/map.js';
 import {ago, fixed, point} from '../base/numbers.js';
 import {LivePicture} from '../pieces/pictures.js';
@@ -42,6 +43,9 @@ export function createWatch(store) {
   const figures = createFigures();
   const leftOut = createLeftOut();
   const scatter = createScatter();
+  const rings = svg('g');
+  const grid = createGrid(store, picture);
+  picture.overlay.append(grid.layer, rings);
 
   const draw = () => {
     const watch = store.get('watch');
@@ -55,7 +59,7 @@ export function createWatch(store) {
     figures.update(watch);
     leftOut.update(watch.left_out ?? []);
     map.update(watch, selection);
-    ring(picture, selection.current);
+    ring(picture, rings, selection.current);
     scatter.update(watch, selection.current);
   };
   selection.onchange = draw;
@@ -70,7 +74,7 @@ export function createWatch(store) {
 
   const node = element('div', {class: 'watch'}, element('div', {class: 'columns'},
     element('div', {},
-      card('Picture', kindChoice(picture), picture.node,
+      card('Picture', element('div', {class: 'choices-row'}, kindChoice(picture), grid.node), picture.node,
         element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),
         figures.node)),
     element('div', {},
@@ -122,9 +126,9 @@ function nearest(objects, pixel, size) {
     .sort((one, other) => away(one) - away(other))[0] ?? null;
 }
 
-function ring(picture, object) {
+function ring(picture, layer, object) {
   const marks = object?.pixel ? [object.pixel] : [];
-  sync(picture.overlay, marks, () => 'ring',
+  sync(layer, marks, () => 'ring',
     () => svg('circle', {class: 'chosen', r: picture.size.width * 0.05}),
     (node, [u, v]) => {
       setAttribute(node, 'cx', u);
@@ -159,15 +163,24 @@ function fillObject(node, object, isChosen) {
   texts.forEach((text, index) => setText(node.cells[index + 1], text));
 }
 
+const TOO = {low: ['low', 'Objects that move are published late: use a faster camera or a smaller picture, or end ' +
+  'other programs.'], high: ['high', 'Positions come late: an object that moves is elsewhere by then. End other ' +
+  'programs, or use a smaller picture.']};
+
 function createFigures() {
   const node = element('dl', {class: 'figures'});
-  const update = ({rate_hz: rate, age_s: age, latency_ms: latency, objects}) => {
-    const items = [['Objects', String(objects.length)], ['Rate', rate ? `${fixed(rate, 1)} Hz` : '–'],
-      ['Latency', latency ? `${fixed(latency, 0)} ms` : '–'],
+  const update = ({rate_hz: rate, age_s: age, latency_ms: latency, objects, pace}) => {
+    const items = [['Objects', String(objects.length)],
+      ['Rate', rate ? `${fixed(rate, 1)} Hz` : '–', TOO[pace?.rate]],
+      ['Latency', latency ? `${fixed(latency, 0)} ms` : '–', TOO[pace?.latency]],
       ['Last frame', age !== null && age < AGE_AFTER_S ? 'now' : ago(age)]];
     sync(node, items, ([name]) => name,
       ([name]) => element('div', {}, element('dt', {}, name), element('dd')),
-      (item, [, text]) => setText(item.lastChild, text));
+      (item, [, text, [word, cure] = []]) => {
+        setText(item.lastChild, word ? `${text}, ${word}` : text);
+        setAttribute(item, 'class', word ? 'bad' : null);
+        setAttribute(item, 'title', cure ?? null);
+      });
   };
   return {node, update};
 }

@@ -15,6 +15,7 @@
 // A field for a parameter, made from its descriptor: a slider, a number, a choice or a text.
 
 import {button, element, setAttribute, setText, show} from '../base/dom.js';
+import {everydayName} from '../base/names.js';
 import {read} from '../base/numbers.js';
 
 const LARGEST_SLIDER = 500;
@@ -31,13 +32,13 @@ const KEEP_OWN_MS = 700;
 export function createField(spec, id, change) {
   const error = element('p', {class: 'field-error', id: `${id}-error`, role: 'alert', hidden: true});
   const elsewhere = element('p', {class: 'elsewhere', role: 'status', hidden: true});
-  const about = element('p', {class: 'quiet', id: `${id}-about`}, describe(spec));
+  const about = element('p', {class: 'about', id: `${id}-about`}, describe(spec));
   const reset = button('Default', () => {
     // What was typed last, and is not sent yet, must not come after the default.
     clearTimeout(waiting);
     control.set(spec.default);
     send(spec.default);
-  }, {class: 'quiet small', 'aria-label': `${spec.name}: back to the default`});
+  }, {class: 'quiet small', 'aria-label': `${everydayName(spec.name)}: back to the default`});
   let known = spec.value;
   let told = spec.value;
   let keepOwnUntil = 0;
@@ -98,9 +99,9 @@ export function createField(spec, id, change) {
     show(reset, !spec.read_only && spec.default !== null && spec.default !== undefined &&
       JSON.stringify(value) !== JSON.stringify(spec.default));
   };
-  const label = element('label', {for: id}, spec.name);
-  const node = element('div', {class: 'field'}, element('div', {class: 'field-head'}, label, reset),
-    control.node, elsewhere, error, about);
+  const head = element('div', {class: 'field-head'}, element('div', {},
+    element('label', {for: id}, everydayName(spec.name)), ' ', element('code', {}, spec.name)), reset);
+  const node = element('div', {class: 'field'}, head, control.node, elsewhere, error, about);
   update(spec);
   return {node, update};
 }
@@ -157,7 +158,7 @@ function sliderControl(spec, shared, tell) {
   const [low, high, step] = spec.range;
   const each = step || (spec.type === 'integer' ? 1 : (high - low) / 500);
   const slider = element('input', {type: 'range', min: low, max: high, step: each,
-    disabled: shared.disabled, 'aria-label': `${spec.name}, slider`, oninput: () => {
+    disabled: shared.disabled, 'aria-label': `${everydayName(spec.name)}, slider`, oninput: () => {
       const value = spec.type === 'integer' ? Number(slider.value) : Number(fixedPlain(slider.value));
       input.value = value;
       tell(value, TELL_EVERY_MS);

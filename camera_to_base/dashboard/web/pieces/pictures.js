@@ -14,7 +14,7 @@
 
 // A live picture: the server sends the newest one whenever the last one was shown.
 
-import {element, setAttribute, setText, show, svg} from '../base/dom.js';
+import {button, element, setAttribute, setText, show, svg} from '../base/dom.js';
 import {ago} from '../base/numbers.js';
 import {socket} from '../base/state.js';
 
@@ -25,6 +25,8 @@ const LATE_MS = 1000;
 
 /** A picture with a layer for drawing above it, in the pixels of the camera. */
 export class LivePicture {
+  /** Called when the size of the picture has changed. */
+  onsize = () => {};
   #image = element('img', {draggable: 'false'});
   #waiting = element('p', {class: 'waiting'});
   #line = null;
@@ -37,9 +39,9 @@ export class LivePicture {
 
   /** `kind` is what the server sends; `text` says what can be seen. */
   constructor(kind, text) {
-    this.overlay = svg('svg', {preserveAspectRatio: 'none', 'aria-hidden': 'true'});
+    this.overlay = svg('svg', {preserveAspectRatio: 'xMidYMid meet', 'aria-hidden': 'true'});
     this.node = element('div', {class: 'picture empty'}, this.#image, this.overlay, this.#waiting,
-      this.#old);
+      this.#old, this.#fullScreen());
     this.size = {width: 640, height: 480};
     this.#image.onload = () => this.#onShown();
     this.#image.onerror = () => this.#askNext();
@@ -74,10 +76,23 @@ export class LivePicture {
   /** Return the pixel of a pointer's event, or null where it is beside the picture. */
   pixelAt(event) {
     const box = this.#image.getBoundingClientRect();
-    const u = (event.clientX - box.left) / box.width * this.size.width - 0.5;
-    const v = (event.clientY - box.top) / box.height * this.size.height - 0.5;
-    const isInside = u >= -0.5 && v >= -0.5 && u < this.size.width && v < this.size.height;
+    // On a full screen, the picture has bars beside it.
+    const {width, height} = this.size;
+    const scale = Math.min(box.width / width, box.height / height);
+    const u = (event.clientX - box.left - (box.width - scale * width) / 2) / scale - 0.5;
+    const v = (event.clientY - box.top - (box.height - scale * height) / 2) / scale - 0.5;
+    const isInside = u >= -0.5 && v >= -0.5 && u < width && v < height;
     return isInside ? {u, v} : null;
+  }
+
+  #fullScreen() {
+    const change = (event) => {
+      event.stopPropagation();
+      if (document.fullscreenElement) document.exitFullscreen();
+      else this.node.requestFullscreen();
+    };
+    return button('⛶', change, {class: 'full-screen', 'aria-label': 'Full screen', title: 'Full screen',
+      hidden: !document.fullscreenEnabled, onpointerdown: (event) => event.stopPropagation()});
   }
 
   #open() {
@@ -108,8 +123,10 @@ export class LivePicture {
   }
 
   #onShown() {
+    const before = this.size;
     this.size = this.#sentSize ?? {
       width: this.#image.naturalWidth, height: this.#image.naturalHeight};
+    if (before.width !== this.size.width || before.height !== this.size.height) this.onsize();
     setAttribute(this.overlay, 'viewBox', `-0.5 -0.5 ${this.size.width} ${this.size.height}`);
     this.node.classList.remove('empty', 'old');
     show(this.#waiting, false);
