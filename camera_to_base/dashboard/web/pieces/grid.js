@@ -48,7 +48,7 @@ export function createGrid(store, picture) {
 }
 
 function shapes({lines, axes}, {width, height}, frame) {
-  const font = width / 45;
+  const font = width / 38;
   const isSeen = ([u, v]) => u > 0 && v > font && u < width - font && v < height;
   const path = (points) => points.map(([u, v], index) => `${index ? 'L' : 'M'}${u} ${v}`).join('');
   const text = (content, [u, v], name) => svg('text', {class: name, x: u + font / 4, y: v - font / 4,

@@ -91,7 +91,9 @@ export class LivePicture {
       if (document.fullscreenElement) document.exitFullscreen();
       else this.node.requestFullscreen();
     };
-    return button('⛶', change, {class: 'full-screen', 'aria-label': 'Full screen', title: 'Full screen',
+    const icon = svg('svg', {viewBox: '0 0 24 24', class: 'icon', 'aria-hidden': 'true'},
+      svg('path', {d: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5'}));
+    return button(icon, change, {class: 'full-screen', 'aria-label': 'Full screen', title: 'Full screen',
       hidden: !document.fullscreenEnabled, onpointerdown: (event) => event.stopPropagation()});
   }
 
