@@ -54,7 +54,8 @@ function shapes({lines, axes}, {width, height}, frame) {
   const text = (content, [u, v], name) => svg('text', {class: name, x: u + font / 4, y: v - font / 4,
     'font-size': font}, content);
   const drawn = lines.flatMap(({name, points}) => {
-    const at = points.find(isSeen);
+    // Not in the same corner for both.
+    const at = points.filter(isSeen).at(name.startsWith('y') ? 1 : 0);
     return [svg('path', {d: path(points)}), ...(at ? [text(name, at, 'number')] : [])];
   });
   if (axes) {
