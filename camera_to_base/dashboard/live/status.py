@@ -29,8 +29,8 @@ _MM_PER_CM = 10.0
 # A base position belongs to a camera position that is transformed to this close to it.
 _SAME_CM = 0.05
 _DIGITS = 4
-# Slower than this, an object that moves by 10 cm/s is 2 cm farther with each frame, and 3 cm farther
-# when its position comes.
+# Slower than this, an object that moves by 10 cm/s is 2 cm farther with each frame, and 3 cm
+# farther when its position comes.
 _LEAST_HZ, _LONGEST_MS = 5.0, 300.0
 # An object's last ellipse is held for so long, while it moves at most so far.
 _HELD_S, _HELD_CM = 2.0, 3.0
