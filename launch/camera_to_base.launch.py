@@ -26,8 +26,9 @@ from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import shared_memory_environment
 from camera_to_base.launching import (
     argument_warnings, check_frames, choose_cameras, driver_parameters, DRIVERS, frames,
-    image_input, is_wanted, kept_background, LaunchedCamera, make_params_file, not_installed,
-    plays_recording, recording_failure, transform_arguments, unknown_arguments)
+    fusion_parameters, image_input, is_fused, is_wanted, kept_background, LaunchedCamera,
+    make_params_file, not_installed, plays_recording, recording_failure, transform_arguments,
+    unknown_arguments)
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction
 from launch.events import matches_action, Shutdown
@@ -67,7 +68,8 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument(
             'cameras', default_value='',
             description='A list of cameras in YAML, instead of all arguments above: see '
-                        'config/two_cameras.yaml.'),
+                        'config/two_cameras.yaml. Or two parameter files with , between them: '
+                        'cameras that look at one table, and camera_fusion.'),
         DeclareLaunchArgument(
             'publish_tf', default_value='false',
             description='Publish the transform of the parameter file on /tf_static.'),
@@ -108,6 +110,8 @@ def _start(context, names):
     for number, camera in enumerate(cameras):
         background_file = os.path.join(folder, f'background_{number}.png')
         actions += _camera_actions(camera, playing, background_file, unknown)
+    if is_fused(_value(context, 'cameras')):
+        actions.append(_fusion(cameras))
     if is_wanted('publish_tf', _value(context, 'publish_tf')):
         _require('tf2_ros', 'publish_tf:=true')
         check_frames(cameras)
@@ -164,6 +168,13 @@ def _node(camera, package, executable, name=None, **options):
     return Node(
         package=package, executable=executable, name=name or executable,
         namespace=camera.namespace, output='screen', respawn=True, respawn_delay=0.5, **options)
+
+
+def _fusion(cameras):
+    return Node(
+        package='camera_to_base', executable='camera_fusion', name='camera_fusion',
+        output='screen', respawn=True, respawn_delay=0.5, on_exit=_end_without_start,
+        parameters=[fusion_parameters(cameras)])
 
 
 def _rviz(camera):

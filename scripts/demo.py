@@ -26,6 +26,7 @@ from demo_claims import Claims
 from demo_pick import Picks
 from demo_report import Report
 from demo_terminal import Terminal
+from demo_two import TwoCameras
 
 # What is set up on the dashboard's page is saved here.
 CELL_FILE, PICTURE = 'cell.yaml', 'demo.png'
@@ -53,11 +54,11 @@ def main(arguments):
     try:
         terminal.say(f'starting both nodes in ROS domain {os.environ["ROS_DOMAIN_ID"]} on the '
                      f"source '{source}'; Ctrl-C ends them")
-        params = options.params or calibration_of(source, options.pick)
-        nodes.append(start(terminal, 'robot_base_publisher', {}, params))
-        nodes.append(start(terminal, 'camera_publisher', {
-            'source': source, 'wait_for_subscribers': 2, 'wait_for_camera': False,
-            **method_for(source), **Bumps.parameters(options.bump)}, params))
+        if options.two:
+            nodes += [start(terminal, executable, {}, file, namespace)
+                      for executable, file, namespace in TwoCameras.nodes()]
+        else:
+            start_camera(terminal, nodes, options)
         # Positions are printed with or without it.
         if page.port:
             others.append(start(terminal, 'dashboard', {
@@ -71,6 +72,16 @@ def main(arguments):
         return 0
     finally:
         stop([*nodes, *others])
+
+
+def start_camera(terminal, nodes, options):
+    """Start both nodes of one camera, and add them to the nodes."""
+    source, params = options.source, options.params or calibration_of(
+        options.source, options.pick)
+    nodes.append(start(terminal, 'robot_base_publisher', {}, params))
+    nodes.append(start(terminal, 'camera_publisher', {
+        'source': source, 'wait_for_subscribers': 2, 'wait_for_camera': False,
+        **method_for(source), **Bumps.parameters(options.bump)}, params))
 
 
 class Page:
@@ -113,6 +124,7 @@ def parse(arguments):
     kinds = parser.add_mutually_exclusive_group()
     kinds.add_argument('--bump', action='store_true')
     kinds.add_argument('--pick', action='store_true')
+    kinds.add_argument('--two', action='store_true')
     parser.add_argument('source', nargs='?')
     options = parser.parse_args(arguments)
     try:
@@ -121,12 +133,14 @@ def parse(arguments):
         parser.error(str(error))
     if options.source is None:
         named = settings.camera.source
-        is_simulated = named == 'auto' or options.bump or options.pick
+        is_simulated = named == 'auto' or options.bump or options.pick or options.two
         options.source = 'simulated' if is_simulated else named
     if options.bump and options.source != 'simulated':
         parser.error('--bump bumps the simulated camera only: leave the source out')
     if options.pick and options.source != 'simulated':
         parser.error('--pick takes objects of the simulated camera only: leave the source out')
+    if options.two and (options.source != 'simulated' or options.params):
+        parser.error('--two has two simulated cameras: leave the source and --params out')
     return options
 
 
@@ -135,11 +149,12 @@ def method_for(source):
     return {'detector.method': 'tutorial'} if os.path.isfile(source) else {}
 
 
-def start(terminal, executable, parameters, file=None):
+def start(terminal, executable, parameters, file=None, namespace=''):
     """Start an installed executable like `ros2 run`, but without the terminal's Ctrl-C."""
     from ament_index_python.packages import get_package_prefix
     path = os.path.join(get_package_prefix('camera_to_base'), 'lib', 'camera_to_base', executable)
-    command = [path, '--ros-args', *(['--params-file', file] if file else [])]
+    command = [path, '--ros-args', *(['--params-file', file] if file else []),
+               *(['-r', f'__ns:=/{namespace}'] if namespace else [])]
     for name, value in parameters.items():
         command += ['-p', f'{name}:={json.dumps(value)}']
     return start_command(terminal, command)
@@ -161,7 +176,7 @@ def listen(terminal, nodes, page, picture, options):
     from rclpy.signals import SignalHandlerOptions
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('demo')
-    report = Report(node, terminal, picture)
+    report = TwoCameras(node, terminal) if options.two else Report(node, terminal, picture)
     # What happens to the table or the camera, and is told.
     shows = [show for show in (options.bump and Bumps(node, report, terminal),
                                options.pick and Picks(node, terminal)) if show]

@@ -85,6 +85,16 @@ def test_picks_beside_the_true_place_are_not_counted(tmp_path):
 
 
 @pytest.mark.slow
+def test_two_cameras_measure_the_heights_that_nobody_told(tmp_path):
+    output = run_until('==> largest error', tmp_path, '--two')
+    lines = re.findall(r'error ([\d.]+) mm;  height ([\d.]+) cm  true ([\d.]+) cm', output)
+    assert len(lines) >= 3, output
+    for place_mm, height_cm, true_cm in lines:
+        assert float(place_mm) < 0.5 and abs(float(height_cm) - float(true_cm)) < 0.2
+    assert re.search(r'positions, largest error [\d.]+ mm, of the height [\d.]+ mm', output)
+
+
+@pytest.mark.slow
 def test_two_demos_share_nothing_and_tell_their_addresses(tmp_path):
     alone = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
     demos = [subprocess.Popen(

@@ -10,7 +10,8 @@
 from pathlib import Path
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.launching import choose_cameras, LaunchedCamera, read_cameras
+from camera_to_base.launching import (
+    choose_cameras, fusion_parameters, is_fused, LaunchedCamera, read_cameras)
 import pytest
 
 CONFIG = Path(__file__).parents[2] / 'config'
@@ -41,6 +42,27 @@ def choose(camera, list_file='', **changes):
 def test_without_a_list_the_arguments_describe_the_one_camera(camera):
     assert choose(camera, source='0', namespace='/cell_1/') == [
         camera._replace(source='0', namespace='cell_1')]
+
+
+def test_parameter_files_with_a_comma_are_fused_cameras_named_after_them(camera):
+    files = [str(CONFIG / f'simulated_{name}.yaml') for name in ('left', 'right')]
+    cameras = choose(camera, ', '.join(files), source='simulated')
+    assert cameras == [LaunchedCamera(path, 'simulated', f'simulated_{name}')
+                       for path, name in zip(files, ('left', 'right'))]
+    assert fusion_parameters(cameras) == {'cameras': ['/simulated_left', '/simulated_right']}
+    assert is_fused(','.join(files)) and not is_fused(files[0])
+
+
+def test_fused_cameras_that_cannot_be_told_apart_are_refused(camera, tmp_path):
+    left = str(CONFIG / 'simulated_left.yaml')
+    with pytest.raises(InvalidValueError, match="the namespace 'simulated_left': give each"):
+        choose(camera, f'{left},{left}')
+    with pytest.raises(InvalidValueError, match='name two parameter files'):
+        choose(camera, f'{left},')
+    with pytest.raises(InvalidValueError, match='leave out namespace:=cell'):
+        choose(camera, f'{left},{camera.params_file}', namespace='cell')
+    with pytest.raises(InvalidValueError, match="cell.yaml' does not name its source"):
+        fusion_parameters(choose(camera, f'{left},{camera.params_file}'))
 
 
 def test_sample_list_has_two_cameras_with_their_files():

@@ -181,6 +181,11 @@ def test_two_cameras_have_two_nodes_and_a_transform_each(prefix):
         [*OURS, 'static_transform_publisher'] * 2)
 
 
+def test_two_parameter_files_start_two_cameras_and_the_node_that_fuses_them(prefix):
+    files = ','.join(str(ROOT / f'config/simulated_{name}.yaml') for name in ('left', 'right'))
+    assert described(cameras=files) == sorted([*OURS, *OURS, 'camera_fusion'])
+
+
 def test_two_cameras_whose_frames_clash_are_refused_with_publish_tf_only(prefix, tmp_path):
     prefix.add('tf2_ros', 'static_transform_publisher')
     (tmp_path / 'table.yaml').write_text('/**: {ros__parameters: {camera_frame_id: table}}')

@@ -7,36 +7,23 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""
-What the launch file asks: which cameras to start, and with which arguments.
-
-In: launch arguments, and the parameter file that they name. Out: parameters, remappings, command
-lines and environment of the processes to start, and warnings of arguments that do not exist.
-
-Caller: `launch/camera_to_base.launch.py`.
-"""
+"""What a launch starts: parameters, remappings and command lines, and warnings of arguments."""
 
 import math
 import os
-import re
 import signal
 from typing import Any, Collection, Dict, Iterable, List, NamedTuple, Tuple
 
 from camera_to_base.errors import InvalidValueError
-from camera_to_base.files import check_folder, write_files
+from camera_to_base.launching.cameras import LaunchedCamera
 from camera_to_base.parameters import (
-    checked_values, load_yaml, misspelt_name, parameter_text, ParameterSpec, read_node_parameters,
-    TRANSFORM_SPECS, unknown_name_text, with_new_names)
+    checked_values, misspelt_name, ParameterSpec, read_node_parameters, TRANSFORM_SPECS,
+    unknown_name_text, with_new_names)
 from camera_to_base.settings import CAMERA_SPECS
 from camera_to_base.sources import kind_of
 
 # Arguments that launch and launch_ros use themselves.
 _OF_LAUNCH = {'emulate_tty', 'launch-prefix', 'launch-prefix-filter', 'ros_namespace'}
-
-# Packages of drivers, and their executables.
-DRIVERS = {'usb_cam': 'usb_cam_node_exe', 'v4l2_camera': 'v4l2_camera_node'}
-
-_NAME = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
 
 _SPECS = {'camera_publisher': CAMERA_SPECS, 'robot_base_publisher': TRANSFORM_SPECS}
 
@@ -88,149 +75,6 @@ def not_installed(package: str, argument: str, distribution: str) -> str:
     """
     return (f'{argument} needs the package {package}, which is not installed: '
             f"sudo apt install ros-{distribution}-{package.replace('_', '-')}")
-
-
-class LaunchedCamera(NamedTuple):
-    """
-    One camera: its nodes share a namespace and a parameter file.
-
-    :param params_file: Path of the parameter file.
-    :param source: The camera node's parameter `source`; with a driver, the driver's device.
-    :param namespace: Namespace of nodes and topics; empty for the root.
-    :param image_topic: The topic that frames come from, or empty.
-    :param camera_driver: The driver that is started, or 'none'.
-    """
-
-    params_file: str
-    source: str = 'auto'
-    namespace: str = ''
-    image_topic: str = ''
-    camera_driver: str = 'none'
-
-    @property
-    def has_driver(self) -> bool:
-        """Tell whether a driver is to be started."""
-        return self.camera_driver != 'none'
-
-    @property
-    def device(self) -> str:
-        """Path of the device that a driver opens; by default the first one."""
-        if self.source == 'auto':
-            return '/dev/video0'
-        return f'/dev/video{self.source}' if self.source.isdigit() else self.source
-
-
-def make_params_file(camera: LaunchedCamera) -> str:
-    """
-    Make the parameter file of a camera, if it does not exist, for the dashboard to save to.
-
-    It names the source; all other parameters have their defaults.
-
-    :returns: A sentence that says so; '' if the file exists.
-    :raises InvalidValueError: If it cannot be written.
-    """
-    path = camera.params_file
-    if os.path.lexists(path):
-        return ''
-    check_folder(path, 'the parameter file')
-    write_files({path: parameter_text({'source': camera.source}, []).encode()})
-    return f"params_file '{path}' is new: the dashboard saves the calibration to it"
-
-
-def choose_cameras(
-    list_file: str, camera: LaunchedCamera, default: LaunchedCamera
-) -> List[LaunchedCamera]:
-    """
-    Choose the cameras of a launch.
-
-    :param list_file: Path of a list of cameras, or empty.
-    :param camera: The camera that the other launch arguments describe.
-    :param default: The same with all arguments left at their defaults.
-    :raises InvalidValueError: If a camera cannot be started as it is described.
-    """
-    if not list_file:
-        return [_checked(camera)]
-    for name, value in camera._asdict().items():
-        if value != getattr(default, name):
-            raise InvalidValueError(
-                f"{name} belongs into '{list_file}', for each camera: leave out {name}:={value}")
-    return read_cameras(list_file)
-
-
-def read_cameras(path: str) -> List[LaunchedCamera]:
-    """
-    Read a list of cameras.
-
-    :raises InvalidValueError: If the file cannot be read, or a camera of it cannot be started.
-    """
-    entries = load_yaml(path, 'list of cameras')[1]
-    if not isinstance(entries, list) or not entries:
-        raise InvalidValueError(
-            f"'{path}' is no list of cameras: it must hold '- namespace: ...' for each of them")
-    cameras = []
-    for number, entry in enumerate(entries, start=1):
-        try:
-            cameras.append(_checked(_from_entry(entry, os.path.dirname(path))))
-        except InvalidValueError as error:
-            raise InvalidValueError(f"camera {number} in '{path}': {error}") from error
-    _refuse_repeated([camera.namespace for camera in cameras], path)
-    return cameras
-
-
-def _from_entry(entry: Any, directory: str) -> LaunchedCamera:
-    if not isinstance(entry, dict):
-        raise InvalidValueError(f"expected 'namespace: ...' and so on, got {entry!r}")
-    for name, value in entry.items():
-        if name not in LaunchedCamera._fields:
-            raise InvalidValueError(
-                f"there is no '{name}', only {', '.join(LaunchedCamera._fields)}")
-        if type(value) not in (str, int) or value == '':
-            raise InvalidValueError(f'{name} must be a text, got {value!r}')
-    for name in ('namespace', 'params_file'):
-        if name not in entry:
-            raise InvalidValueError(f'{name} is missing')
-    if not {'source', 'image_topic'} & set(entry):
-        raise InvalidValueError('it needs a source or an image_topic of its own')
-    camera = LaunchedCamera(**{name: str(value) for name, value in entry.items()})
-    return camera._replace(params_file=os.path.join(directory, camera.params_file))
-
-
-def _checked(camera: LaunchedCamera) -> LaunchedCamera:
-    if not os.path.isfile(camera.params_file):
-        raise InvalidValueError(
-            f"params_file: there is no file '{camera.params_file}': make it with ros2 run "
-            f'camera_to_base calibrate board --camera 0 -o {camera.params_file}')
-    camera = camera._replace(namespace=camera.namespace.strip('/'))
-    for name in ('namespace', 'image_topic'):
-        value = getattr(camera, name)
-        if value and not _NAME.fullmatch(value):
-            raise InvalidValueError(
-                f"{name} must be made of letters, digits, '_' and '/', and no part of it may "
-                f'start with a digit, got {value!r}')
-    if camera.has_driver:
-        _check_driver(camera)
-    elif camera.image_topic and camera.source != 'auto':
-        raise InvalidValueError(
-            f"frames come from the image_topic '{camera.image_topic}' or from the source "
-            f"'{camera.source}': leave out one of them")
-    return camera
-
-
-def _check_driver(camera: LaunchedCamera) -> None:
-    if camera.camera_driver not in DRIVERS:
-        raise InvalidValueError(
-            f"camera_driver must be {', '.join(DRIVERS)} or none, got '{camera.camera_driver}'")
-    if not camera.device.startswith('/dev/'):
-        raise InvalidValueError(
-            f"{camera.camera_driver} opens a device, and the source '{camera.source}' is none: "
-            'use a number or a path such as /dev/video0')
-
-
-def _refuse_repeated(namespaces: List[str], path: str) -> None:
-    for namespace in namespaces:
-        if namespaces.count(namespace) > 1:
-            raise InvalidValueError(
-                f"two cameras in '{path}' have the namespace '{namespace}': give each its own")
 
 
 def spec_of(node: str, name: str) -> ParameterSpec:
@@ -347,6 +191,20 @@ def image_input(camera: LaunchedCamera) -> ImageInput:
     if topic.endswith('/compressed'):
         return ImageInput('compressed_topic', [('image/compressed', topic)])
     return ImageInput('topic', [('image', topic)])
+
+
+def fusion_parameters(cameras: List[LaunchedCamera]) -> Dict[str, Any]:
+    """
+    Make the parameters of the node that fuses what cameras see.
+
+    :raises InvalidValueError: If a file cannot be read, or does not tell which camera is meant.
+    """
+    for camera in cameras:
+        if image_input(camera).source == spec_of('camera_publisher', 'source').default:
+            raise InvalidValueError(
+                f"'{camera.params_file}' does not name its source: with two cameras each file "
+                'must, such as source: /dev/video2')
+    return {'cameras': [f'/{camera.namespace}' for camera in cameras]}
 
 
 def plays_recording(camera: LaunchedCamera) -> bool:
