@@ -12,8 +12,10 @@
 import asyncio
 from collections import deque
 from concurrent.futures import Future
+import io
 import json
 from typing import Any, Callable, Deque, Dict, List, Mapping, Tuple
+import zipfile
 
 from camera_to_base.dashboard.live.parameters import RefusedError
 from camera_to_base.dashboard.live.watch import WatchedCells
@@ -24,7 +26,7 @@ from rclpy.node import Node
 from rclpy.task import Future as RosFuture
 
 # A node answers within milliseconds. The background takes up to 10 s, see its service.
-_LONGEST_ANSWER_S, _LONGEST_BACKGROUND_S = 5.0, 15.0
+_LONGEST_ANSWER_S, _LONGEST_BACKGROUND_S, _LONGEST_SNAPSHOT_S = 5.0, 15.0, 8.0
 
 
 class NodeThread:
@@ -153,6 +155,20 @@ class Backend:
                 f'the file is written, but the node does not use it: {error.data["error"]}: start '
                 'the node again with the file')) from error
         return self._sessions.of(cell).state('save')
+
+    async def snapshot(self, cell: str) -> bytes:
+        """Return a ZIP of a frame, its mask, its positions, and the parameters."""
+        files, positions = await self._answer(lambda: self._cells.watch(cell).snapshot(),
+                                              _LONGEST_SNAPSHOT_S)
+        content = io.BytesIO()
+        with zipfile.ZipFile(content, 'w') as file:
+            for name, picture in files.items():
+                file.writestr(name, picture)
+            file.writestr('positions.json', json.dumps(positions, indent=1))
+            if positions.get('objects') is not None:
+                file.writestr('cell.yaml', await self.ask_sessions(
+                    cell, lambda one: one.file_text()))
+        return content.getvalue()
 
     async def ask_sessions(self, cell: str, function: Callable[[CellSessions], Any]) -> Any:
         """Call a function of a cell's sessions, which may take a while."""

@@ -26,13 +26,14 @@ STEPS = [
     f'{part}/{name}' for part, names in {
         'board': 'start take remove fit accept cancel undo', 'markers': 'start learn cancel',
         'robot': 'start see marker touch from_topic again remove base_z accept cancel undo',
+        'prove': 'see touch from_topic remove undo cancel', 'record': 'start stop',
         'save': 'save cancel load undo', 'simulated': 'show touch'}.items()
     for name in names.split()]
 PATHS = [*STEPS, 'parameters', 'save', 'areas', 'correction', 'nothing']
 NAMES = [
     'node', 'values', 'path', 'removes', 'number', 'u', 'v', 'x', 'y', 'text', 'topic', 'base_z',
     'corners', 'square_mm', 'charuco', 'paper', 'markers', 'work_area', 'ignored_areas', 'shows',
-    'placement']
+    'placement', 'seconds']
 PARAMETERS = [
     'detector.threshold', 'detector.min_area_cm2', 'surface.hull', 'surface.model',
     'surface.image_size', 'reach_cm', 'work_area', 'ignored_areas', 'object_height_cm',

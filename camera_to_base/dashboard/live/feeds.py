@@ -106,7 +106,8 @@ class SessionFeed:
 
     def check(self) -> None:
         """Begin and end what the sessions want."""
-        self._keep('frame', self._sessions.wants_frames, self._on_frame)
+        self._keep('frame', self._sessions.wants_frames or self._sessions.wants_recording,
+                   self._on_frame)
         self._keep('background', self._sessions.wants_objects, self._on_background)
         if self._sessions.tool_topic != self._tool:
             self._listen_to_tool(self._sessions.tool_topic)
@@ -153,6 +154,10 @@ class SessionFeed:
             self._node.destroy_subscription(subscription)
 
     def _on_frame(self, message: CompressedImage) -> None:
+        if self._sessions.wants_recording:
+            self._sessions.see_jpeg(bytes(message.data))
+        if not self._sessions.wants_frames:
+            return
         frame = cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
         if frame is not None:
             self._sessions.see_frame(frame)

@@ -77,6 +77,11 @@ class SeenFrames:
                 self._frames.popitem(last=False)
         return self._frames[key]
 
+    def known(self, stamp: Stamp) -> Optional[SeenFrame]:
+        """Return the frame with a stamp if its objects have come in the camera frame."""
+        frame = self._frames.get(stamp)
+        return frame if frame and frame.camera is not None else None
+
     @property
     def newest(self) -> Optional[SeenFrame]:
         """
@@ -123,6 +128,10 @@ class CellPositions:
     def newest(self) -> Optional[SeenFrame]:
         """The frame to show; None before the first one."""
         return self._frames.newest
+
+    def at(self, stamp: Stamp) -> Optional[SeenFrame]:
+        """Return the frame with a stamp if its objects have come in the camera frame."""
+        return self._frames.known(stamp)
 
     @property
     def silent_s(self) -> float:

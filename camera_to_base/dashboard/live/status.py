@@ -194,6 +194,15 @@ class CellStatus:
             'left_out': left_out_data(shown, geometry) if shown else [],
             'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data}
 
+    def frame_data(
+        self, stamp: Tuple[int, int], geometry: Optional[Geometry]
+    ) -> Optional[Dict[str, Any]]:
+        """Describe the frame with a stamp as JSON; None while its positions are not there."""
+        frame = self._positions.at(stamp)
+        return frame and {
+            'state': self._state, 'objects': objects_data(frame, geometry, self._held),
+            'left_out': left_out_data(frame, geometry), 'units': 'cm, degrees, px; ellipses: mm'}
+
     def health_data(self) -> Dict[str, Any]:
         """Return the part `health` as JSON; it is called once a second."""
         self._charts.add(round(self._positions.rate_hz, 1), self._latency_ms)

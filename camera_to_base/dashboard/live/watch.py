@@ -9,7 +9,7 @@
 
 """Everything about one cell while somebody looks at it, and the cells that are looked at."""
 
-from typing import Any, Callable, Dict, Iterable, Optional
+from typing import Any, Callable, Dict, Iterable, List, Optional
 
 from camera_to_base.dashboard.live.cells import CAMERA, CellFinder, full_name, GraphCell, TRANSFORM
 from camera_to_base.dashboard.live.feeds import OnPicture, PictureTopics, SessionFeed
@@ -17,6 +17,7 @@ from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.health import CellHealth, Lines, LogLines, no_lines
 from camera_to_base.dashboard.live.parameters import RemoteParameters
 from camera_to_base.dashboard.live.positions import CellPositions
+from camera_to_base.dashboard.live.snapshot import Snapshot
 from camera_to_base.dashboard.live.status import CellStatus
 from camera_to_base.dashboard.sessions.cell_sessions import AllSessions, CellSessions
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
@@ -73,6 +74,7 @@ class CellWatch:
         self._capture = node.create_client(
             Trigger, f'{names[CAMERA]}/capture_background')
         self._correction = node.create_client(Trigger, f'{names[CAMERA]}/corrected_surface')
+        self._snapshots: List[Snapshot] = []
         self._timer = real_time_timer(node, _PERIOD_S, self._beat)
         self._look_at_graph()
 
@@ -114,14 +116,25 @@ class CellWatch:
         """
         return _asked(self._correction, 'no correction was kept')
 
+    def snapshot(self) -> Future:
+        """
+        Take a frame, its mask and its positions, which belong together.
+
+        :returns: The future of the pictures by file name, and the positions as JSON.
+        """
+        self._snapshots.append(Snapshot(
+            self._node, self._namespace,
+            lambda stamp: self._status.frame_data(stamp, self.geometry)))
+        return self._snapshots[-1].answer
+
     def close(self) -> None:
         """Stop listening."""
         self._node.destroy_timer(self._timer)
         self._node.destroy_client(self._capture)
         self._node.destroy_client(self._correction)
         self._node.destroy_subscription(self._events)
-        for part in (self.camera, self.transform, self.positions, self._health, self._log,
-                     self._feed):
+        for part in (*self._snapshots, self.camera, self.transform, self.positions, self._health,
+                     self._log, self._feed):
             part.close()
 
     def _beat(self) -> None:
@@ -130,6 +143,7 @@ class CellWatch:
         self._tell('watch', watch)
         self._sessions.see_published(watch['stamp_s'], watch['objects'])
         self._feed.check()
+        self._snapshots = [one for one in self._snapshots if not one.check()]
         if self._beats % _BEATS_PER_S == 0:
             self._look_at_graph()
             self._tell('health', self._status.health_data())

@@ -163,6 +163,21 @@ class Sheet(Action):
         self.finish(content)
 
 
+class TakeSnapshot(Action):
+    """One moment of a cell; one at a time."""
+
+    async def post(self) -> None:
+        """Answer with a ZIP."""
+        cell = self.cell
+        if self.settings['snapshot'].locked():
+            raise Refused(503, 'another snapshot is being taken: try again in a second')
+        async with self.settings['snapshot']:
+            content = await self.backend.snapshot(cell)
+        self.set_header('Content-Type', 'application/zip')
+        self.set_header('Content-Disposition', 'attachment; filename="snapshot.zip"')
+        self.finish(content)
+
+
 class SavedFile(Action):
     """The parameter file as it would be saved."""
 
@@ -175,9 +190,10 @@ class SavedFile(Action):
 
 
 SESSION_ACTIONS = [
-    ('/api/(board|markers|robot|prove|save|simulated)/([a-z_0-9]+)', SessionStep),
+    ('/api/(board|markers|robot|prove|record|save|simulated)/([a-z_0-9]+)', SessionStep),
     ('/api/(save|areas)', WholePart), ('/api/correction', KeepCorrection),
     ('/api/report/([a-z]+[.](?:png|txt))', ReportPart), ('/api/sheet', Sheet),
+    ('/api/snapshot', TakeSnapshot),
     ('/api/file', SavedFile)]
 
 
@@ -256,7 +272,7 @@ class WebServer:
             default_handler_class=Unknown,
             access=Access(self._settings.host, self._settings.token), port=self.port,
             states=self.states, pictures=self.pictures, backend=self._backend,
-            drawing=asyncio.Lock(),
+            drawing=asyncio.Lock(), snapshot=asyncio.Lock(),
             compress_response=True, websocket_max_message_size=_LARGEST_MESSAGE,
             websocket_ping_interval=_PING_S, websocket_ping_timeout=_PING_S)
 

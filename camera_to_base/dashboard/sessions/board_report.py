@@ -9,12 +9,14 @@
 
 """The report of a fitted board, and how well each placement fits it."""
 
-from typing import Any, Dict, List, Sequence
+from typing import Any, Dict, List, Optional, Sequence
 
 from camera_to_base.calibration import Calibration, Placement, report_lines
+from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values, default_values
 from camera_to_base.settings import camera_settings, CAMERA_SPECS
 from camera_to_base.surface import Surface
+import cv2
 import numpy as np
 
 # Of the panels of a report picture, in their order.
@@ -35,6 +37,21 @@ def report_data(calibration: Calibration, placement_count: int) -> Dict[str, Any
         'pictures': [{'title': panel.title, 'url': f'/api/report/{name}.png?{report["date"]}'}
                      for name, panel in zip(PANEL_NAMES, calibration.panels)],
         'text_url': f'/api/report/board.txt?{report["date"]}'}
+
+
+def report_part(calibration: Optional[Calibration], name: str) -> bytes:
+    """
+    Return a part of the report: a picture of PANEL_NAMES, 'fit.png', or 'board.txt'.
+
+    :raises InvalidValueError: If there is none.
+    """
+    stem, _, ending = name.partition('.')
+    if calibration is not None and name == 'board.txt':
+        return '\n'.join([*report_lines(calibration.report), '']).encode()
+    if calibration is None or stem not in PANEL_NAMES or ending != 'png':
+        raise InvalidValueError(f'there is no report {name:.40}')
+    picture = calibration.panels[PANEL_NAMES.index(stem)].picture
+    return cv2.imencode('.png', picture)[1].tobytes()
 
 
 def placement_errors(calibration: Calibration, flat: Sequence[Placement]) -> List[float]:

@@ -16,13 +16,14 @@ import traceback
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from camera_to_base.calibration import (
-    lens_of_camera_info, marker_sheet_content, OfferedCorrection, report_lines)
+    lens_of_camera_info, marker_sheet_content, OfferedCorrection)
 from camera_to_base.dashboard.sessions.board import BoardSession
-from camera_to_base.dashboard.sessions.board_report import PANEL_NAMES
+from camera_to_base.dashboard.sessions.board_report import report_part
 from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.kept import KeptSteps, Steps
 from camera_to_base.dashboard.sessions.markers import MarkerSession
 from camera_to_base.dashboard.sessions.prove import ProveSession
+from camera_to_base.dashboard.sessions.record import RecordSession
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save import SaveSession
 from camera_to_base.dashboard.sessions.table import (
@@ -30,12 +31,11 @@ from camera_to_base.dashboard.sessions.table import (
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, Setup, Worker
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import Values
-import cv2
 import numpy as np
 
 # The edge of a printed marker, in mm; the command `calibrate sheet --markers` has others.
 _MARKER_MM = 40.0
-PARTS = ('board', 'markers', 'robot', 'prove', 'save', 'areas', 'simulated')
+PARTS = ('board', 'markers', 'robot', 'prove', 'record', 'save', 'areas', 'simulated')
 Action = Callable[[Mapping[str, Any]], Optional[CellChanges]]
 
 # A session may change several times for one frame.
@@ -79,6 +79,8 @@ class CellSessions:
             self._values, lambda: (self._robot.accepted_calibration,
                                    self._board.accepted_calibration),
             params_file, lambda: on_change('save'), owner_of)
+        self._record = RecordSession(
+            lambda: self._save.beside, self._worker, lambda: on_change('record'))
         self._actions = self._list_actions()
         self._kept = KeptSteps(self._save.path)
         self._restore()
@@ -87,6 +89,11 @@ class CellSessions:
     def wants_frames(self) -> bool:
         """Whether :meth:`see_frame` is to be called."""
         return self._board.wants_frames or self._markers.wants_frames
+
+    @property
+    def wants_recording(self) -> bool:
+        """Whether :meth:`see_jpeg` is to be called."""
+        return self._record.wants_frames
 
     @property
     def wants_objects(self) -> bool:
@@ -121,6 +128,11 @@ class CellSessions:
         with self._lock:
             self._board.see_frame(image)
             self._markers.see_frame(image)
+
+    def see_jpeg(self, jpeg: bytes) -> None:
+        """Take the newest frame as it came."""
+        with self._lock:
+            self._record.see(jpeg)
 
     def see_camera_info(self, info: Any, is_rectified: bool = False) -> None:
         """
@@ -183,7 +195,7 @@ class CellSessions:
             if part in ('areas', 'simulated'):
                 return (areas_data if part == 'areas' else simulated_data)(self._values)
             return {'board': self._board, 'markers': self._markers, 'robot': self._robot,
-                    'prove': self._prove, 'save': self._save}[part].state
+                    'prove': self._prove, 'record': self._record, 'save': self._save}[part].state
 
     def act(self, part: str, name: str, body: Mapping[str, Any]) -> Optional[CellChanges]:
         """
@@ -231,18 +243,11 @@ class CellSessions:
 
     def report(self, name: str) -> bytes:
         """
-        Return a part of the board's report: a picture of PANEL_NAMES, 'fit.png', or 'board.txt'.
+        Return a part of the board's report, see :func:`report_part`.
 
         :raises InvalidValueError: If there is none.
         """
-        calibration = self._board.calibration
-        stem, _, ending = name.partition('.')
-        if calibration is not None and name == 'board.txt':
-            return '\n'.join([*report_lines(calibration.report), '']).encode()
-        if calibration is None or stem not in PANEL_NAMES or ending != 'png':
-            raise InvalidValueError(f'there is no report {name:.40}')
-        picture = calibration.panels[PANEL_NAMES.index(stem)].picture
-        return cv2.imencode('.png', picture)[1].tobytes()
+        return report_part(self._board.calibration, name)
 
     def file_text(self) -> str:
         """Return the parameter file as it would be saved."""
@@ -289,8 +294,8 @@ class CellSessions:
         self._is_restored = True
 
     def _list_actions(self) -> Dict[Tuple[str, str], Action]:
-        board, markers, robot, prove, values = (
-            self._board, self._markers, self._robot, self._prove, self._values)
+        board, markers, robot, values = (
+            self._board, self._markers, self._robot, self._values)
         return {
             ('board', 'start'): board.start, ('board', 'take'): lambda body: board.take(),
             ('board', 'remove'): board.remove, ('board', 'fit'): lambda body: board.fit(),
@@ -306,14 +311,13 @@ class CellSessions:
             ('robot', 'base_z'): robot.set_base_z,
             ('robot', 'accept'): lambda body: robot.acceptance(),
             ('robot', 'undo'): robot.undo, ('robot', 'cancel'): robot.cancel,
-            ('prove', 'see'): prove.see, ('prove', 'touch'): prove.touch,
-            ('prove', 'from_topic'): prove.from_topic, ('prove', 'remove'): prove.remove,
-            ('prove', 'undo'): prove.undo, ('prove', 'cancel'): prove.cancel,
             ('save', 'save'): self._save.save, ('save', 'cancel'): self._save.cancel,
             ('save', 'load'): self._save.load, ('save', 'undo'): self._save.undo,
             ('areas', 'set'): lambda body: area_changes(values, body),
             ('simulated', 'show'): lambda body: show(values, body),
-            ('simulated', 'touch'): lambda body: touch(values, robot.object_number(body))}
+            ('simulated', 'touch'): lambda body: touch(values, robot.object_number(body)),
+            **{('prove', name): action for name, action in self._prove.actions.items()},
+            **{('record', name): action for name, action in self._record.actions.items()}}
 
 
 class AllSessions:

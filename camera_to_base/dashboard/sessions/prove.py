@@ -181,6 +181,12 @@ class ProveSession:
                 **verdict([one for one in proofs if one['invalid_because'] is None]),
                 'tool': self._tool.data, 'undo': self._history.sentence}
 
+    @property
+    def actions(self) -> Dict[str, Callable[[Mapping[str, Any]], None]]:
+        """What a page can ask for, by name."""
+        return {'see': self.see, 'touch': self.touch, 'from_topic': self.from_topic,
+                'remove': self.remove, 'undo': self.undo, 'cancel': self.cancel}
+
     def see(self, body: Mapping[str, Any]) -> None:
         """
         Follow the object at a click.

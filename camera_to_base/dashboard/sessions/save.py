@@ -11,7 +11,7 @@
 
 from datetime import datetime
 import os
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from camera_to_base.calibration import Calibration, corrected_file_text, OfferedCorrection
 from camera_to_base.dashboard.sessions.cell_file import (
@@ -54,6 +54,12 @@ class SaveSession:
     def path(self) -> str:
         """The cell's file; '' if it is not known."""
         return self._file.path
+
+    @property
+    def beside(self) -> Tuple[str, str]:
+        """The folder of the cell's file, and the name without its ending."""
+        stem = os.path.splitext(os.path.basename(self.path))[0]
+        return self._file.folder, stem or 'cell'
 
     @property
     def state(self) -> Dict[str, Any]:

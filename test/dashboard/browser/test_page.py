@@ -9,6 +9,7 @@
 
 """What can be read and done on the page of a running simulated cell."""
 
+import os
 import re
 
 from dashboard_page import DOWN, ENTER, RIGHT, wait_until
@@ -61,6 +62,22 @@ def test_objects_are_in_the_picture_in_the_list_and_on_the_map(page):
     base, camera = (tuple(float(number.replace('−', '-')) for number in cell.split(', '))
                     for cell in cells[1:3])
     assert base == pytest.approx((camera[0] - 17.8, 24.4 - camera[1]), abs=0.011)
+
+
+def test_snapshot_is_downloaded_and_a_recording_can_be_played(page):
+    page.run('window.saved = []; const make = URL.createObjectURL;'
+             'URL.createObjectURL = (content) => {'
+             'window.saved.push(content.type); return make(content); };')
+    page.click('Snapshot', '#part-watch')
+    wait_until(lambda: 'application/zip' in page.run('return saved'),
+               lambda: page.read('#notices'))
+    page.click('Record', '#part-watch')
+    page.wait_for('Stop recording', '#part-watch .capture')
+    wait_until(lambda: page.run("return !document.querySelector('.recording').textContent"
+                                ".includes(': 0 of')"), lambda: page.read('#part-watch .capture'))
+    page.run("document.querySelector('button.recording').click()")
+    page.wait_for('-p source:=', '#part-watch .capture')
+    os.remove(re.search(r'source:=(\S+)', page.read('#part-watch .capture'))[1])
 
 
 def test_click_on_an_object_marks_it_in_the_picture(page):

@@ -28,3 +28,4 @@ export const board = session('board');
 export const markers = session('markers');
 export const robot = session('robot');
 export const prove = session('prove');
+export const record = session('record');

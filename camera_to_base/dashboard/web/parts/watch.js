@@ -16,6 +16,7 @@
 
 import {card, element, fillRow, row, setAttribute, setText, show, svg, sync, table, button}
   from '../base/dom.js';
+import {createCapture} from '../pieces/capture.js';
 import {createGrid} from '../pieces/grid.js';
 import {createMap} from '../pieces/map.js';
 import {ago, fixed, point} from '../base/numbers.js';
@@ -76,7 +77,7 @@ export function createWatch(store) {
     element('div', {},
       card('Picture', element('div', {class: 'choices-row'}, kindChoice(picture), grid.node), picture.node,
         element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),
-        figures.node)),
+        figures.node, createCapture(store).node)),
     element('div', {},
       card('Objects', list.node, empty, leftOut.node),
       card('Seen from above', map.node), scatter.node)));
