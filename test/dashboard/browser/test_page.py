@@ -80,6 +80,25 @@ def test_snapshot_is_downloaded_and_a_recording_can_be_played(page):
     os.remove(re.search(r'source:=(\S+)', page.read('#part-watch .capture'))[1])
 
 
+def test_height_of_the_objects_is_asked_where_the_camera_s_place_is_known(page):
+    page.go_to('detect')
+    page.wait_for('detector.method', '#part-detect')
+    page.go_to('watch')
+    assert not page.elements('.heights:not([hidden])')
+    page.run("return fetch('/api/parameters', {method: 'POST', body: JSON.stringify({"
+             "node: 'camera', values: {'surface.camera_height_cm': 60, "
+             "'surface.camera_foot_cm': [18, 13.5]}})})")
+    page.wait_for('Objects count as flat', '#part-watch .heights')
+    page.fill('Height of the objects in cm', '0.5')
+    wait_until(lambda: page.field('object_height_cm').get_attribute('value') == '0.5',
+               lambda: page.read('#notices'))
+    assert page.serious_problems() == []
+    page.run("return fetch('/api/parameters', {method: 'POST', body: JSON.stringify({"
+             "node: 'camera', values: {'object_height_cm': 0, 'surface.camera_height_cm': 0, "
+             "'surface.camera_foot_cm': []}})})")
+    wait_until(lambda: not page.elements('.heights:not([hidden])'), lambda: page.read())
+
+
 def test_click_on_an_object_marks_it_in_the_picture(page):
     def is_marked():
         page.run("document.querySelector('#part-watch tbody button')?.click()")

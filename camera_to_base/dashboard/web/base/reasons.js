@@ -28,3 +28,8 @@ export function lacksBackground(kind) {
 export function hasAnotherSurface(kind) {
   return WITH_ANOTHER_SURFACE.includes(kind);
 }
+
+/** Tell whether an object was left out as its height is not the one that is set. */
+export function doubtsHeight(kind) {
+  return ['other_height', 'height_unclear'].includes(kind);
+}

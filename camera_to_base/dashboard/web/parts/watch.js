@@ -18,6 +18,7 @@ import {card, element, fillRow, row, setAttribute, setText, show, svg, sync, tab
   from '../base/dom.js';
 import {createCapture} from '../pieces/capture.js';
 import {createGrid} from '../pieces/grid.js';
+import {createHeights} from '../pieces/heights.js';
 import {createMap} from '../pieces/map.js';
 import {ago, fixed, point} from '../base/numbers.js';
 import {LivePicture} from '../pieces/pictures.js';
@@ -79,7 +80,7 @@ export function createWatch(store) {
         element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),
         figures.node, createCapture(store).node)),
     element('div', {},
-      card('Objects', list.node, empty, leftOut.node),
+      card('Objects', list.node, empty, leftOut.node, createHeights(store).node),
       card('Seen from above', map.node), scatter.node)));
   return {node, shown: () => picture.start(), hidden: () => picture.stop()};
 }

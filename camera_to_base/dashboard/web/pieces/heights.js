@@ -1,0 +1,53 @@
+// Copyright 2026 The camera_to_base authors
+//
+// Licensed under the Apache License, Version 2.0 (the "License");
+// you may not use this file except in compliance with the License.
+// You may obtain a copy of the License at
+//
+//     http://www.apache.org/licenses/LICENSE-2.0
+//
+// Unless required by applicable law or agreed to in writing, software
+// distributed under the License is distributed on an "AS IS" BASIS,
+// WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+// See the License for the specific language governing permissions and
+// limitations under the License.
+
+// Asks how high the objects are: where the camera's place is known, positions depend on it.
+
+import {act} from '../base/actions.js';
+import {button, element, setText, show} from '../base/dom.js';
+import {attempt} from '../base/notices.js';
+import {fixed, read} from '../base/numbers.js';
+import {doubtsHeight} from '../base/reasons.js';
+
+/** Make the question; it is urgent while objects do not fit the height that is set. */
+export function createHeights(store) {
+  const sentence = element('p', {role: 'status'});
+  const input = element('input', {type: 'text', inputmode: 'decimal', id: 'height', class: 'short',
+    autocomplete: 'off'});
+  const node = element('form', {class: 'heights', hidden: true, onsubmit: (event) => {
+    event.preventDefault();
+    attempt(() => act('/api/parameters', {node: 'camera', values: {object_height_cm: read(input.value)}}),
+      () => `The objects are ${input.value} cm high now. Save it, so that it stays.`);
+  }}, sentence, element('p', {class: 'buttons'}, element('label', {for: 'height'}, 'Height of the objects in cm'),
+    input, button('Use it', () => {}, {type: 'submit'})));
+  const update = () => {
+    const height = valueOf(store, 'object_height_cm');
+    const isKnown = valueOf(store, 'surface.model') === 'pinhole' || valueOf(store, 'surface.camera_height_cm') > 0;
+    const several = valueOf(store, 'object_heights_cm')?.length;
+    const doubted = (store.get('watch')?.left_out ?? []).filter(({reason}) => doubtsHeight(reason)).length;
+    show(node, isKnown && !several || doubted);
+    node.classList.toggle('question', doubted > 0);
+    setText(sentence, doubted ? `${doubted} ${doubted === 1 ? 'object does' : 'objects do'} not fit a height of ` +
+      `${fixed(height, 1)} cm. How high are they?` : height ? '' :
+      'Objects count as flat. Of solid ones the camera sees the sides, too: say how high they are, or their ' +
+      'positions are off.');
+    if (document.activeElement !== input && !input.value) input.value = height ?? '';
+  };
+  ['watch', 'parameters'].forEach((part) => store.on(part, update));
+  return {node};
+}
+
+function valueOf(store, name) {
+  return store.get('parameters')?.camera?.find((each) => each.name === name)?.value;
+}
