@@ -21,6 +21,8 @@ import numpy as np
 # Shapes are the same, or others, where they have more, or less, than this share of their area in
 # common. What was the same for so long, in s, has changed where another shape follows it at once.
 _SAME, _OTHER, _STEADY_S = 0.85, 0.75, 0.7
+# What is not seen for so long has left, in s.
+_GONE_S = 0.5
 # So many changes within so many seconds are a clock's. It is one until it has stood still for so
 # long.
 _CHANGES, _WITHIN_S, _FORGOTTEN_S = 3, 10.0, 150.0
@@ -34,8 +36,8 @@ _NEXT, _IN_ROW = 1.5, 0.6
 # The hours are so many heights of a digit away from the seconds.
 _LINE = 6
 _MOST_SPOTS = 40
-# What pieces of a digit may be left out as.
-_PIECES = frozenset({'speck', 'too_small', 'taken_away'})
+# What a digit may be left out as.
+_DIGITS = frozenset({'too_small', 'taken_away'})
 # Text is no higher than this share of the picture.
 _HIGHEST = 0.1
 
@@ -94,8 +96,11 @@ class Spot:
         :param shape: The outlines, each of shape (n, 2), int32, in px.
         :param counts: Whether a change is its own, and not that of a hand near it.
         """
-        self.seen_at = at
-        if self._in_common(shape, self._shape) >= _SAME:
+        was_gone, self.seen_at = at - self.seen_at > _GONE_S, at
+        if was_gone:
+            # Something else was put there.
+            self._shape, self._since, self._next = shape, at, None
+        elif self._in_common(shape, self._shape) >= _SAME:
             self._next = None
         elif self._next is not None and self._in_common(shape, self._next) >= _SAME:
             is_other = self._in_common(shape, self._shape) < _OTHER
@@ -135,24 +140,26 @@ class InPlaceStage(Stage):
             self._shape, self._spots, self._clocks = record.frame.shape, [], []
         if any(one.reason.kind == 'cut_off' for one in record.left_out):
             self._hand_at = record.now
-        # Thin digits that change come in pieces, of which most are specks.
-        found = [*(one.detection for one in record.objects),
-                 *(one.detection for one in record.left_out
-                   if one.reason.kind in _PIECES and one.detection is not None)]
-        if found:
+        found = [one.detection for one in record.objects]
+        found += [one.detection for one in record.left_out if one.reason.kind in _DIGITS]
+        specks = [one.detection for one in record.left_out if one.reason.kind == 'speck']
+        if found or specks:
             highest = _HIGHEST * record.frame.shape[0]
-            self._note([one for one in found if one.box.height <= highest], record.now)
+            self._note([one for one in found if one.box.height <= highest], specks, record.now)
         self._tell(record.standpoint.surface.surface, record.now)
         if not self._clocks:
             return record
         return record.without([self.doubt if self._is_of_clock(one.detection) else None
                                for one in record.objects])
 
-    def _note(self, found: Sequence[Detection], at: float) -> None:
+    def _note(
+        self, found: Sequence[Detection], specks: Sequence[Detection], at: float
+    ) -> None:
         counts = at - self._hand_at > _HAND_S
         left = list(found)
         for spot in list(self._spots):
-            own = [one for one in left if spot.holds(one)]
+            # What is seen of a thin digit may be specks alone.
+            own = [one for one in (*left, *specks) if spot.holds(one)]
             left = [one for one in left if not any(one is other for other in own)]
             if own and not spot.grow(_around([one.box for one in own])):
                 self._spots.remove(spot)

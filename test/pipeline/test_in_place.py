@@ -89,3 +89,15 @@ def test_coin_that_lies_still_or_moves_is_no_clock(draw):
     camera.see(1)
     seen = camera.see(8, draw)
     assert len(published(seen)) > 0.9 * len(seen) and camera.pipeline.doubt is None
+
+
+def others_that_come_and_go(frame, at):
+    if at % 2 < 1:
+        cv2.circle(frame, COIN, 9 + 3 * (int(at) // 2 % 2), (40, 50, 60), cv2.FILLED, cv2.LINE_AA)
+
+
+def test_things_that_are_put_at_one_place_in_turn_are_no_clock():
+    camera = Camera(place=(-400, -400))
+    camera.see(1)
+    seen = camera.see(12, others_that_come_and_go)
+    assert len(published(seen)) > 0.4 * len(seen) and camera.pipeline.doubt is None
