@@ -44,7 +44,8 @@ def defaults():
 
 def test_there_is_a_file_for_each_case():
     assert {*TUTORIALS, 'simulated_camera.yaml', 'simulated_tilted_camera.yaml',
-            'simulated_solid_objects.yaml'} == set(FILES)
+            'simulated_solid_objects.yaml', 'simulated_left.yaml',
+            'simulated_right.yaml'} == set(FILES)
 
 
 @all_files

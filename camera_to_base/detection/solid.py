@@ -21,7 +21,7 @@ import numpy as np
 
 # An outline is followed in steps of about this many px, with so many points at least and at most.
 _STEP_PX, _FEWEST, _MOST = 1.5, 48, 160
-_SIMPLER_PX = 0.25
+_SIMPLER_PX = 0.5
 # The right height fits a silhouette to 0.96 and more in rendered scenes; with less than this the
 # object is not upright, or has another height.
 LEAST_FIT = 0.9
@@ -155,7 +155,7 @@ def silhouette_on_surface(detection: Detection, surface: Surface) -> np.ndarray:
     Return an object's outline on the surface, side faces included.
 
     :param surface: Maps the frame's pixels to the work surface.
-    :returns: Shape (n, 2), in cm; corners that are less than a quarter of a pixel beside the line
+    :returns: Shape (n, 2), in cm; corners that are less than half a pixel beside the line
         between others are left out.
     :raises HorizonError: If a part of it lies on the horizon or beyond it.
     """

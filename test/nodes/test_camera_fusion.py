@@ -163,7 +163,8 @@ def test_two_simulated_cameras_and_one_of_them_is_killed(ros):
                     executable, '-r', f'__ns:=/{name}', '--params-file',
                     os.path.join(CONFIG, f'simulated_{name}.yaml')))
         processes.append(Process('camera_fusion', '-p', 'cameras:=[left, right]'))
-        assert ros.spin_until(lambda: boxes and len(boxes_of_markers(boxes[-1])) == 5)
+        assert ros.spin_until(
+            lambda: status and truth and boxes and len(boxes_of_markers(boxes[-1])) == 5)
         check_boxes(boxes[-1], truth[-1])
         processes[0].send_signal(signal.SIGKILL)
         assert ros.spin_until(lambda: status[-1].values['reason'] == 'camera_silent')
