@@ -185,8 +185,11 @@ class ImageTopic(ReaderStatus):
                 f'{self._last_bytes / 1e6:.0f} MB are lost on the way; use compressed_topic, or a '
                 'smaller picture')
         if self._subscription.get_publisher_count():
+            are_raw = self._subscription.msg_type is Image
             return FrameSourceError(
-                f'{silence}, though a camera driver publishes there: is its camera plugged in?')
+                f'{silence}, though a camera driver publishes there: is its camera plugged in?'
+                + (' If it is, its pictures are too large to arrive raw: use compressed_topic'
+                   if are_raw else ''))
         wanted = f'sensor_msgs/msg/{self._subscription.msg_type.__name__}'
         types = {info.topic_type
                  for info in self._node.get_publishers_info_by_topic(self.topic_name)}
