@@ -33,6 +33,7 @@ const KINDS = {
 const SAME_OBJECT_CM = 3;
 const NEAR_SHARE = 0.08;
 const AGE_AFTER_S = 1;
+const MOST_PLACES = 3;
 
 /** Make the part. */
 export function createWatch(store) {
@@ -80,7 +81,7 @@ export function createWatch(store) {
         element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),
         figures.node, createCapture(store).node)),
     element('div', {},
-      card('Objects', list.node, empty, leftOut.node, createHeights(store).node),
+      card('Objects', list.node, empty, createHeights(store).node, leftOut.node),
       card('Seen from above', map.node), scatter.node)));
   return {node, shown: () => picture.start(), hidden: () => picture.stop()};
 }
@@ -192,8 +193,13 @@ function createLeftOut() {
   show(list.node, false);
   const update = (items) => {
     show(list.node, items.length);
-    sync(list.body, items, (item, index) => `${item.reason}${index}`, () => row(2),
-      (node, item) => fillRow(node, [item.sentence, point(item)]));
+    // Shade, for one, is left out at many places for the same reason.
+    const groups = Object.entries(Object.groupBy(items, ({sentence}) => sentence));
+    sync(list.body, groups, ([sentence]) => sentence, () => row(2),
+      (node, [sentence, found]) => fillRow(node, [
+        found.length > 1 ? `${found.length} places: ${sentence}` : sentence,
+        found.slice(0, MOST_PLACES).map((one) => point(one, 1)).join('; ') +
+          (found.length > MOST_PLACES ? '; …' : '')]));
   };
   return {node: list.node, update};
 }
