@@ -10,7 +10,6 @@
 
 import os
 import re
-import shutil
 import time
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
@@ -80,7 +79,7 @@ class RecordSession:
             raise InvalidValueError('a recording is being made: wait until it is written')
         length = finite_number('seconds', body.get('seconds', LONGEST_S), 1.0, LONGEST_S)
         folder, _ = self._file_path()
-        free = shutil.disk_usage(folder).free if os.path.isdir(folder) else 0
+        free = _free_bytes(folder)
         if free < _FREE_BYTES:
             raise InvalidValueError(f'{folder} has {free / 1e6:.0f} MB free, a recording needs '
                                     f'{_FREE_BYTES / 1e6:.0f} MB: make room')
@@ -127,6 +126,14 @@ class RecordSession:
                 f'{written} is written. To play it as the camera, start the camera node with: '
                 f'-p source:={written} -p repeat:=true')
         self._on_change()
+
+
+def _free_bytes(folder: str) -> int:
+    try:
+        disk = os.statvfs(folder)
+    except OSError:
+        return 0
+    return disk.f_bavail * disk.f_frsize
 
 
 def write_recording(folder: str, stem: str, frames: List[Tuple[float, bytes]]) -> str:

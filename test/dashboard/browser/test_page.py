@@ -151,8 +151,6 @@ def test_new_place_is_proved_by_touching_it(page):
 
 
 def test_grid_of_a_frame_lies_on_the_picture_which_fills_the_screen(page):
-    from selenium.webdriver import ActionChains
-
     layer = '#part-watch .frame-grid'
     for name in ('Camera frame', 'Base frame'):
         page.click(name, '#part-watch')
@@ -167,12 +165,11 @@ def test_grid_of_a_frame_lies_on_the_picture_which_fills_the_screen(page):
     page.click('Full screen', '#part-watch')
     wait_until(lambda: page.run('return !document.fullscreenElement'), lambda: 'large')
     page.click('Camera frame', '#part-watch')
-    # What a parameter means is read with the pointer on its name.
+    # What a parameter means is read while it is changed, or with the pointer on its name.
     page.go_to('detect')
     about = page.element('#p-camera-detector-faintest-about')
     assert not about.is_displayed()
-    ActionChains(page.driver).move_to_element(page.field('detector.faintest').find_element(
-        'xpath', '//label[.="Faintest object"]')).perform()
+    page.run('arguments[0].focus()', page.field('detector.faintest'))
     wait_until(about.is_displayed, lambda: 'no sentence')
 
 

@@ -194,8 +194,9 @@ function createLeftOut() {
   const update = (items) => {
     show(list.node, items.length);
     // Shade, for one, is left out at many places for the same reason.
-    const groups = Object.entries(Object.groupBy(items, ({sentence}) => sentence));
-    sync(list.body, groups, ([sentence]) => sentence, () => row(2),
+    const groups = new Map(items.map(({sentence}) => [sentence, []]));
+    items.forEach((item) => groups.get(item.sentence).push(item));
+    sync(list.body, [...groups], ([sentence]) => sentence, () => row(2),
       (node, [sentence, found]) => fillRow(node, [
         found.length > 1 ? `${found.length} places: ${sentence}` : sentence,
         found.slice(0, MOST_PLACES).map((one) => point(one, 1)).join('; ') +
