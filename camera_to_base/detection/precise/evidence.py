@@ -22,6 +22,7 @@ Each takes the best of the windows that contain the pixel, so that nothing leaks
 """
 
 from functools import lru_cache
+import math
 from typing import List, NamedTuple
 
 from camera_to_base.detection.precise.light import LINEAR, Reference
@@ -46,7 +47,7 @@ _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
 # The tint of a frame's shade: how strong, in which bins, how common among the places that are
 # darker by this logarithm, and on how many of them.
 _STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
-_MOST_REGIONS, _NOTHING = 30, 1e-9
+_MOST_REGIONS, _MOST_PLACES, _NOTHING = 30, 4000, 1e-9
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
 # on its own (the range of logarithms over the noise).
 _PRIOR, _OWN = 12.0, 3.5
@@ -103,11 +104,14 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
     """
     slopes = []
     for region in regions[:_MOST_REGIONS]:
-        part = slices(region.box)
-        seen, usual = (cv2.transform(cv2.LUT(cv2.blur(picture[part], (3, 3))[::2, ::2],
-                                             log_levels()), _AXES)
-                       for picture in (frame, reference.lit))
-        change = (seen - usual)[filled(region.outline, region.box)[::2, ::2] > 0]
+        part, box = slices(region.box), region.box
+        scale = max(2, math.ceil(math.sqrt(box.width * box.height / _MOST_PLACES)))
+        size = max(box.width // scale, 1), max(box.height // scale, 1)
+        seen, usual = (cv2.transform(cv2.LUT(cv2.resize(
+            picture[part], size, interpolation=cv2.INTER_AREA), log_levels()), _AXES)
+            for picture in (frame, reference.lit))
+        inside = cv2.resize(filled(region.outline, box), size, interpolation=cv2.INTER_NEAREST)
+        change = (seen - usual)[inside > 0]
         change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > _DARKEST / _LEVEL_SCALE)]
         slopes.append(change[:, :2] / change[:, 2:])
     slopes = np.concatenate(slopes) if slopes else np.zeros((0, 2))

@@ -19,6 +19,7 @@ surroundings, in a window that is hardly larger than the object. What decides be
   that: it is not faint,
 - few pixels lie between its colour and the table's: shade and blurred rims would be among them,
 - what is covered is one part without a hole,
+- nothing of the table's texture is seen: it is no light,
 - where the background has edges, the background around it has another colour: it is no ghost.
 
 Everything else goes the long way, see `shares`. On a plain object both ways give the same place.
@@ -40,6 +41,9 @@ _DEPTH, _LEAST_CORE = 3, 20
 _EVEN_LEVELS, _EVEN_DEVIATIONS, _CLEAR = 4.0, 2.5, 2.0
 _COVERED, _HALF, _WIDEST_RIM = 204, 127, 2.6  # shares of 255
 _LEAST_SPAN, _SURELY_OTHER = 0.12, 0.5
+# How many deviations of chance the frame's detail has in common with the table's, at most.
+_LIKENESS = 6.0
+_GREY = np.full((1, 3), 1 / 3, np.float32)
 _DIAGONAL = math.sqrt(2) - 1
 _LINEAR = LINEAR.tolist()
 _STEPS = [*map(operator.sub, _LINEAR[1:], _LINEAR), 0.0]
@@ -124,9 +128,22 @@ def place_plain(
     shares = _shares(seen, table, mask, _light(level), _light(usual), reference.has_edges(place))
     if shares is None:
         return None
+    if _shows_table(seen, table, core):
+        return None
     shares = cv2.max(shares, core)
     between = cv2.countNonZero(mask) - cv2.countNonZero(_above(_COVERED, shares))
     return _whole(shares, window) if between <= _WIDEST_RIM * _length(outline) else None
+
+
+def _shows_table(seen: np.ndarray, table: np.ndarray, core: np.ndarray) -> bool:
+    # The table's texture, however faint: it may be light alone.
+    details = []
+    for picture in (seen, table):
+        level = cv2.transform(picture, _GREY).astype(np.float32)
+        details.append(level - cv2.blur(level, (5, 5)))
+    both, own, now = (cv2.mean(details[one] * details[other], core)[0]
+                      for one, other in ((0, 1), (1, 1), (0, 0)))
+    return both * math.sqrt(cv2.countNonZero(core)) > _LIKENESS * math.sqrt(own * now)
 
 
 def _shares(

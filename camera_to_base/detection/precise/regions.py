@@ -204,6 +204,8 @@ def _region(
     if enclosed(outline) < min_area:
         return None
     box = Box(*cv2.boundingRect(outline))
+    if cv2.countNonZero(strong[slices(box)]) < min_area:
+        return None
     inside = filled(outline, box)
     marked = cv2.bitwise_and(strong[slices(box)], inside, mask=inside)
     area = cv2.countNonZero(marked)

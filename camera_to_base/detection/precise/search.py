@@ -281,8 +281,9 @@ def _dropped(
     for number in np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:_MOST_DROPPED] + 1:
         area, kind = float(stats[number, cv2.CC_STAT_AREA]), 'speck'
         if area >= min_area:
-            mask = cv2.inRange(labels, int(number), int(number))
-            levels = [sum(cv2.mean(picture[place], mask)) for picture in (frame, lit)]
+            near = slices(Box(*stats[number, :4].tolist()))
+            mask = cv2.inRange(labels[near], int(number), int(number))
+            levels = [sum(cv2.mean(picture[place][near], mask)) for picture in (frame, lit)]
             kind = 'light' if levels[0] > levels[1] else 'shade'
         u, v = centroids[number].tolist()
         found.append(NoObject(kind, Pixel(u + part.x, v + part.y), area))

@@ -41,11 +41,16 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 _LEAST_REST, _MOSTLY, _MOST_BAD, _LEAST_SHARE = 0.1, 0.6, 0.3, 0.35
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
+# A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
+_PRINT, _JPEG = 0.1, 9
 # How much of the table's detail is seen where only the light has changed; how many deviations tell
 # that, or that it is not by chance; how much of a variance the background has, and what may be
 # left of the detail.
 _LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.5, 1.6, 8.0, 4.0
 _OWN_NOISE, _MOST_LEFT = 0.4, 2.5
+# Faint texture is told in windows of this size, px, by so many nats in each.
+_AROUND_PRINT = 11
+_WIDE, _LEAST_NATS, _LEAST_OWN, _EDGE = 15, 2.0, 0.25, 4.0
 # Light without an edge changes less per px; logarithm of the level.
 _STEEPEST = 0.06
 # What fades into the table has such an edge on less of its rim.
@@ -58,7 +63,8 @@ _LEAST_STEP = 0.15
 # How far the surroundings of a part matter for that, px.
 _BESIDE = 12
 _MARGIN = 8
-# A larger window is looked at reduced, in px.
+# A larger window is looked at reduced, in px; not so much that things in it vanish.
+_COARSEST = 4
 _MOST_AT_FULL_SIZE = 60_000
 # All of a region may be light, as well as a thing.
 _UNCLEAR: List[np.ndarray] = []
@@ -116,7 +122,7 @@ def things_in(
 def work(box: Box) -> Work:
     """Give the work that a region of a frame makes: large ones are looked at reduced."""
     area, scale = box.width * box.height, 1
-    while area > _MOST_AT_FULL_SIZE * scale ** 2:
+    while area > _MOST_AT_FULL_SIZE * scale ** 2 and scale < _COARSEST:
         scale *= 2
     return Work(scale, area // scale ** 2)
 
@@ -134,6 +140,10 @@ def _masks(
         make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
     if solid is not None and not solid.any() and _is_clear(
             solid, changed, found, has_highlight, min_area):
+        return []
+    if solid is not None and not solid.any() and (
+            _keeps_texture(found, changed)
+            or _detail(found, cv2.dilate(changed, square(_AROUND_PRINT))).is_table):
         return []
     by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
@@ -200,9 +210,9 @@ def _is_gap(
     # On the way from a dark face to a light one, a blurred edge looks like the table, too.
     near = cv2.dilate(gap, square(_WIDEST_GAP))
     change = np.int16(frame) - background
-    sides = [change[(part & near) > 0] for part in parts]
-    changes = [np.median(side, axis=0) for side in sides if len(side)]
-    if not all(float(one @ changes[0]) > 0 for one in changes):
+    sides = [side for side in (change[(part & near) > 0] for part in parts) if len(side)]
+    changes = [np.median(side, axis=0) for side in sides]
+    if not sides or not all(float(one @ changes[0]) > 0 for one in changes):
         return False
     # A dark joint of the table below a dark thing is no gap: the frame goes on.
     across = np.int16(frame)[gap > 0] - np.median(frame[(sum(parts) & near) > 0], axis=0)
@@ -223,6 +233,7 @@ def _solid(
     """Keep the parts that are wide enough for a window; None where much else is left out."""
     kept = np.zeros_like(things)
     core = cv2.erode(things, square(_SIZE))
+    print_ = cv2.dilate((gradient(found.usual) > _PRINT ** 2).view(np.uint8), square(_JPEG))
     solid = thin = 0.0
     for outline in outlines_in(things):
         area = enclosed(outline)
@@ -232,7 +243,8 @@ def _solid(
         if area >= min_area and cv2.countNonZero(core & inside) >= _LEAST_CORE * area:
             solid += area
             kept |= inside
-        else:
+        elif cv2.countNonZero(inside & print_) < _MOSTLY * cv2.countNonZero(inside):
+            # Beside the edges of a print, JPEG leaves neither.
             thin += area
     return None if thin > max(min_area, _MOST_THIN * solid) else kept
 
@@ -350,6 +362,26 @@ def _detail(found: Evidence, part: np.ndarray) -> _Detail:
     slope = both / max(own - _OWN_NOISE, own / 4)
     likeness = both * np.sqrt(cv2.countNonZero(inside) / (own * seen))
     return _Detail(likeness, slope, (seen - slope * both) / (1 + own / 4))
+
+
+def _keeps_texture(found: Evidence, changed: np.ndarray) -> bool:
+    """Tell whether the table's texture is seen all over a region, however faint it is."""
+    inside = cv2.erode(changed, square(_SIZE))
+    if _detail(found, changed).likeness < _LEAST_LIKENESS:
+        return False
+    own, seen = (level - box_mean(level, _SIZE) for level in (found.usual, found.seen))
+    # What a thing's edge adds is no texture.
+    own, seen = (np.clip(detail / cv2.sqrt(found.variance), -_EDGE, _EDGE)
+                 for detail in (own, seen))
+    power = cv2.mean(own * own, inside)[0]
+    # The background's noise makes the slope less steep.
+    slope = np.float32(max(1 - _OWN_NOISE / max(power, 1e-6), _LEAST_OWN))
+    nats = slope * own * (seen - slope / 2 * own)
+    if cv2.mean(nats, inside)[0] * cv2.countNonZero(inside) < _CLEAR:
+        return False
+    nats = _WIDE ** 2 * box_mean(nats, _WIDE)
+    without = inside & (nats < _LEAST_NATS).view(np.uint8)
+    return not cv2.erode(without, square(_WIDE)).any()
 
 
 def _is_smooth(found: Evidence, near: np.ndarray, min_area: float) -> bool:

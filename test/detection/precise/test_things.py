@@ -265,3 +265,21 @@ def test_stone_that_is_as_black_as_the_lines_below_it_is_one(place, width):
     found, = PreciseDifferenceDetector(coded(board, 1)).detect(frame)
     # Where a line leads away from its rim, the rim is not seen.
     assert tuple(found.centre) == pytest.approx(place, abs=1.5)
+
+
+@pytest.mark.parametrize('gain', [0.4, 0.65, 1.4, 1.7])
+@pytest.mark.parametrize('texture', [0.02, 0.05])
+def test_sharp_sun_or_shade_on_a_table_with_the_faintest_texture_is_no_object(gain, texture):
+    background = table(texture)
+    patch = covered((90, 60), (230, 90), (200, 190), (80, 160))
+    assert detect(background * (1 + (gain - 1) * patch), background) == []
+
+
+@pytest.mark.parametrize('gain', [0.5, 0.7])
+def test_shade_that_ends_at_a_print_is_no_object(gain):
+    background = np.float32(TABLE * np.ones((*SIZE, 3)))
+    for u in range(20, 320, 60):
+        for v in range(20, 240, 60):
+            background = painted(background, square(u, v, 15), [0.03, 0.03, 0.03])
+    patch = covered((63, 20), (197, 20), (197, 200), (63, 200))
+    assert detect(background * (1 + (gain - 1) * patch), background) == []
