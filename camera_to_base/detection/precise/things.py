@@ -49,7 +49,6 @@ _PRINT, _JPEG = 0.1, 9
 _LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.5, 1.6, 8.0, 4.0
 _OWN_NOISE, _MOST_LEFT = 0.4, 2.5
 # Faint texture is told in windows of this size, px, by so many nats in each.
-_AROUND_PRINT = 11
 _WIDE, _LEAST_NATS, _LEAST_OWN, _EDGE = 15, 2.0, 0.25, 4.0
 # Light without an edge changes less per px; logarithm of the level.
 _STEEPEST = 0.06
@@ -141,9 +140,7 @@ def _masks(
     if solid is not None and not solid.any() and _is_clear(
             solid, changed, found, has_highlight, min_area):
         return []
-    if solid is not None and not solid.any() and (
-            _keeps_texture(found, changed)
-            or _detail(found, cv2.dilate(changed, square(_AROUND_PRINT))).is_table):
+    if solid is not None and not solid.any() and _keeps_texture(found, changed):
         return []
     by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
