@@ -54,9 +54,12 @@ def check_boards(fit: PinholeFit, names: Sequence[str]) -> List[str]:
     if likely is None or likely.gain < DOUBTED_GAIN or not likely.is_harmful:
         return [*_bend(fit), *(_worst(fit, names) if len(names) > 1 else ()),
                 *_bad_corners(fit, names)]
+    if fit.problem.known is not None:
+        # Through another camera's lens, a flat board looks bent.
+        return [likely.sentence]
     # A bent board makes single pictures misfit, too, but less than another board does.
     bend = [] if likely.gain > _CLEAR_GAIN else _bend(fit)
-    if likely.gain > REFUSED_GAIN and fit.problem.known is None:
+    if likely.gain > REFUSED_GAIN:
         raise CalibrationError(likely.sentence)
     return [*bend, likely.sentence]
 

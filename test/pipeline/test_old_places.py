@@ -106,7 +106,7 @@ def test_nothing_is_published_where_an_object_of_the_background_has_left(has_tex
     assert not any(one.objects for one in desk.see(1.5))
     seen = desk.see(2, coins=[COIN_ON_IT])
     assert not any(one.objects for one in seen)
-    assert all({left.reason.kind for left in one.left_out} == {'taken_away'} for one in seen)
+    assert all('taken_away' in {left.reason.kind for left in one.left_out} for one in seen)
     (beside,) = desk.see(1, coins=[COIN_ON_IT, COIN_BESIDE])[-1].objects
     assert np.abs(np.array(beside.point) / CM_PER_PX - COIN_BESIDE).max() < 0.5
     assert desk.pipeline.doubt.kind == 'taken_away'

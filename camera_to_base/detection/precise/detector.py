@@ -45,7 +45,7 @@ import math
 from typing import List, Optional, Tuple
 
 from camera_to_base.checks import check_frame, check_same_size, finite_number
-from camera_to_base.detection.detection import Box, Detection, NoObject
+from camera_to_base.detection.detection import Box, Detection, NoObject, touches_edge
 from camera_to_base.detection.precise.changes import (
     changed_parts, frame_outline, is_all_changed, Strips)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
@@ -253,9 +253,12 @@ class PreciseDifferenceDetector:
 
     def _notice_ghosts(self, found: Candidates) -> bool:
         frame = found.frame
+        # What a hand holds covers the table, and so does the hand.
+        reaching = [region.box for region in found.regions if touches_edge(region.box, frame)]
         ghosts = [find_ghost(frame, self._reference.lit, region)
                   for region in found.regions[:_MOST_GHOSTS]
-                  if self._reference.has_edges(slices(grown(region.box, 2, frame)))]
+                  if self._reference.has_edges(slices(grown(region.box, 2, frame)))
+                  and not any(region.box.is_inside(box) for box in reaching if box != region.box)]
         ghosts = [ghost for ghost in ghosts if ghost is not None]
         if ghosts:
             self._use_ghosts(self._ghosts + ghosts, frame)

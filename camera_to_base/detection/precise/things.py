@@ -57,6 +57,8 @@ _MOST_STEEP = 0.3
 # How far two things may be apart that are taken for one at first, in px; how much nearer to the
 # table's colour it is there; how large a part each is; how far the frame goes towards the table.
 _WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
+# What is off by less than this part of what is near it shows the table.
+_SURELY = 0.15
 # What is between a thing and its shade: in the frame, logarithm.
 _LEAST_STEP = 0.15
 # How far the surroundings of a part matter for that, px.
@@ -131,9 +133,10 @@ def _masks(
     min_area: float, do_edges_tell: bool,
 ) -> Optional[List[np.ndarray]]:
     """Give each thing's mask; None where it is not clear."""
-    # Between two colours of a thing, pixels show neither.
-    things = cv2.morphologyEx(
-        _smooth(found) & cv2.dilate(changed, square(3)), cv2.MORPH_CLOSE, square(_SIZE))
+    things = _smooth(found) & cv2.dilate(changed, square(3))
+    # Between two colours of a thing, pixels show neither; on a strip of 2 px they show the table.
+    things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
+        1 - _table_between(frame, background))
     solid = _solid(things, found, min_area)
     has_highlight = find_highlight(
         make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
@@ -199,6 +202,13 @@ def _cut_at_gaps(
         elif enclosed(outline) >= min_area:
             found.append(inside)
     return found
+
+
+def _table_between(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    """Give where the frame is as the table, beside where it is not: shape (h, w), 1 there."""
+    away = channel_extremes(cv2.absdiff(frame, background))[1]
+    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
+    return cv2.morphologyEx((away < _SURELY * around).view(np.uint8), cv2.MORPH_OPEN, square(2))
 
 
 def _is_gap(
