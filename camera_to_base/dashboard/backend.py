@@ -95,8 +95,8 @@ class Backend:
 
     def look_at(self, cell: str) -> None:
         """Watch a cell from now on."""
-        self._call(lambda: self._cells.look_at(cell))
-        self._sessions.show(cell)
+        self._call(lambda: self._cells.look_at(cell)).add_done_callback(
+            lambda done: self._sessions.show(cell))
 
     def look_away(self, cell: str) -> None:
         """Do not watch a cell any more."""

@@ -390,7 +390,10 @@ class AllSessions:
             time.sleep(_PAUSE_S)
 
     def _tell_one(self, cell: str, part: str) -> None:
+        sessions = self._sessions.get(cell)
+        if sessions is None:
+            return  # forgotten meanwhile
         try:
-            self._on_state(cell, part, self.of(cell).state(part))
+            self._on_state(cell, part, sessions.state(part))
         except Exception:
             traceback.print_exc()  # a defect of one state does not stop the others
