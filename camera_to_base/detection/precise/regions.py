@@ -29,17 +29,17 @@ from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tu
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
-    channel_of_most_contrast, enclosed, has_holes, Look, look_at, outlines_in, Piece, quantile,
-    smooth_channel, square)
+    channel_extremes, channel_of_most_contrast, enclosed, has_holes, Look, look_at, outlines_in,
+    Piece, quantile, smooth_channel, square)
 import cv2
 import numpy as np
 
-_CLOSE = np.ones((3, 3), np.uint8)
+_CLOSE, _LEAST_SHARE = np.ones((3, 3), np.uint8), 1e-3
 _FARTHER = 16
 SHORTEST_OUTLINE = 12
 # Lines of a print are thinner than this. What they part lies opposite for twice as far as it is
 # apart, that is, a gap's area is so many times its half width squared.
-_PRINT, _LONG_GAP, _NEARBY = np.ones((11, 11), np.uint8), 8.0, (15, 15)
+_PRINT, _LONG_GAP, _LEAST_PRINT, _NEARBY = np.ones((11, 11), np.uint8), 8.0, 7, 15
 # A print has an object's colour where it is off by less than this part of the object's contrast,
 # which is so many times the least.
 _SAME_COLOUR, _CLEAR = 0.3, 2.0
@@ -155,7 +155,7 @@ def _regions_in(
         return [_moved(outlines[0], area, window)]
     if len(outlines) > 1:
         between = _print_between(levels, weak, limits.least)
-        strong[between] = weak[between] = 255
+        strong, weak = strong | between, weak | between
     strong, weak = (
         cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE) for mask in (strong, weak))
     regions = (_region(outline, strong, window, min_area) for outline in outlines_in(weak)
@@ -170,27 +170,45 @@ def _print_between(levels: np.ndarray, mask: np.ndarray, least: float) -> np.nda
     :param levels: Shape (h, w, 3), uint8, BGR.
     :param mask: What differs, shape (h, w), uint8, not 0 there.
     :param least: Grey levels by which an object differs from the background.
-    :returns: Shape (h, w), bool: what lies between its parts and has their colour.
+    :returns: Shape (h, w), uint8, 255 for what lies between its parts and has their colour.
     """
     gaps = cv2.subtract(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _PRINT), mask)
+    between = np.zeros_like(mask)
     if not cv2.countNonZero(gaps):
-        return gaps > 0
+        return between
+    # What has an object's colour is as far from the table's: only there more is asked.
+    table, least = np.array(cv2.mean(levels, (mask == 0).view(np.uint8))[:3]), _CLEAR * least
+    near = (1 - _SAME_COLOUR) * least
+    gaps = cv2.subtract(gaps, cv2.inRange(levels, table - near, table + near))
+    for outline in outlines_in(gaps):
+        box = Box(*cv2.boundingRect(outline))
+        if box.width * box.height > _LEAST_PRINT:
+            part = slices(grown(box, _NEARBY // 2 + 1, mask))
+            between[part] |= _same_colour(levels[part], mask[part], gaps[part], table, least)
+    return between
+
+
+def _same_colour(
+    levels: np.ndarray, mask: np.ndarray, gaps: np.ndarray, table: np.ndarray, least: float
+) -> np.ndarray:
     # The mean colour of what differs nearby, without its rim.
-    core = (cv2.erode(mask, _CLOSE) > 0).view(np.uint8)
-    share = cv2.blur(np.float32(core), _NEARBY)[..., None]
-    near = cv2.blur(np.float32(levels) * core[..., None], _NEARBY) / np.maximum(share, 1e-3)
-    contrast = np.abs(near - cv2.mean(levels, (mask == 0).view(np.uint8))[:3]).max(axis=2)
-    is_same = np.abs(levels - near).max(axis=2) < _SAME_COLOUR * contrast
-    is_same &= contrast > _CLEAR * least
-    is_same &= (share[..., 0] > 0) & (gaps > 0)
+    core = cv2.erode(mask, _CLOSE)
+    share = cv2.blur(np.float32(core), (_NEARBY, _NEARBY))
+    near = cv2.blur(np.float32(cv2.copyTo(levels, core)), (_NEARBY, _NEARBY))
+    near /= cv2.max(share, _LEAST_SHARE)[..., None] / 255
+    contrast = channel_extremes(cv2.absdiff(near, (*table, 0)))[1]
+    off = channel_extremes(cv2.absdiff(np.float32(levels), near))[1]
+    is_same = ((off < _SAME_COLOUR * contrast) & (contrast > least) & (share > 0)).view(np.uint8)
+    is_same &= gaps
     depths = cv2.distanceTransform((mask == 0).view(np.uint8), cv2.DIST_L2, 3)
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(is_same.view(np.uint8))
-    deepest = np.zeros(len(stats))
-    np.maximum.at(deepest, labels, depths)
     # A line that leads from one object to the next is no wider than they are apart.
-    is_long = stats[:, cv2.CC_STAT_AREA] > _LONG_GAP * deepest ** 2
-    is_long[0] = False
-    return is_long[labels]
+    for outline in outlines_in(is_same):
+        box = Box(*cv2.boundingRect(outline))
+        inside = filled(outline, box) & is_same[slices(box)]
+        deepest = cv2.minMaxLoc(depths[slices(box)], inside)[1]
+        if cv2.countNonZero(inside) <= _LONG_GAP * deepest ** 2:
+            is_same[slices(box)] &= 1 - inside
+    return 255 * is_same
 
 
 def _is_solid(outline: np.ndarray, weak: np.ndarray, area: int, min_area: float) -> bool:
