@@ -37,7 +37,9 @@ _CORE_WINDOW, _TABLE_WINDOW, _WIDER_WINDOW = 5, 7, 15
 _WIDER, _ANYWHERE = 1e-3, 1e-7
 _LEAST_LIGHT, _LEAST_POWER = 1e-3, 1e-4
 # A rim with less contrast than this part of the usual tells no share.
-_LEAST_CONTRAST, _LITTLE_CONTRAST, _OTHER_COLOUR = 0.03, 0.4, 0.05
+_LEAST_CONTRAST, _OTHER_COLOUR = 0.03, 0.05
+# A rim whose colour is of a texture: the variance of its colour, times this, reaches the contrast.
+_TEXTURED = 4.0
 _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
@@ -166,7 +168,9 @@ def _shares(
     usual_contrast = cv2.subtract(table, usual)
     usual_power = _dot(usual_contrast, usual_contrast)
     # A part of another colour counts with its own, small differences are noise.
-    other = cv2.subtract(_continued(piece.frame, core, _CORE_WINDOW), usual)
+    near = _continued(piece.frame, core, _CORE_WINDOW)
+    spread = channel_sum(_continued(piece.frame ** 2, core, _CORE_WINDOW)) - _dot(near, near)
+    other = cv2.subtract(near, usual)
     is_other = (_dot(other, other) > _OTHER_COLOUR * usual_power).view(np.uint8)
     contrast = usual_contrast - cv2.copyTo(other, is_other)
     power = _dot(contrast, contrast)
@@ -174,10 +178,12 @@ def _shares(
     shares = _dot(away, contrast) / np.maximum(power, 1e-9)
     least = _LEAST_POWER + _LEAST_CONTRAST * float(quantile(power[mask > 0]))
     shares = np.where(power < least, mask, shares)
-    # Where the object's rim happens to look like the table, its usual colour may tell more.
+    # Of a texture, the rim happens to look like the table: its usual colour tells more. The dark
+    # face of a box has one colour, and that is the rim's.
     by_usual = _dot(away, usual_contrast) / np.maximum(usual_power, 1e-9)
     shares = np.where(
-        (power < _LITTLE_CONTRAST * usual_power) & (by_usual > _LIGHTER), by_usual, shares)
+        (power < cv2.min(usual_power, _TEXTURED * spread)) & (by_usual > _LIGHTER),
+        by_usual, shares)
     return np.minimum(np.maximum(np.minimum(shares, 1), 0), cv2.dilate(mask, square(3)))
 
 

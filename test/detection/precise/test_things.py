@@ -52,12 +52,12 @@ def painted(light, shares, colour):
     return light * (1 - shares) + shares * np.float32(colour)
 
 
-def box_with_a_wall(light, u=150, v=120, colour=(0.5, 0.12, 0.1)):
+def box_with_a_wall(light, u=150, v=120, colour=(0.5, 0.12, 0.1), depth=0.5, wall=0.35):
     light = shaded(light, covered((u - 20, v - 20), (u + 30, v - 20), (u + 70, v + 45),
-                                  (u + 20, v + 45)))
+                                  (u + 20, v + 45)), depth)
     light = painted(light, square(u, v, 22), np.float32(colour))
     return painted(light, covered((u - 22, v + 22), (u + 22, v + 22), (u + 18, v + 40),
-                                  (u - 18, v + 40)), 0.35 * np.float32(colour))
+                                  (u - 18, v + 40)), wall * np.float32(colour))
 
 
 def silhouette(u=150, v=120):
@@ -74,6 +74,17 @@ def overlap(detection, true):
     found = np.zeros(SIZE, np.uint8)
     cv2.fillPoly(found, [detection.outline], 1)
     return (found & true).sum() / (found | true).sum()
+
+
+def test_dark_wall_ends_where_it_stands_though_the_top_is_far_lighter():
+    # In its shade, the wall's red is nearer to the table's than to the top's.
+    background = np.full((*SIZE, 3), 0.48, np.float32)
+    light = box_with_a_wall(background, colour=(0.03, 0.03, 0.58), depth=0.72, wall=0.27)
+    found = detect(light, background)
+    true = silhouette()
+    assert len(found) == 1 and overlap(found[0], true) > 0.97
+    place = np.argwhere(true).mean(axis=0)[::-1]
+    assert np.hypot(*np.subtract(found[0].centre, place)) < 0.3
 
 
 @pytest.mark.parametrize('colour', [(0.5, 0.12, 0.1), (0.4, 0.4, 0.42), (0.8, 0.8, 0.8)])
