@@ -29,6 +29,9 @@ LEAST_FIT = 0.9
 _NO_FIT = 0.85
 # Of several heights, one that fits has the first, and one that does not has less than the second.
 _GOOD_FIT, _BAD_FIT = 0.97, 0.955
+# A flat disc has no chord on 0.06 of its width that is 0.7 of its radius long; what is swept by a
+# height has long ones up to its sides.
+_LONG_CHORD, _SWEPT = 0.7, 0.965
 # A coin measures up to 1.02 times longer than wide (20 px, noise 10, tilt 50), plus the percentage
 # by which the calibration is off. At this elongation an error of 0.02 turns the axis by 3 degrees.
 LEAST_ELONGATION = 1.2
@@ -221,6 +224,26 @@ def _at_half_the_height(
     apart = float(np.hypot(*(outline.centre - footprint.outline.centre)))
     sweep = height_cm / camera.height_cm * float(np.hypot(*(seen.centre - foot)))
     return outline, max(apart, sweep / 2, 0.1 * math.sqrt(seen.area))
+
+
+def looks_solid(detection: Detection, surface: Surface, camera: CameraPlace) -> bool:
+    """
+    Return whether the camera sees an object's side, as far as its outline tells.
+
+    A solid object's outline leads away from the camera for as long as its side is seen. A flat
+    one's does so by chance only, such as a rectangle's that points to the camera's foot. A side
+    that is narrow compared with the object is not noticed.
+
+    :param surface: Maps the frame's pixels to the work surface.
+    :raises HorizonError: If a part of it lies on the horizon or beyond it.
+    """
+    corners = surface.locate(silhouette(detection))
+    outline = Outline.of(corners)
+    away = float(np.hypot(*(outline.centre - camera.foot_cm)))
+    chord = _LONG_CHORD * math.sqrt(outline.area / math.pi)
+    if not 0.0 < 2 * chord < away:
+        return False  # The camera looks down on it.
+    return RayedSilhouette(corners, camera.foot_cm).footprint(chord / away).fit >= _SWEPT
 
 
 def flat_outline(surface: Surface, detection: Detection) -> Outline:

@@ -73,11 +73,11 @@ class CameraPublisher(Node):
             self._warn_of_settings_without_effect()
             self._calibrated_for = settings.calibrated_for
             self.get_logger().info(self._calibrated_for.summary)
-            watch = CameraWatch(self, self._pipeline, self._is_calibrated,
-                                lambda: self._background_keeper.doubt)
+            self._watch = CameraWatch(self, self._pipeline, self._is_calibrated,
+                                      lambda: self._background_keeper.doubt)
             self._started_at = time.monotonic()
             self._feed = self._start_feed()
-            watch.start(self._feed)
+            self._watch.start(self._feed)
 
     def destroy_node(self) -> None:
         """Release the camera, and destroy the node."""
@@ -119,6 +119,7 @@ class CameraPublisher(Node):
         self._positions.publish_sighting(
             header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty,
             in_force.surface)
+        self._watch.note(sighting.objects, in_force.surface)
         self._areas.use_surface(in_force.surface)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting),

@@ -10,14 +10,16 @@
 """Reports the state of a camera node in the log and the diagnostics, with its numbers."""
 
 import time
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, Optional, Sequence, Tuple
 
-from camera_to_base.errors import all_well, Level, Reason
+from camera_to_base.detection import LocatedObject, looks_solid
+from camera_to_base.errors import all_well, HorizonError, Level, Reason
 from camera_to_base.nodes.feeds import Feed
 from camera_to_base.pipeline import CameraPipeline, Correction, View
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
 from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.sources import ReaderStatus
+from camera_to_base.surface import Surface
 from rclpy.node import Node
 
 _PERIOD_S = 0.2
@@ -44,6 +46,25 @@ class DetectionRate:
                       f'{(with_object - self._with_object) / seconds:.1f}'}
         self._looked_at, self._frames, self._with_object = now, frames, with_object
         return values
+
+
+def solid_values(objects: Sequence[LocatedObject], surface: Surface) -> Dict[str, str]:
+    """
+    Count the objects that count as flat and look solid, as text for the diagnostics.
+
+    :param surface: Maps the frame's pixels to the work surface.
+    :returns: {} where the heights are told, or the camera's place is not known.
+    """
+    camera = surface.camera_place
+    if camera is None or any(found.solid is not None for found in objects):
+        return {}
+    solid = 0
+    for found in objects:
+        try:
+            solid += looks_solid(found.detection, surface, camera)
+        except HorizonError:  # A part of it is not on the surface.
+            continue
+    return {'objects that look solid': f'{solid} of {len(objects)}'}
 
 
 def blind_spot(view: Optional[View]) -> Optional[str]:
@@ -131,6 +152,7 @@ class CameraWatch:
         self._told_faintness = False
         self._detection_rate = DetectionRate()
         self._feed: Optional[Feed] = None
+        self._seen: Optional[Tuple[Sequence[LocatedObject], Surface]] = None
         self._heartbeat = Heartbeat(node)
         self._diagnostics = Diagnostics(node, self._heartbeat, self._health)
         NameCheck(node, self._heartbeat)
@@ -143,6 +165,10 @@ class CameraWatch:
         self._heartbeat.every(_PERIOD_S, self._watch)
         if not self._is_calibrated():
             self._logger.warning(_NOT_CALIBRATED.sentence)
+
+    def note(self, objects: Sequence[LocatedObject], surface: Surface) -> None:
+        """Take the objects of a frame, and what maps its pixels to the work surface."""
+        self._seen = objects, surface
 
     def _watch(self) -> None:
         reason = self._feed.reason or self._pipeline.reason
@@ -182,7 +208,8 @@ class CameraWatch:
     def _health(self) -> Health:
         values = {'source': self._feed.name,
                   **camera_values(self._feed.reader, self._pipeline),
-                  **self._detection_rate.values(self._pipeline)}
+                  **self._detection_rate.values(self._pipeline),
+                  **(solid_values(*self._seen) if self._seen else {})}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
         return Health(self._reason or self._doubt() or self._file_doubt() or well, values)
 

@@ -24,7 +24,9 @@ def done_by_dashboard(ros):
 
 
 def test_policy_allows_what_the_dashboard_does_and_nothing_else(ros, dashboard):
-    ros.add(CameraPublisher, '-p', 'source:=simulated')
+    # With a camera's place there are silhouettes, too.
+    ros.add(CameraPublisher, '-p', 'source:=simulated', '-p', 'surface.camera_height_cm:=60.0',
+            '-p', 'surface.camera_foot_cm:=[18.0, 13.5]')
     ros.add(RobotBasePublisher)
     page = dashboard()
     page.look()

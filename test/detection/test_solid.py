@@ -10,7 +10,8 @@
 
 import math
 
-from camera_to_base.detection import DetectorSettings, HEIGHT_SPECS, object_heights, ObjectLocator
+from camera_to_base.detection import (
+    DetectorSettings, HEIGHT_SPECS, looks_solid, object_heights, ObjectLocator)
 from camera_to_base.drawing import draw_objects
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values
@@ -182,3 +183,18 @@ def test_footprint_is_drawn_where_it_stands():
                                corners.mean(axis=0), atol=2)
     u, v = np.round(surface.pixels(place[None]))[0].astype(int)
     assert drawn[v, u].tolist() == [32, 32, 240]
+
+
+@pytest.mark.parametrize('corners', [4, 6, 60])
+@pytest.mark.parametrize('height, is_solid', [(0.02, False), (3.5, True)])
+def test_object_whose_side_is_seen_looks_solid_and_a_flat_one_does_not(corners, height, is_solid):
+    surface = camera(35)
+    for place in ([9.0, -6.0], [-11.0, 3.0]):
+        found, = find(surface, [], (prism(np.array(place), 3.0, 3.0, 0.3, corners), height)).objects
+        assert looks_solid(found.detection, surface, surface.camera_place) is is_solid
+
+
+def test_object_below_the_camera_does_not_look_solid():
+    surface = camera(0)
+    found, = find(surface, [], (prism(np.array([0.5, 0.0]), 3.0, 3.0, 0.3), 4.0)).objects
+    assert not looks_solid(found.detection, surface, surface.camera_place)

@@ -54,12 +54,24 @@ class Geometry:
         found = self.settings.surface.pixels(np.array(points, float))
         return [pixel if np.isfinite(pixel).all() else None for pixel in found.tolist()]
 
+    def in_base_frame(self, points: Optional[np.ndarray]) -> Optional[List[List[float]]]:
+        """
+        Map points on the work surface to the base frame.
+
+        :param points: Shape (n, 2), x and y in the camera frame, in cm; None for None.
+        :returns: Of each, x and y, in cm; None where the transform is not known.
+        """
+        if points is None or self.transform is None:
+            return None
+        base_points = self.transform.conversion.convert_surface_points(points)
+        return np.round(base_points[:, :2], 2).tolist()
+
     def _map_data(self) -> Dict[str, Any]:
         work = self.settings.detector.areas.work
         return {
             'reach_cm': self.transform and [0.0, self.transform.reach_cm],
-            'view': self._in_base_frame(self._view()),
-            'work_area': None if work is None else self._in_base_frame(work.corners)}
+            'view': self.in_base_frame(self._view()),
+            'work_area': None if work is None else self.in_base_frame(work.corners)}
 
     @property
     def image_data(self) -> Dict[str, int]:
@@ -122,9 +134,3 @@ class Geometry:
             return self.settings.surface.locate(np.concatenate(sides))
         except CameraToBaseError:
             return None  # the picture shows the horizon
-
-    def _in_base_frame(self, points: Optional[np.ndarray]) -> Optional[List[List[float]]]:
-        if points is None or self.transform is None:
-            return None
-        base_points = self.transform.conversion.convert_surface_points(points)
-        return np.round(base_points[:, :2], 3).tolist()

@@ -17,9 +17,12 @@ from typing import Any, Callable, Deque, List, Optional, Tuple
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.dashboard.live.cells import full_name
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.ros import poses_from_message, poses_of_markers, UncertainPose
+from camera_to_base.ros import (
+    boxes_of_markers, poses_from_message, poses_of_markers, silhouettes_of_markers, SolidBox,
+    SurfaceSilhouette, UncertainPose)
 from geometry_msgs.msg import PoseArray
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 from visualization_msgs.msg import Marker, MarkerArray
 
 # As many frames are kept while their messages arrive one after the other.
@@ -58,6 +61,8 @@ class SeenFrame:
     camera_ellipses: List[UncertainPose] = field(default_factory=list)
     base_ellipses: List[UncertainPose] = field(default_factory=list)
     left_out: List[LeftOutPlace] = field(default_factory=list)
+    boxes: Optional[List[SolidBox]] = None
+    silhouettes: List[SurfaceSilhouette] = field(default_factory=list)
     stamp_s: float = 0.0
     latency_s: float = 0.0
 
@@ -95,9 +100,16 @@ class SeenFrames:
         return next(whole, seen[0] if seen else None)
 
 
+    @property
+    def newest_with_boxes(self) -> Optional[SeenFrame]:
+        """The newest frame whose boxes have come; None where none have."""
+        return next((frame for frame in reversed(self._frames.values())
+                     if frame.boxes is not None), None)
+
+
 class CellPositions:
     """
-    Listens to the objects in both frames, their ellipses, and what was left out.
+    Listens to the objects in both frames, their shapes and ellipses, and what was left out.
 
     :param node: The node that listens.
     :param namespace: The cell's.
@@ -122,12 +134,29 @@ class CellPositions:
             subscribe(MarkerArray, 'objects_in_cam_frame/ellipses', self._on_camera_ellipses),
             subscribe(MarkerArray, 'objects_in_robot_base_frame/ellipses',
                       self._on_base_ellipses),
-            subscribe(MarkerArray, 'objects_in_cam_frame/left_out', self._on_left_out)]
+            subscribe(MarkerArray, 'objects_in_cam_frame/left_out', self._on_left_out),
+            subscribe(MarkerArray, 'objects_in_cam_frame/boxes', self._on_boxes)]
+        self._subscribe_silhouettes = lambda: subscribe(
+            MarkerArray, 'objects_in_cam_frame/silhouettes', self._on_silhouettes)
+        self._silhouettes: Optional[Subscription] = None
+
+    def want_silhouettes(self, are_wanted: bool) -> None:
+        """Listen to silhouettes, or not: without a camera's place the node has none."""
+        if are_wanted and self._silhouettes is None:
+            self._silhouettes = self._subscribe_silhouettes()
+        elif not are_wanted and self._silhouettes is not None:
+            self._node.destroy_subscription(self._silhouettes)
+            self._silhouettes = None
 
     @property
     def newest(self) -> Optional[SeenFrame]:
         """The frame to show; None before the first one."""
         return self._frames.newest
+
+    @property
+    def newest_with_boxes(self) -> Optional[SeenFrame]:
+        """The newest frame whose boxes have come; None where none have."""
+        return self._frames.newest_with_boxes
 
     def at(self, stamp: Stamp) -> Optional[SeenFrame]:
         """Return the frame with a stamp if its objects have come in the camera frame."""
@@ -152,6 +181,7 @@ class CellPositions:
 
     def close(self) -> None:
         """Stop listening."""
+        self.want_silhouettes(False)
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
 
@@ -178,6 +208,16 @@ class CellPositions:
         if message.markers:
             frame = self._frames.at(message.markers[0].header.stamp)
             frame.base_ellipses = _read(poses_of_markers, message)
+
+    def _on_boxes(self, message: MarkerArray) -> None:
+        if message.markers:
+            frame = self._frames.at(message.markers[0].header.stamp)
+            frame.boxes = _read(boxes_of_markers, message)
+
+    def _on_silhouettes(self, message: MarkerArray) -> None:
+        if message.markers:
+            frame = self._frames.at(message.markers[0].header.stamp)
+            frame.silhouettes = _read(silhouettes_of_markers, message)
 
     def _on_left_out(self, message: MarkerArray) -> None:
         if message.markers:

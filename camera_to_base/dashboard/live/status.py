@@ -18,6 +18,7 @@ from camera_to_base.dashboard.live.cells import GraphCell
 from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.health import CellHealth, Charts
 from camera_to_base.dashboard.live.positions import CellPositions, SeenFrame
+from camera_to_base.dashboard.live.shapes import shapes_data
 from camera_to_base.dashboard.live.state import cell_state, Facts, SILENT_S
 from camera_to_base.dashboard.sessions.values import Setup
 from camera_to_base.ros import UncertainPose
@@ -193,6 +194,10 @@ class CellStatus:
             'objects': objects_data(shown, geometry, self._held) if shown else [],
             'left_out': left_out_data(shown, geometry) if shown else [],
             'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data}
+
+    def shapes_data(self, geometry: Optional[Geometry]) -> List[Dict[str, Any]]:
+        """Return the part `shapes` as JSON: the boxes and footprints of the objects."""
+        return shapes_data(self._positions.newest_with_boxes if self._shown else None, geometry)
 
     def frame_data(
         self, stamp: Tuple[int, int], geometry: Optional[Geometry]

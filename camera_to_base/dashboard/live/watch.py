@@ -32,6 +32,7 @@ from std_srvs.srv import Trigger
 
 _PERIOD_S = 0.1
 _BEATS_PER_S = 10
+_BEATS_PER_SHAPE = 2
 
 OnPart = Callable[[str, Any], None]
 
@@ -141,6 +142,8 @@ class CellWatch:
         self._beats += 1
         watch = self._status.watch_data(self._cell, self.geometry, self._sessions.setup)
         self._tell('watch', watch)
+        if self._beats % _BEATS_PER_SHAPE == 0:
+            self._tell('shapes', self._status.shapes_data(self.geometry))
         self._sessions.see_published(watch['stamp_s'], watch['objects'])
         self._feed.check()
         self._snapshots = [one for one in self._snapshots if not one.check()]
@@ -183,6 +186,8 @@ class CellWatch:
                 self.camera.values, self.transform.values) if self.camera.is_known else None
         except CameraToBaseError:
             self.geometry = None  # the node itself has refused them
+        place = self.geometry and self.geometry.settings.surface.camera_place
+        self.positions.want_silhouettes(place is not None)
         self._tell('grid', self.geometry.grid_data if self.geometry else {})
 
 

@@ -12,11 +12,14 @@
 import os
 import re
 
+from ament_index_python.packages import get_package_share_directory
 from dashboard_page import DOWN, ENTER, RIGHT, wait_until
 import pytest
 
 pytestmark = pytest.mark.slow
 
+SOLIDS = os.path.join(
+    get_package_share_directory('camera_to_base'), 'config', 'simulated_solid_objects.yaml')
 PARTS = ('watch', 'detect', 'calibrate', 'robot', 'prove', 'health', 'save')
 
 
@@ -97,6 +100,23 @@ def test_height_of_the_objects_is_asked_where_the_camera_s_place_is_known(page):
              "node: 'camera', values: {'object_height_cm': 0, 'surface.camera_height_cm': 0, "
              "'surface.camera_foot_cm': []}})})")
     wait_until(lambda: not page.elements('.heights:not([hidden])'), lambda: page.read())
+
+
+def test_solid_objects_are_noticed_and_drawn_with_what_they_stand_on(open_page, start_cell):
+    cell = start_cell('-p', 'source:=simulated', '-p', 'object_height_cm:=0.0',
+                      namespace='/solid', params_file=SOLIDS)
+    page = open_page(cell)
+    page.wait_for('5 of 5 objects look solid', '#part-watch .heights')
+    page.fill('Height of the objects in cm', '3')
+    for paths in ('.picture .shapes path.top', '.map path.footprint'):
+        wait_until(lambda paths=paths: len(page.elements(f'#part-watch {paths}')) == 5,
+                   lambda: page.read('#part-watch'))
+    page.wait_for('× 3.0', '#part-watch tbody')
+    wait_until(lambda: not page.elements('.heights.question'), lambda: page.read('.heights'))
+    page.click('Shapes', '#part-watch')
+    assert not page.elements('#part-watch .picture .shapes path')
+    page.click('Shapes', '#part-watch')
+    cell.close()
 
 
 def test_click_on_an_object_marks_it_in_the_picture(page):

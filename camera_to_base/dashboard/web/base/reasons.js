@@ -29,6 +29,13 @@ export function hasAnotherSurface(kind) {
   return WITH_ANOTHER_SURFACE.includes(kind);
 }
 
+/** Return how many of the objects that count as flat look solid, such as [2, 5]; null for none. */
+export function lookSolid(health) {
+  const told = health?.nodes?.map(({values}) => values['objects that look solid']).find(Boolean);
+  const [solid, all] = told?.split(' of ').map(Number) ?? [0, 0];
+  return solid && 2 * solid >= all ? [solid, all] : null;
+}
+
 /** Tell whether an object was left out as its height is not the one that is set. */
 export function doubtsHeight(kind) {
   return ['other_height', 'height_unclear'].includes(kind);

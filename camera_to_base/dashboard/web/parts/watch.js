@@ -23,6 +23,7 @@ import {createMap} from '../pieces/map.js';
 import {ago, fixed, point} from '../base/numbers.js';
 import {LivePicture} from '../pieces/pictures.js';
 import {createScatter} from '../pieces/scatter.js';
+import {createShapes} from '../pieces/shapes.js';
 
 const KINDS = {
   annotated: ['With outlines', 'The live picture, with the outline and the number of each object.'],
@@ -41,27 +42,29 @@ export function createWatch(store) {
   const picture = new LivePicture('annotated', KINDS.annotated[1]);
   const map = createMap((object) => selection.choose(object));
   const list = table('Largest first; ± holds 95 % of the errors', [
-    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction', '± mm'], {class: 'numbers'});
+    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction, size in cm', '± mm'], {class: 'numbers'});
   const empty = element('p', {class: 'quiet'}, 'No object.');
   const figures = createFigures();
   const leftOut = createLeftOut();
   const scatter = createScatter();
   const rings = svg('g');
   const grid = createGrid(store, picture);
-  picture.overlay.append(grid.layer, rings);
+  const shapes = createShapes(store);
+  picture.overlay.append(grid.layer, shapes.layer, rings);
 
   const draw = () => {
     const watch = store.get('watch');
     if (!watch) return;
     selection.follow(watch.objects);
+    const sizes = new Map((store.get('shapes') ?? []).map((shape) => [shape.number, shape.size_cm]));
     sync(list.body, watch.objects, (object) => object.number,
       (object) => objectRow(object, () => selection.choose(selection.numbered(object.number))),
-      (node, object) => fillObject(node, object, selection.is(object)));
+      (node, object) => fillObject(node, object, selection.is(object), sizes.get(object.number)));
     show(empty, !watch.objects.length);
     show(list.node, watch.objects.length);
     figures.update(watch);
     leftOut.update(watch.left_out ?? []);
-    map.update(watch, selection);
+    map.update(watch, selection, store.get('shapes') ?? []);
     ring(picture, rings, selection.current);
     scatter.update(watch, selection.current);
   };
@@ -77,7 +80,8 @@ export function createWatch(store) {
 
   const node = element('div', {class: 'watch'}, element('div', {class: 'columns'},
     element('div', {},
-      card('Picture', element('div', {class: 'choices-row'}, kindChoice(picture), grid.node), picture.node,
+      card('Picture', element('div', {class: 'choices-row'}, kindChoice(picture), grid.node,
+        element('div', {class: 'choices'}, shapes.node)), picture.node,
         element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),
         figures.node, createCapture(store).node)),
     element('div', {},
@@ -152,18 +156,21 @@ function objectRow({number}, choose) {
   const node = row(5, {class: 'pickable'});
   node.addEventListener('click', choose);
   node.cells[0].append(button(String(number), () => {}, {class: 'number'}));
+  node.cells[3].append(element('span'), element('small', {class: 'quiet'}));
   return node;
 }
 
-function fillObject(node, object, isChosen) {
+function fillObject(node, object, isChosen, size) {
   const label = node.cells[0].firstChild;
   setAttribute(label, 'aria-pressed', isChosen);
   setAttribute(label, 'aria-label', `Object ${object.number}: show it in the picture`);
   const yaw = object.base?.yaw_deg ?? object.camera.yaw_deg;
-  const texts = [point(object.base), point(object.camera),
-    yaw === null || yaw === undefined ? 'none' : `${fixed(yaw, 0)}°`,
-    object.ellipse ? fixed(object.ellipse.major_mm, 1) : '–'];
-  texts.forEach((text, index) => setText(node.cells[index + 1], text));
+  const [, base, camera, turned, uncertain] = node.cells;
+  setText(base, point(object.base));
+  setText(camera, point(object.camera));
+  setText(turned.firstChild, yaw === null || yaw === undefined ? 'none' : `${fixed(yaw, 0)}°`);
+  setText(turned.lastChild, size ? size.filter(Boolean).map((side) => fixed(side, 1)).join(' × ') : '');
+  setText(uncertain, object.ellipse ? fixed(object.ellipse.major_mm, 1) : '–');
 }
 
 const TOO = {low: ['low', 'Objects that move are published late: use a faster camera or a smaller picture, or end ' +

@@ -18,33 +18,43 @@ import {act} from '../base/actions.js';
 import {button, element, setText, show} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
 import {fixed, read} from '../base/numbers.js';
-import {doubtsHeight} from '../base/reasons.js';
+import {doubtsHeight, lookSolid} from '../base/reasons.js';
 
-/** Make the question; it is urgent while objects do not fit the height that is set. */
+/** Make the question; it is urgent while objects do not fit the height that is set, or look solid. */
 export function createHeights(store) {
   const sentence = element('p', {role: 'status'});
   const input = element('input', {type: 'text', inputmode: 'decimal', id: 'height', class: 'short',
     autocomplete: 'off'});
+  // A flat thing may look solid by chance, such as a card that points away from the camera.
+  let areFlat = false;
+  const flat = button('They are flat', () => {
+    areFlat = true;
+    update();
+  });
   const node = element('form', {class: 'heights', hidden: true, onsubmit: (event) => {
     event.preventDefault();
     attempt(() => act('/api/parameters', {node: 'camera', values: {object_height_cm: read(input.value)}}),
       () => `The objects are ${input.value} cm high now. Save it, so that it stays.`);
   }}, sentence, element('p', {class: 'buttons'}, element('label', {for: 'height'}, 'Height of the objects in cm'),
-    input, button('Use it', () => {}, {type: 'submit'})));
+    input, button('Use it', () => {}, {type: 'submit'}), flat));
   const update = () => {
     const height = valueOf(store, 'object_height_cm');
     const isKnown = valueOf(store, 'surface.model') === 'pinhole' || valueOf(store, 'surface.camera_height_cm') > 0;
     const several = valueOf(store, 'object_heights_cm')?.length;
     const doubted = (store.get('watch')?.left_out ?? []).filter(({reason}) => doubtsHeight(reason)).length;
+    const solid = !height && !several && !areFlat ? lookSolid(store.get('health')) : null;
     show(node, isKnown && !several || doubted);
-    node.classList.toggle('question', doubted > 0);
+    show(flat, solid);
+    node.classList.toggle('question', doubted > 0 || solid !== null);
     setText(sentence, doubted ? `${doubted} ${doubted === 1 ? 'object does' : 'objects do'} not fit a height of ` +
-      `${fixed(height, 1)} cm. How high are they?` : height ? '' :
+      `${fixed(height, 1)} cm. How high are they?` : height ? '' : solid ?
+      `${solid[0]} of ${solid[1]} objects ${solid[0] === 1 ? 'looks' : 'look'} solid: the camera sees their sides. ` +
+      'Say how high they are: their positions are off by up to half of what is seen of the sides.' :
       'Objects count as flat. Of solid ones the camera sees the sides, too: say how high they are, or their ' +
       'positions are off.');
     if (document.activeElement !== input && !input.value) input.value = height ?? '';
   };
-  ['watch', 'parameters'].forEach((part) => store.on(part, update));
+  ['watch', 'parameters', 'health'].forEach((part) => store.on(part, update));
   return {node};
 }
 

@@ -16,13 +16,14 @@
 
 import {fixed} from '../base/numbers.js';
 import {element, setAttribute, setText, svg, sync} from '../base/dom.js';
+import {paths} from './shapes.js';
 
 const STEPS_CM = [1, 2, 5, 10, 20, 50, 100, 200, 500];
 const LARGEST_CM = 400;
 
 /** Make the map; `choose(object)` is called when an object is clicked. */
 export function createMap(choose) {
-  const layers = ['grid', 'areas', 'base', 'objects'].map((name) => svg('g', {'data-layer': name}));
+  const layers = ['grid', 'areas', 'shapes', 'base', 'objects'].map((name) => svg('g', {'data-layer': name}));
   const drawing = svg('svg', {class: 'map', role: 'img'}, ...layers);
   const note = element('p', {class: 'quiet'}, 'Waiting for the surface …');
   let objects = [];
@@ -33,17 +34,23 @@ export function createMap(choose) {
     pressed = objects.find((object) => String(object.number) === number) ?? null;
   });
   drawing.addEventListener('click', () => pressed && choose(pressed));
-  const update = (watch, selection) => {
+  const update = (watch, selection, shapes) => {
     const box = frame(watch);
     objects = watch.objects.filter((object) => object.base);
     setAttribute(drawing, 'viewBox', `${box.left} ${-box.top} ${box.width} ${box.height}`);
     setAttribute(drawing, 'aria-label', summary(watch));
-    const shapes = [grid(box), areas(watch.map), base(box),
+    const drawn = [grid(box), areas(watch.map), shapes.map(outline), base(box),
       objects.map((object) => mark(object, box, selection.is(object)))];
-    layers.forEach((layer, index) => draw(layer, shapes[index]));
+    layers.forEach((layer, index) => draw(layer, drawn[index]));
     setText(note, legend(watch, box));
   };
   return {node: element('div', {}, drawing, note), update};
+}
+
+function outline({number, map}) {
+  const upwards = Object.fromEntries(Object.entries(map).map(([name, points]) =>
+    [name, points?.map(([x, y]) => [x, -y])]));
+  return [number, 'g', {class: 'shapes'}, paths(upwards).map(([name, d]) => [name, 'path', {class: name, d}])];
 }
 
 /** Draw shapes, each [key, tag, attributes, text or shapes in it]; nodes of known keys are kept. */
