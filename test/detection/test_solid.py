@@ -190,7 +190,8 @@ def test_footprint_is_drawn_where_it_stands():
 def test_object_whose_side_is_seen_looks_solid_and_a_flat_one_does_not(corners, height, is_solid):
     surface = camera(35)
     for place in ([9.0, -6.0], [-11.0, 3.0]):
-        found, = find(surface, [], (prism(np.array(place), 3.0, 3.0, 0.3, corners), height)).objects
+        solid = prism(np.array(place), 3.0, 3.0, 0.3, corners), height
+        found, = find(surface, [], solid).objects
         assert looks_solid(found.detection, surface, surface.camera_place) is is_solid
 
 

@@ -99,7 +99,6 @@ class SeenFrames:
                  and seen[0].stamp_s - frame.stamp_s < _LONGEST_WAIT_S)
         return next(whole, seen[0] if seen else None)
 
-
     @property
     def newest_with_boxes(self) -> Optional[SeenFrame]:
         """The newest frame whose boxes have come; None where none have."""
