@@ -47,7 +47,8 @@ def base_of(shape, length, width, centre, angle):
     return np.asarray(centre) + unit * [length / 2, width / 2] @ turn
 
 
-def seen(base, height_cm, camera, random=None, covariance_cm2=1e-4, moved=(0.0, 0.0)):
+def seen(base, height_cm, camera, random=None, covariance_cm2=1e-4, moved=(0.0, 0.0),
+         noise_px=NOISE_PX):
     """Return the silhouette of an upright object, with noise where there is a random source."""
     foot = np.array(camera.foot_cm)
     top = foot + (base - foot) / (1 - height_cm / camera.height_cm)
@@ -57,7 +58,7 @@ def seen(base, height_cm, camera, random=None, covariance_cm2=1e-4, moved=(0.0, 
         lengths = np.r_[0, np.cumsum(np.hypot(*np.diff(ends, axis=0).T))]
         steps = np.arange(0, lengths[-1], 3 * CM_PER_PX)
         hull = np.column_stack([np.interp(steps, lengths, column) for column in ends.T])
-        hull += random.normal(0, NOISE_PX * CM_PER_PX, hull.shape)
+        hull += random.normal(0, noise_px * CM_PER_PX, hull.shape)
     return SeenOutline(hull + moved, covariance_cm2 * np.eye(2),
                        Viewpoint(camera, np.zeros((3, 3))))
 

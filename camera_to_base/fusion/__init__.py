@@ -22,12 +22,13 @@ from camera_to_base.fusion.cell import (
 from camera_to_base.fusion.clocks import ClockCheck, ClockError
 from camera_to_base.fusion.matching import Group, match, Matches, Member
 from camera_to_base.fusion.shape import Extent, Moments
-from camera_to_base.fusion.solver import KnownHeight, SeenOutline, Solution, solve, Viewpoint
+from camera_to_base.fusion.solver import (
+    KnownHeight, OUTLINE_PX, SeenOutline, Solution, solve, Viewpoint)
 from camera_to_base.fusion.specs import fusion_settings, FUSION_SPECS, FusionSettings
 
 __all__ = [
     'CameraFrame', 'ClockCheck', 'ClockError', 'Extent', 'FusedCell', 'FusedObject',
     'FusedSighting', 'FusionLimits', 'fusion_settings', 'FUSION_SPECS', 'FusionSettings', 'Group',
-    'KnownHeight', 'match', 'Matches', 'Member', 'Moments', 'NotFused', 'SeenOutline', 'Solution',
-    'solve', 'Viewpoint',
+    'KnownHeight', 'match', 'Matches', 'Member', 'Moments', 'NotFused', 'OUTLINE_PX',
+    'SeenOutline', 'Solution', 'solve', 'Viewpoint',
 ]

@@ -13,16 +13,18 @@ from itertools import permutations
 from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 from camera_to_base.fusion.shape import COUNT, reach
-from camera_to_base.fusion.solver import LEAST_OUTLINE_CM, SeenOutline, Solution, solve
+from camera_to_base.fusion.solver import SeenOutline, Solution, solve
 import numpy as np
 
 # (camera, its silhouette), by their numbers.
 Member = Tuple[int, int]
 # A strain is that large by chance once in 10,000 times.
 MOST_STRAIN = 18.4
-# In rendered cells heights were off by 0.5 mm where the footprints fit to 0.4 mm, by 3 mm where
-# they fit to 1 mm, and by 17 mm beyond 1.4 mm: a part was missing, or it was no upright object.
-MOST_MISFIT_CM = 0.12
+# Share of the outline. In rendered cells heights were off by 2 mm at most above it, and by 3 to
+# 50 mm below, where much was missing or the object was not upright, as a loaf.
+LEAST_AGREEMENT = 0.7
+# The cameras' footprints are farther apart where one silhouette is of two objects.
+MOST_MISFIT_CM = 0.2
 # Standard deviations by which a height may be beyond the limit.
 _SIGMAS = 3.0
 # Another assignment must cost so much more: it is e⁶ times less likely.
@@ -94,6 +96,7 @@ def is_plausible(solution: Solution, highest_cm: float) -> bool:
     return (solution.moments.area > 0 and height <= highest_cm + _SIGMAS * deviation
             and bool(solution.strain.max() <= MOST_STRAIN)
             and min(solution.extent[:2]) > 0
+            and solution.agreement >= LEAST_AGREEMENT
             and solution.misfit_cm <= MOST_MISFIT_CM)
 
 
@@ -109,10 +112,6 @@ def _touching(cameras: Sequence[Sequence[SeenOutline]]) -> List[Tuple[Member, Me
             meet = (reaches[first][:, None] + opposite[None]).min(axis=2) > 0
             pairs += [((first, i), (second, j)) for i, j in np.argwhere(meet).tolist()]
     return pairs
-
-
-def _cost(solution: Solution) -> float:
-    return (solution.misfit_cm / LEAST_OUTLINE_CM) ** 2 + float(solution.strain.sum())
 
 
 def _assigned(
@@ -155,7 +154,7 @@ def _best_of(pairs, fits):
     for order in permutations(slots, len(firsts)):
         option = frozenset(
             (one, other) for one, other in zip(firsts, order) if (one, other) in fits)
-        options[option] = sum(_cost(fits[pair]) for pair in option)
+        options[option] = sum(fits[pair].cost for pair in option)
     most = max(map(len, options))
     ranked = sorted((cost, sorted(option)) for option, cost in options.items()
                     if len(option) == most)

@@ -23,6 +23,9 @@ the height:
 The height at which the cameras agree is a least squares problem of a few numbers: the height, and
 how far each camera's silhouettes are off as a whole, of which the calibrations give the
 covariance. One camera alone needs to be told the height.
+
+A camera may lack a part, as a white side on a white table. Directions in which the footprints stay
+apart lose their weight, as in a fit with Cauchy's distribution, and the largest footprint counts.
 """
 
 from dataclasses import dataclass
@@ -34,13 +37,14 @@ from camera_to_base.fusion.shape import (
     COUNT, DIRECTIONS, Extent, extent_of, Moments, moments_of, outline_of, reach)
 import numpy as np
 
-# Standard deviation of an outline that was found to about 0.3 px. Larger where cameras disagree.
-LEAST_OUTLINE_CM = 0.02
+# Standard deviation of an outline.
+OUTLINE_PX = 0.3
+# Where a pixel is 0.7 mm wide, and how exact the best outline is.
+_OUTLINE_CM, _BEST_OUTLINE_CM = 0.02, 0.005
 # Outlines are off alike in neighbouring directions: so many directions are independent.
-_INDEPENDENT = 4.0
-# Outlines that disagree by more than this lack a part, or belong to no upright object: in rendered
-# cells the error grows faster than the misfit then.
-_SOUND_MISFIT_CM = 0.03
+_INDEPENDENT = 8.0
+# The weights have settled after so many rounds.
+_ROUNDS = 12
 # Keeps a covariance of zeros, as of a simulated camera, invertible.
 _LEAST_CM2 = 1e-8
 
@@ -64,11 +68,13 @@ class SeenOutline(NamedTuple):
     :param corners: Its silhouette on the surface, side faces included, shape (n, 2), in cm.
     :param covariance: Of where it is as a whole, shape (2, 2), in cm²: calibration and picture.
     :param viewpoint: The camera's.
+    :param noise_cm: Standard deviation of a part of the outline.
     """
 
     corners: np.ndarray
     covariance: np.ndarray
     viewpoint: Viewpoint
+    noise_cm: float = _OUTLINE_CM
 
 
 class KnownHeight(NamedTuple):
@@ -87,18 +93,21 @@ class Solution:
     :param moments: Of its footprint.
     :param extent: Of its footprint.
     :param covariance: Of the footprint's centre, shape (2, 2), in cm².
-    :param misfit_cm: How far the cameras' footprints are apart: the root of the mean square, after
-        each was moved as a whole.
+    :param agreement: Share of the outline in which the cameras agree to within twice the noise.
+    :param misfit_cm: How far two cameras' footprints are apart: the root of the mean square.
     :param strain: How far each camera's silhouette had to be moved, as the square over its
         covariance; 4.6 and more for one in ten.
+    :param cost: Twice the negative logarithm of how likely this is.
     """
 
     height: KnownHeight
     moments: Moments
     extent: Extent
     covariance: np.ndarray
+    agreement: float
     misfit_cm: float
     strain: np.ndarray
+    cost: float
 
 
 def solve(seen: Sequence[SeenOutline], known: Optional[KnownHeight] = None) -> Solution:
@@ -111,77 +120,98 @@ def solve(seen: Sequence[SeenOutline], known: Optional[KnownHeight] = None) -> S
     problem = _Problem(seen)
     found = problem.solved(known)
     if found[0] < 0:  # No object is below the surface: what is seen is flat.
-        deviation = math.sqrt(problem.inverse[0, 0])
+        deviation = math.sqrt(problem.covariance[0, 0])
         found = problem.solved(KnownHeight(0.0, 1e-3))
         return problem.solution(found, deviation)
-    return problem.solution(found, math.sqrt(problem.inverse[0, 0]))
+    return problem.solution(found, math.sqrt(problem.covariance[0, 0]))
 
 
 class _Problem:
     """
     The least squares problem: unknown are the height, and for each camera how far it is off.
 
-    `inverse` is the covariance of the numbers that were found last.
+    Directions in which the cameras cannot agree lose their weight: a part is missing there.
+    `covariance` is that of the numbers that were found last.
     """
 
     def __init__(self, seen: Sequence[SeenOutline]) -> None:
         self._seen = seen
         self.count = len(seen)
+        noises = [max(one.noise_cm, _BEST_OUTLINE_CM) for one in seen]
+        self._noise = math.sqrt(sum(noise ** 2 for noise in noises) / self.count)
         self._reach, self._slopes = self._seen_along(DIRECTIONS)
         self._design = np.zeros((self.count, COUNT, 1 + 2 * self.count))
         self._design[:, :, 0] = self._slopes
         for number in range(self.count):
             self._design[number, :, 1 + 2 * number:3 + 2 * number] = DIRECTIONS
-        rows = (self._design - self._design.mean(axis=0)).reshape(-1, 1 + 2 * self.count)
-        self._rows, self._apart = rows, (self._reach - self._reach.mean(axis=0)).ravel()
-        self._normal, self._right = rows.T @ rows, rows.T @ self._apart
-        self._noise, self._strain = LEAST_OUTLINE_CM, np.zeros(self.count)
-        self.inverse = np.eye(1 + 2 * self.count)
+        self._rows = self._design - self._design.mean(axis=0)
+        self._apart = self._reach - self._reach.mean(axis=0)
+        self._weights, self._strain = np.ones(COUNT), np.zeros(self.count)
+        self.covariance = np.eye(1 + 2 * self.count)
 
     def solved(self, known: Optional[KnownHeight]) -> np.ndarray:
         """Return the height and the cameras' errors: shape (1 + 2 cameras,), in cm."""
-        found = self._solved(known, LEAST_OUTLINE_CM, 0.0)
+        height, self._weights = 0.0, np.ones(COUNT)
+        for _ in range(_ROUNDS):
+            found = self._solved(known, height)
+            height = max(float(found[0]), 0.0)
+            self._weights = self._trust(self._apart - self._rows @ found, self._noise)
         errors = found[1:].reshape(self.count, 2)
-        self._strain = np.array([error @ np.linalg.solve(self._prior(one, 0.0), error)
+        self._strain = np.array([error @ np.linalg.solve(self._prior(one, height), error)
                                  for error, one in zip(errors, self._seen)])
-        # What the outlines do not agree about, and what the cameras' places do, is known now.
-        misfit = self.misfit(found)
-        self._noise = max(LEAST_OUTLINE_CM, misfit, misfit ** 2 / _SOUND_MISFIT_CM)
-        return self._solved(known, self._noise, max(float(found[0]), 0.0))
-
-    def misfit(self, found: np.ndarray) -> float:
-        """Return how far the footprints are apart, see `Solution`."""
-        rest = self._apart - self._rows @ found
-        return math.sqrt(float(rest @ rest) / (COUNT * max(self.count - 1, 1)))
+        return found
 
     def solution(self, found: np.ndarray, height_deviation: float) -> Solution:
         """Make the footprint of the numbers that were found."""
-        reached = (self._reach - self._design @ found).mean(axis=0)
+        footprints = self._reach - self._design @ found
+        reached = self._joined(footprints)
         moments = moments_of(outline_of(reached))
-        # The centre moves with the height, and with each camera's error.
+        # The centre moves with the height, with each camera's error, and with what one lacks.
         moves = np.column_stack([
             -2 / COUNT * (self._slopes.mean(axis=0) @ DIRECTIONS),
             *[-np.eye(2) / self.count] * self.count])
-        covariance = moves @ self.inverse @ moves.T + np.eye(2) * (
-            2 * self._noise ** 2 / (_INDEPENDENT * self.count))
+        lacking = 2 / COUNT * (reached - footprints.mean(axis=0)) @ DIRECTIONS
+        covariance = moves @ self.covariance @ moves.T + np.eye(2) * (
+            self._noise ** 2 / self.count) + np.outer(lacking, lacking)
+        agreement = self._trust(footprints - footprints.mean(axis=0), 2 * self._noise).mean()
+        misfit = math.sqrt(2 * footprints.var(axis=0).mean())
         return Solution(
             KnownHeight(float(found[0]), height_deviation), moments,
             extent_of(lambda directions: self._footprint(found, directions), moments),
-            covariance, self.misfit(found), self._strain)
+            covariance, float(agreement), misfit, self._strain,
+            float(self._strain.sum() - 2 * _INDEPENDENT * np.log(self._weights).mean()))
 
-    def _solved(
-        self, known: Optional[KnownHeight], noise: float, height_cm: float
-    ) -> np.ndarray:
-        weight = _INDEPENDENT / COUNT / noise ** 2
-        normal, right = weight * self._normal, weight * self._right
+    def _solved(self, known: Optional[KnownHeight], height_cm: float) -> np.ndarray:
+        weights = _INDEPENDENT / COUNT / self._noise ** 2 * self._weights
+        rows = self._rows.reshape(-1, 1 + 2 * self.count)
+        weighted = (self._rows * weights[:, None]).reshape(rows.shape)
+        normal, right = weighted.T @ rows, weighted.T @ self._apart.ravel()
+        seen = normal.copy()
         for number, one in enumerate(self._seen):
             own = slice(1 + 2 * number, 3 + 2 * number)
             normal[own, own] += np.linalg.inv(self._prior(one, height_cm))
         if known is not None:
             normal[0, 0] += known.deviation_cm ** -2
             right[0] += known.height_cm * known.deviation_cm ** -2
-        self.inverse = np.linalg.inv(normal)
-        return self.inverse @ right
+        inverse = np.linalg.inv(normal)
+        # Twice the noise: corners are rounded and feet are in a shadow, in all outlines alike.
+        self.covariance = inverse + inverse @ seen @ inverse
+        return inverse @ right
+
+    def _trust(self, apart: np.ndarray, noise_cm: float) -> np.ndarray:
+        """
+        Return how much each direction counts: half where the cameras are apart by their noise.
+
+        :param apart: Each camera's footprint from their mean, shape (cameras, n), in cm.
+        """
+        squares = (apart ** 2).sum(axis=0) / max(self.count - 1, 1)
+        return 1 / (1 + squares / noise_cm ** 2)
+
+    def _joined(self, footprints: np.ndarray) -> np.ndarray:
+        """Return how far the object reaches: where a camera lacks a part, as the others see it."""
+        mean = footprints.mean(axis=0)
+        trust = self._trust(footprints - mean, self._noise)
+        return mean + (1 - trust) * (footprints.max(axis=0) - mean)
 
     def _prior(self, one: SeenOutline, height_cm: float) -> np.ndarray:
         """Return how far a camera's footprint may be off as a whole: (2, 2), in cm²."""
@@ -202,4 +232,4 @@ class _Problem:
     def _footprint(self, found: np.ndarray, directions: np.ndarray) -> np.ndarray:
         reached, slopes = self._seen_along(directions)
         errors = found[1:].reshape(self.count, 2) @ directions.T
-        return (reached - slopes * found[0] - errors).mean(axis=0)
+        return self._joined(reached - slopes * found[0] - errors)

@@ -16,7 +16,7 @@ from camera_to_base.coordinate_transform import CameraPlace, Pose
 from camera_to_base.errors import all_well, InvalidValueError, Level, Reason
 from camera_to_base.fusion import (
     CameraFrame, ClockCheck, FusedCell, FusedObject, FusedSighting, fusion_settings, FUSION_SPECS,
-    FusionSettings, SeenOutline, Viewpoint)
+    FusionSettings, OUTLINE_PX, SeenOutline, Viewpoint)
 from camera_to_base.ros import (
     Diagnostics, Health, Heartbeat, latched, left_out_markers, NameCheck, NO_EVENTS,
     NodeParameters, PositionTopics, run, silhouettes_of_markers, SolidBox,
@@ -80,7 +80,8 @@ class FusedCamera:
         self.header = message.markers[0].header
         stamp = self.header.stamp
         self.frame = CameraFrame.of(stamp.sec + _NANO * stamp.nanosec, [
-            SeenOutline(one.corners[:, :2], one.place.covariance[:2, :2], viewpoint)
+            SeenOutline(one.corners[:, :2], one.place.covariance[:2, :2], viewpoint,
+                        OUTLINE_PX * one.pixel_cm)
             for one in silhouettes])
         self.arrived_at = time.monotonic()
 

@@ -191,10 +191,12 @@ def silhouettes_of(
             corners = silhouette_on_surface(found.detection, surface)
         except HorizonError:  # A part of it is not on the surface.
             continue
+        area_cm2 = cv2.contourArea(corners.astype(np.float32))
+        pixel_cm = math.sqrt(area_cm2 / found.detection.area)
         silhouettes.append(SurfaceSilhouette(
             np.column_stack([corners, np.zeros(len(corners))]), UncertainPose(
                 Pose(*corners.mean(axis=0).tolist(), 0.0, 0.0),
-                uncertainty.of_silhouette(found).matrix)))
+                uncertainty.of_silhouette(found).matrix), pixel_cm))
     return silhouettes
 
 

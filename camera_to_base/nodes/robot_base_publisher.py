@@ -199,7 +199,7 @@ class RobotBasePublisher(Node):
             return None
         base_from_camera = self._settings.conversion.base_from_camera
         corners = silhouette.corners @ base_from_camera[:3, :3].T + base_from_camera[:3, 3]
-        return SurfaceSilhouette(corners, place)
+        return silhouette._replace(corners=corners, place=place)
 
     def _on_camera(self, message: PoseWithCovarianceStamped) -> None:
         self._camera = message

@@ -26,7 +26,6 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 _NAMESPACE = 'silhouettes'
 _COLOUR = ColorRGBA(r=0.2, g=0.9, b=0.3, a=1.0)
-_LINE_M = 0.001
 _CM_PER_M = 100.0
 # A silhouette of a picture has a few dozen corners.
 _FEWEST_CORNERS, _MOST_CORNERS = 3, 1000
@@ -40,10 +39,12 @@ class SurfaceSilhouette(NamedTuple):
 
     :param corners: Of its outline, side faces included, shape (n, 3), x, y and z in cm.
     :param place: Its middle, and how far all of it may be off: x, y of a flat object.
+    :param pixel_cm: How wide a pixel is there; the line is drawn as wide.
     """
 
     corners: np.ndarray
     place: UncertainPose
+    pixel_cm: float = 0.07
 
 
 def silhouette_markers(header: Header, silhouettes: Iterable[SurfaceSilhouette]) -> MarkerArray:
@@ -58,7 +59,7 @@ def silhouette_markers(header: Header, silhouettes: Iterable[SurfaceSilhouette])
         corners = (one.corners / _CM_PER_M).tolist()
         message.markers.append(Marker(
             header=header, ns=_NAMESPACE, id=number, type=Marker.LINE_STRIP, action=Marker.ADD,
-            scale=Vector3(x=_LINE_M), color=_COLOUR,
+            scale=Vector3(x=one.pixel_cm / _CM_PER_M), color=_COLOUR,
             points=[Point(x=x, y=y, z=z) for x, y, z in [*corners, corners[0]]]))
     return message
 
@@ -81,7 +82,8 @@ def silhouettes_of_markers(message: MarkerArray) -> List[SurfaceSilhouette]:
         raise InvalidValueError(f'expected an ellipse for each outline, got {len(lines)} '
                                 f'outlines and {len(ellipses)} ellipses')
     places = poses_of_markers(MarkerArray(markers=ellipses))
-    return [SurfaceSilhouette(_corners(line), place) for line, place in zip(lines, places)]
+    return [SurfaceSilhouette(_corners(line), place, _width(line))
+            for line, place in zip(lines, places)]
 
 
 def _corners(line: Marker) -> np.ndarray:
@@ -93,6 +95,13 @@ def _corners(line: Marker) -> np.ndarray:
         raise InvalidValueError('expected finite corners of an outline, got '
                                 f'{corners[~np.isfinite(corners).all(axis=1)][0].tolist()}')
     return corners * _CM_PER_M
+
+
+def _width(line: Marker) -> float:
+    if not line.scale.x > 0:
+        raise InvalidValueError('expected an outline with a width above 0: that of a pixel, got '
+                                f'{line.scale.x:g}')
+    return line.scale.x * _CM_PER_M
 
 
 class SilhouetteTopics:

@@ -39,7 +39,7 @@ class Table:
             sighting = self.cell.fuse([
                 None if view == 'lost' else CameraFrame.of(
                     self.time - late_s * number,
-                    [seen(base, height, camera, self.random,
+                    [seen(base, height, camera, self.random, noise_px=0.2,
                           moved=np.multiply(moved, number)) for base, height in view])
                 for number, (camera, view) in enumerate(zip(CAMERAS, views))],
                 self.time, **options)

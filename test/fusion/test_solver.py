@@ -23,7 +23,7 @@ def test_height_and_place_of_exact_silhouettes_are_exact(pair):
     np.testing.assert_allclose(found.moments.centre, [4.0, -3.0], atol=0.01)
     assert found.extent == pytest.approx((5.0, 3.0, 0.4), abs=0.02)
     assert found.moments.yaw == pytest.approx(0.4, abs=0.02)
-    assert found.misfit_cm < 0.01
+    assert found.agreement > 0.9
 
 
 @pytest.mark.parametrize('pair, height_mm, place_mm', list(zip(
@@ -87,13 +87,14 @@ def test_doubt_about_the_cameras_place_is_doubt_about_the_object():
     assert solve(doubtful).height.deviation_cm > 2 * solve(views).height.deviation_cm
 
 
-def test_camera_that_is_off_by_half_a_cm_strains_the_solution():
+def test_camera_that_is_off_by_half_a_cm_does_not_fit():
     base = base_of('box', 4.0, 3.0, (1.0, 2.0), 0.3)
     pair = PAIRS['tilted 30 degrees, opposite sides']
     # Across the line between the cameras, a height does not explain it.
     views = [seen(base, 3.0, pair[0]), seen(base, 3.0, pair[1], moved=(0.5, 0.0))]
-    assert solve(views).strain.max() > 40
-    assert solve([views[0], seen(base, 3.0, pair[1])]).strain.max() < 0.1
+    assert solve(views).agreement < 0.3
+    right = solve([views[0], seen(base, 3.0, pair[1])])
+    assert right.agreement > 0.99 and right.strain.max() < 0.1
 
 
 def test_three_cameras_are_surer_than_two():
@@ -114,8 +115,31 @@ def test_object_that_is_no_upright_one_does_not_fit():
         apex = base.mean(axis=0) * 0.98 + 0.02 * base
         tall = seen(apex, 9.0, camera).corners
         views.append(seen(np.vstack([base, tall]), 0.0, camera))
-    assert solve(views).misfit_cm > 0.1
-    assert solve([seen(base, 9.0, camera) for camera in cameras]).misfit_cm < 0.01
+    assert solve(views).agreement < 0.3
+    assert solve([seen(base, 9.0, camera) for camera in cameras]).agreement > 0.9
+
+
+@pytest.mark.parametrize('pair', PAIRS)
+def test_part_that_one_camera_does_not_see_changes_little(pair):
+    # A corner of a light box on a light table: 4 mm of it are not found.
+    base, random = base_of('box', 5.0, 4.0, (3.0, 2.0), 0.3), np.random.default_rng(4)
+    first, second = (seen(base, 4.0, camera, random, noise_px=0.1) for camera in PAIRS[pair])
+    along = second.corners @ np.array([0.6, 0.8])
+    lacking = second._replace(corners=second.corners[along < along.max() - 0.4])
+    found = solve([first, lacking])
+    assert found.height.height_cm == pytest.approx(4.0, abs=0.05)
+    np.testing.assert_allclose(found.moments.centre, [3.0, 2.0], atol=0.03)
+    assert found.extent[:2] == pytest.approx((5.0, 4.0), abs=0.1)
+    assert found.agreement < solve([first, second]).agreement
+
+
+def test_outlines_of_wide_pixels_may_be_farther_apart():
+    base, random = base_of('box', 5.0, 4.0, (3.0, 2.0), 0.3), np.random.default_rng(4)
+    fine = [seen(base, 4.0, camera, random, noise_px=0.9)
+            for camera in PAIRS['tilted 30 degrees, opposite sides']]
+    coarse = [one._replace(noise_cm=0.06) for one in fine]
+    assert solve(fine).agreement < 0.7 < solve(coarse).agreement
+    assert solve(coarse).height.deviation_cm > 1.5 * solve(fine).height.deviation_cm
 
 
 def test_a_camera_right_above_an_object_is_a_camera_as_any():

@@ -35,11 +35,12 @@ SOLIDS = os.path.join(
 
 
 def test_silhouette_comes_back_as_it_was_sent():
-    sent = [ONE, ONE._replace(corners=SQUARE + [5.0, 0.0, 0.1])]
+    sent = [ONE, ONE._replace(corners=SQUARE + [5.0, 0.0, 0.1], pixel_cm=0.12)]
     for one, back in zip(sent, silhouettes_of_markers(silhouette_markers(Header(), sent))):
         np.testing.assert_allclose(back.corners, one.corners)
         np.testing.assert_allclose(back.place.covariance, COVARIANCE, atol=1e-6)
         assert back.place.pose == pytest.approx(one.place.pose)
+        assert back.pixel_cm == pytest.approx(one.pixel_cm)
     assert silhouettes_of_markers(silhouette_markers(Header(), [])) == []
 
 
