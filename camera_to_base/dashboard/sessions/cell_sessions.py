@@ -278,9 +278,9 @@ class CellSessions:
         return changed
 
     def _keep(self, part: str) -> None:
-        if part in ('board', 'robot') and self._is_restored:
+        if part in ('board', 'robot', 'prove') and self._is_restored:
             board, images = self._board.kept
-            if self._kept.see(Steps(board, self._robot.kept, images)):
+            if self._kept.see(Steps(board, self._robot.kept, self._prove.kept, images)):
                 self._worker.run(self._kept.write, lambda result: None)
 
     def _restore(self) -> None:
@@ -289,6 +289,7 @@ class CellSessions:
             try:
                 self._board.restore(steps.board, steps.images)
                 self._robot.restore(steps.robot)
+                self._prove.restore(steps.prove)
             except (CameraToBaseError, KeyError, TypeError, ValueError):
                 pass  # not of this version
         self._is_restored = True

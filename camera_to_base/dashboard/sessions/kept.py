@@ -10,7 +10,7 @@
 """
 The steps of a calibration on the disk, so that a restart of the dashboard loses none.
 
-They are kept beside the parameter file that they are for, until they are stopped.
+They are kept beside the parameter file that they are for, until they are stopped or removed.
 """
 
 import io
@@ -36,22 +36,24 @@ class Steps(NamedTuple):
 
     :param board: The board session's, as JSON.
     :param robot: The robot session's, as JSON.
+    :param prove: The proofs, as JSON.
     :param images: The pictures of the placements, each of shape (h, w, 3), uint8, BGR.
     """
 
     board: Dict[str, Any]
     robot: Dict[str, Any]
+    prove: List[Any]
     images: List[np.ndarray]
 
     def is_same(self, other: Optional['Steps']) -> bool:
         """Return whether nothing has changed; the pictures are never drawn into."""
-        return other is not None and self[:2] == other[:2] and (
+        return other is not None and self[:3] == other[:3] and (
             list(map(id, self.images)) == list(map(id, other.images)))
 
     @property
     def is_empty(self) -> bool:
         """Whether nothing is measured."""
-        return not (self.images or self.robot['pairs'])
+        return not (self.images or self.robot['pairs'] or self.prove)
 
 
 class KeptSteps:
@@ -77,7 +79,9 @@ class KeptSteps:
                 content = json.loads(file.read(_STEPS))
                 images = [_decoded(file.read(f'{number}.png'))
                           for number in range(min(int(content['images']), _MOST_IMAGES))]
-            return Steps(dict(content['board']), dict(content['robot']), images)
+            # Files of before have no proofs.
+            return Steps(dict(content['board']), dict(content['robot']),
+                         list(content.get('prove', ())), images)
         except (OSError, KeyError, TypeError, ValueError, zipfile.BadZipFile, cv2.error):
             return None
 
@@ -115,7 +119,8 @@ class KeptSteps:
         content = io.BytesIO()
         with zipfile.ZipFile(content, 'w') as file:
             file.writestr(_STEPS, json.dumps({
-                'board': steps.board, 'robot': steps.robot, 'images': len(steps.images)}))
+                'board': steps.board, 'robot': steps.robot, 'prove': steps.prove,
+                'images': len(steps.images)}))
             for number, image in enumerate(steps.images):
                 file.writestr(f'{number}.png', self._pngs[id(image)])
         return content.getvalue()

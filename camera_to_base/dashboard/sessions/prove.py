@@ -8,8 +8,9 @@
 
 """The proof of a calibration: published positions beside true ones that nothing was fitted to."""
 
+import json
 import math
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.calibration import BASE, FRAMES, measured_place, read_typed_position
 from camera_to_base.checks import finite_number
@@ -154,6 +155,22 @@ class ProveSession:
         self._last_stamp: Optional[float] = None
 
     @property
+    def kept(self) -> List[Any]:
+        """The proofs as JSON, see :meth:`restore`."""
+        return [list(proof) for proof in self._proofs]
+
+    def restore(self, kept: Sequence[Any]) -> None:
+        """
+        Take the proofs of before the dashboard's restart.
+
+        :raises InvalidValueError: If they are none.
+        """
+        try:
+            self._proofs = [_proof(*one) for one in kept][-_MOST_PROOFS:]
+        except (KeyError, TypeError, ValueError) as error:
+            raise InvalidValueError('the proofs from before cannot be read') from error
+
+    @property
     def wants_objects(self) -> bool:
         """Whether an object is followed, or touched."""
         return self._open is not None
@@ -270,8 +287,10 @@ class ProveSession:
 
     @property
     def _calibration(self) -> Dict[str, Any]:
-        return {name: value for name, value in self._values.given.items()
-                if name.startswith(_CALIBRATION)}
+        now = {name: value for name, value in self._values.given.items()
+               if name.startswith(_CALIBRATION)}
+        # As it is read back from the disk, which knows lists only.
+        return json.loads(json.dumps(now, default=list))
 
     def _add(self, true: Point) -> None:
         proof = Proof(self._open.number, self._open.point, self._open.seen, true,
@@ -319,6 +338,17 @@ def verdict(proofs: List[Dict[str, Any]]) -> Dict[str, Any]:
     cure = '' if good else (' Positions are worse than they say: touch once more to be sure, then '
                             'measure with the robot again.')
     return {'sentence': f'{sentence}; {counted}.{cure}', 'good': good}
+
+
+def _proof(
+    number: int, camera: Sequence[float], seen: Sequence[float], true: Sequence[float],
+    ellipse: Optional[Ellipse], calibration: Mapping[str, Any],
+) -> Proof:
+    points = [_numbers({'x': x, 'y': y}, 'x', 'y') for x, y in (camera, seen, true)]
+    if ellipse is not None:
+        ellipse = {**ellipse, **{name: float(ellipse[name])
+                                 for name in ('major_mm', 'minor_mm', 'angle_deg')}}
+    return Proof(int(number), *points, ellipse, dict(calibration))
 
 
 def _numbers(body: Mapping[str, Any], *names: str) -> Point:

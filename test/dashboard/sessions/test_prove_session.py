@@ -9,6 +9,9 @@
 
 """The proof of a calibration: what is published beside where the robot touches."""
 
+import json
+import zipfile
+
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.settings import camera_settings
 import pytest
@@ -24,14 +27,18 @@ def published(x, y, base, ellipse=ELLIPSE):
             'base': base and {'x': base[0], 'y': base[1], 'yaw_deg': None}, 'ellipse': ellipse}
 
 
-@pytest.fixture
-def cell():
-    """Return a cell whose surface and base frame are calibrated by hand."""
-    one = Cell(**{
+def calibrated(params_file=''):
+    one = Cell(params_file, **{
         'surface.model': 'parallel', 'surface.width_cm': 36.0, 'calibration.surface': 'by hand'})
     one.values['transform']['calibration.base'] = 'by hand'
     one.tell()
     return one
+
+
+@pytest.fixture
+def cell():
+    """Return a cell whose surface and base frame are calibrated by hand."""
+    return calibrated()
 
 
 def click(cell, point=PLACE):
@@ -111,3 +118,33 @@ def test_removed_place_comes_back(cell):
     assert [one['number'] for one in cell.do('prove', 'undo')['proofs']] == [1]
     with pytest.raises(CameraToBaseError, match='there is no place'):
         cell.do('prove', 'remove', number=7)
+
+
+def test_proofs_are_there_after_a_restart_of_the_dashboard(tmp_path):
+    cell = calibrated(tmp_path / 'cell.yaml')
+    prove(cell, (-5.8, 15.31))
+    before = prove(cell, (-5.8, 15.2), ellipse=None)
+    cell.sessions.close()
+    again = calibrated(tmp_path / 'cell.yaml')
+    after = again.state('prove')
+    assert after['proofs'] == before['proofs'] and after['sentence'] == before['sentence']
+    assert all(proof['invalid_because'] is None for proof in after['proofs'])
+    assert prove(again, (-5.8, 15.4))['proofs'][-1]['number'] == 3
+    for number in (1, 2, 3):
+        again.do('prove', 'remove', number=number)
+    again.sessions.close()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_file_of_proofs_that_somebody_has_broken_gives_none(tmp_path):
+    cell = calibrated(tmp_path / 'cell.yaml')
+    prove(cell, (-5.8, 15.31))
+    cell.sessions.close()
+    path, = tmp_path.iterdir()
+    with zipfile.ZipFile(path) as file:
+        steps = json.loads(file.read('steps.json'))
+    for broken in ('no list', [[1]], [[1, [0, 0], [0, 0], [0, None], None, {}]],
+                   [[1, [0, 0], [0, 0], [0, 0], {'major_mm': 'x'}, {}]]):
+        with zipfile.ZipFile(path, 'w') as file:
+            file.writestr('steps.json', json.dumps({**steps, 'prove': broken}))
+        assert calibrated(tmp_path / 'cell.yaml').state('prove')['proofs'] == []
