@@ -74,6 +74,12 @@ class Ros:
         self.executor.add_node(node)
         return node
 
+    def remove(self, node):
+        """Destroy a node, as if its process had ended."""
+        self.executor.remove_node(node)
+        self._nodes.remove(node)
+        node.destroy_node()
+
     def listen(self, topic):
         """Return a list that grows by [x, y] for each message of a topic."""
         return self._record(topic, lambda message, info: list(message.data))

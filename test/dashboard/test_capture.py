@@ -54,11 +54,16 @@ def test_snapshot_holds_a_frame_with_its_own_mask_and_positions(page):
     assert object_['base']['x'] == pytest.approx(object_['camera']['x'] - 17.8, abs=0.01)
 
 
-def test_recording_is_a_video_beside_the_parameter_file(page, ros, tmp_path):
+def record(page, ros):
+    """Record for a moment; return the path of the video."""
     status, state = page.post('/api/record/start', {'seconds': 1.5})
     assert status == 200 and state['step'] == 'recording'
     ros.spin_until(lambda: page.parts['record']['sentence'])
-    path = re.search(r'source:=(\S+)', page.parts['record']['sentence'])[1]
+    return re.search(r'source:=(\S+)', page.parts['record']['sentence'])[1]
+
+
+def test_recording_is_a_video_beside_the_parameter_file(page, ros, tmp_path):
+    path = record(page, ros)
     assert path.startswith(str(tmp_path / 'cell_recording_')) and path.endswith('.avi')
     video = cv2.VideoCapture(path)
     shapes = []
@@ -67,6 +72,33 @@ def test_recording_is_a_video_beside_the_parameter_file(page, ros, tmp_path):
     assert len(shapes) >= 2 and set(shapes) == {(480, 640, 3)}
     assert [one.name for one in tmp_path.glob('*.avi')] == [path.rpartition('/')[2]]
     assert not list(tmp_path.glob('.*.avi'))
+
+
+def test_recording_is_played_as_the_camera_with_the_same_objects_and_tuned(
+        ros, dashboard, tmp_path):
+    camera = ros.add(CameraPublisher, '-p', 'source:=simulated')
+    ros.add(RobotBasePublisher)
+    page = dashboard('-p', f'params_file:={tmp_path / "cell.yaml"}')
+    page.look()
+    ros.spin_until(lambda: page.parts.get('watch', {}).get('objects'))
+    # What lies there all the time is found again, as the recording begins with the background.
+    page.post('/api/simulated/show', {'shows': 'still_objects', 'placement': 1})
+
+    def places():
+        return sorted((one['camera']['x'], one['camera']['y'])
+                      for one in page.parts['watch']['objects'])
+
+    ros.spin_until(lambda: len(places()) == 5)
+    before = places()
+    path = record(page, ros)
+    ros.remove(camera)
+    ros.spin_until(lambda: not page.parts['watch']['objects'])
+    camera = ros.add(CameraPublisher, '-p', f'source:={path}', '-p', 'repeat:=true')
+    ros.spin_until(lambda: len(places()) == 5)
+    np.testing.assert_allclose(places(), before, atol=0.03)
+    assert page.post('/api/parameters', {
+        'node': 'camera', 'values': {'detector.min_area_cm2': 1000.0}})[0] == 200
+    ros.spin_until(lambda: page.parts['watch']['objects'] == [])
 
 
 @pytest.mark.parametrize('path', POST)

@@ -27,7 +27,7 @@ from sensor_msgs.msg import CompressedImage
 TOPICS = {'annotated': 'debug_image/compressed', 'frame': 'frame/compressed',
           'mask': 'mask/compressed', 'background': 'background/compressed'}
 # The background is published once; it waits for those who come later.
-_LATCHED = {'background'}
+_LATCHED = {'background', 'recorded'}
 _IMAGES = {'sensor_msgs/msg/Image', 'sensor_msgs/msg/CompressedImage'}
 
 OnPicture = Callable[[str, str, CompressedImage], None]
@@ -81,7 +81,8 @@ class SessionFeed:
 
     def __init__(self, node: Node, namespace: str, sessions: CellSessions) -> None:
         self._node, self._namespace, self._sessions = node, namespace, sessions
-        self._names = {kind: full_name(namespace, topic) for kind, topic in TOPICS.items()}
+        topics = {**TOPICS, 'recorded': TOPICS['background']}
+        self._names = {kind: full_name(namespace, topic) for kind, topic in topics.items()}
         self._subscriptions: Dict[str, Subscription] = {}
         self._tool: Optional[str] = None
         self._driver: Optional[DriverInfo] = None
@@ -109,6 +110,9 @@ class SessionFeed:
         self._keep('frame', self._sessions.wants_frames or self._sessions.wants_recording,
                    self._on_frame)
         self._keep('background', self._sessions.wants_objects, self._on_background)
+        # It is sent to each new subscriber.
+        self._keep('recorded', self._sessions.wants_recording, lambda message: (
+            self._sessions.see_background_png(bytes(message.data))))
         if self._sessions.tool_topic != self._tool:
             self._listen_to_tool(self._sessions.tool_topic)
 

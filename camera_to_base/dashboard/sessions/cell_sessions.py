@@ -80,7 +80,7 @@ class CellSessions:
                                    self._board.accepted_calibration),
             params_file, lambda: on_change('save'), owner_of)
         self._record = RecordSession(
-            lambda: self._save.beside, self._worker, lambda: on_change('record'))
+            self._values, lambda: self._save.beside, self._worker, lambda: on_change('record'))
         self._actions = self._list_actions()
         self._kept = KeptSteps(self._save.path)
         self._restore()
@@ -133,6 +133,11 @@ class CellSessions:
         """Take the newest frame as it came."""
         with self._lock:
             self._record.see(jpeg)
+
+    def see_background_png(self, png: bytes) -> None:
+        """Take the background as it came."""
+        with self._lock:
+            self._record.see_background(png)
 
     def see_camera_info(self, info: Any, is_rectified: bool = False) -> None:
         """

@@ -6,15 +6,20 @@
 # is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
 # or implied. See the License for the specific language governing permissions and limitations under
 
-"""Recordings of the camera: short videos beside the parameter file, to be played as the source."""
+"""
+Recordings of the camera: short videos beside the parameter file, to be played as the source.
+
+The first frames of a recording show the background in use: a node that plays it takes its first
+frames as the background, and finds the same objects.
+"""
 
 import os
 import re
 import time
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from camera_to_base.checks import finite_number
-from camera_to_base.dashboard.sessions.values import sentence_of, Worker
+from camera_to_base.dashboard.sessions.values import CellValues, sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
@@ -25,7 +30,7 @@ KEPT = 3
 _MOST_BYTES = 200_000_000
 # What must stay free on the disk.
 _FREE_BYTES = 500_000_000
-_FEWEST_FRAMES = 2
+_FEWEST_FRAMES, _MOST_BACKGROUNDS = 2, 100
 _QUALITY = 95
 
 
@@ -33,6 +38,7 @@ class RecordSession:
     """
     Records the camera's frames for a while, and writes them as a video.
 
+    :param values: The cell's parameters.
     :param file_path: Returns the cell's parameter file, whose folder it writes in and whose name a
         recording begins with.
     :param worker: Ends the recording in time, and writes.
@@ -40,10 +46,12 @@ class RecordSession:
     """
 
     def __init__(
-        self, file_path: Callable[[], Tuple[str, str]], worker: Worker,
+        self, values: CellValues, file_path: Callable[[], Tuple[str, str]], worker: Worker,
         on_change: Callable[[], None],
     ) -> None:
-        self._file_path, self._worker, self._on_change = file_path, worker, on_change
+        self._values, self._file_path = values, file_path
+        self._worker, self._on_change = worker, on_change
+        self._background: Optional[bytes] = None
         self._frames: Optional[List[Tuple[float, bytes]]] = None
         self._length_s, self._began_at, self._bytes = LONGEST_S, 0.0, 0
         self._is_writing = False
@@ -84,7 +92,7 @@ class RecordSession:
             raise InvalidValueError(f'{folder} has {free / 1e6:.0f} MB free, a recording needs '
                                     f'{_FREE_BYTES / 1e6:.0f} MB: make room')
         self._length_s, self._began_at, self._bytes = length, time.monotonic(), 0
-        self._error = self._sentence = None
+        self._error = self._sentence = self._background = None
         frames = self._frames = []
         self._worker.later(length, lambda: self._frames is frames and self.stop({}))
         self._on_change()
@@ -100,6 +108,10 @@ class RecordSession:
         else:
             self._on_change()
 
+    def see_background(self, png: bytes) -> None:
+        """Take the background in use."""
+        self._background = png
+
     def stop(self, body: Mapping[str, Any]) -> None:
         """
         End the recording, and write it.
@@ -114,8 +126,15 @@ class RecordSession:
         else:
             self._is_writing = True
             folder, stem = self._file_path()
-            self._worker.run(lambda: write_recording(folder, stem, frames), self._take)
+            first = [self._background] * self._background_count if self._background else []
+            self._worker.run(lambda: write_recording(folder, stem, frames, first), self._take)
         self._on_change()
+
+    @property
+    def _background_count(self) -> int:
+        # As many as a node takes the background from.
+        wanted = (self._values.camera or {}).get('background_frames', 1)
+        return min(int(wanted), _MOST_BACKGROUNDS)
 
     def _take(self, written: Any) -> None:
         self._is_writing = False
@@ -136,12 +155,15 @@ def _free_bytes(folder: str) -> int:
     return disk.f_bavail * disk.f_frsize
 
 
-def write_recording(folder: str, stem: str, frames: List[Tuple[float, bytes]]) -> str:
+def write_recording(
+    folder: str, stem: str, frames: List[Tuple[float, bytes]], first: Sequence[bytes] = ()
+) -> str:
     """
     Write frames as a video, and remove the oldest of more than KEPT recordings.
 
     :param stem: What the file's name begins with.
     :param frames: When each came, in s, and its JPEG; those of another size are left out.
+    :param first: Pictures before them.
     :returns: The video's path.
     :raises InvalidValueError: If it cannot be written.
     """
@@ -149,7 +171,10 @@ def write_recording(folder: str, stem: str, frames: List[Tuple[float, bytes]]) -
     path, part = os.path.join(folder, name), os.path.join(folder, f'.{name}.part.avi')
     rate = (len(frames) - 1) / max(frames[-1][0] - frames[0][0], 1e-3)
     try:
-        _encode(part, [jpeg for _, jpeg in frames], min(max(rate, 1.0), 60.0))
+        jpegs = [jpeg for _, jpeg in frames]
+        if _size(first[:1]) == _size(jpegs):
+            jpegs = [*first, *jpegs]
+        _encode(part, jpegs, min(max(rate, 1.0), 60.0))
         os.replace(part, path)
     except OSError as error:
         raise InvalidValueError(f"'{path}' cannot be written: {error.strerror}") from error
@@ -162,11 +187,20 @@ def write_recording(folder: str, stem: str, frames: List[Tuple[float, bytes]]) -
     return path
 
 
+def _size(pictures: Sequence[bytes]) -> Optional[Tuple[int, int]]:
+    sizes = (_decoded(one).shape[:2] for one in pictures if _decoded(one) is not None)
+    return next(sizes, None)
+
+
+def _decoded(picture: bytes) -> Optional[np.ndarray]:
+    return cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_COLOR) if picture else None
+
+
 def _encode(path: str, jpegs: List[bytes], rate_hz: float) -> None:
     writer, size = None, None
     try:
         for jpeg in jpegs:
-            frame = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR) if jpeg else None
+            frame = _decoded(jpeg)
             if frame is None or size not in (None, frame.shape[1::-1]):
                 continue
             if writer is None:
