@@ -85,8 +85,9 @@ def test_recording_is_played_as_the_camera_with_the_same_objects_and_tuned(
     page.post('/api/simulated/show', {'shows': 'still_objects', 'placement': 1})
 
     def places():
-        return sorted((one['camera']['x'], one['camera']['y'])
-                      for one in page.parts['watch']['objects'])
+        found = [(one['camera']['x'], one['camera']['y'])
+                 for one in page.parts['watch']['objects']]
+        return sorted(found, key=lambda place: (round(place[0]), place[1]))
 
     ros.spin_until(lambda: len(places()) == 5)
     before = places()
