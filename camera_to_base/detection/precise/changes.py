@@ -164,7 +164,7 @@ def _changed_tiles(
         return changed
     # Edges of a table whose picture trembles: the limits at each place know them.
     inside = (cv2.inRange(*map(_by_row, (
-        frame[rows], *limits.strong((rows, slice(0, frame.shape[1])))))) for rows in places)
+        frame[rows], *limits.strong_range((rows, slice(0, frame.shape[1])))))) for rows in places)
     return _tiles_above(0, map(cv2.bitwise_not, inside))
 
 

@@ -15,12 +15,12 @@ The light of a frame: its curve and gain, its noise, and the limits that follow 
 
 import math
 import operator
-from typing import NamedTuple, Optional
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
-# The gain is rounded to this many steps per factor e: the limits are seldom made anew.
+# The gain is rounded to this many steps per factor e.
 _STEPS = 100
 _POINTS = 24, 24  # rows and columns
 # Darker levels are mostly noise, lighter ones may be cut off.
@@ -33,7 +33,6 @@ _POWER = 1 / 2.2
 
 # A camera that trembles shows at a place what lies beside it on the background.
 _TREMBLE = np.ones((3, 3), np.uint8)
-_BLOCK = 32
 # Grey levels beyond the background's own range, and deviations of the noise: where an object's
 # rim still counts, and what an object must have somewhere.
 WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
@@ -195,9 +194,13 @@ class LevelLimits:
     """
 
     def __init__(self, background: np.ndarray, faintest: float) -> None:
-        usual = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
-        self._strong, self._weak = _LitRange(usual), _LitRange(usual)
-        self._faintest = faintest
+        self._picture, self._faintest = background, faintest
+        self._usual = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
+        self._gain = NO_GAIN
+        self._noise: Optional[np.ndarray] = None
+        self._ranges: Optional[List[Range]] = None
+        self._old: List[Sequence[Optional[np.ndarray]]] = [(None, None)] * 2
+        self._marked: Tuple[Any, ...] = (None,)
         self.least = faintest
 
     def set_light(self, gain: Gain, noise: np.ndarray) -> None:
@@ -206,48 +209,51 @@ class LevelLimits:
 
         A level that is beyond the strong range differs by more than `least` from the background.
         """
-        levels = gain.coded_levels
-        noise = np.take_along_axis(noise, np.rint(levels).astype(int), axis=0)
+        self._gain, self._ranges, self._marked = gain, None, (None,)
+        if noise is self._noise:
+            return
+        self._noise = noise
+        noise = np.take_along_axis(noise, np.rint(gain.coded_levels).astype(int), axis=0)
         weak = np.maximum(min(WEAK_LEVELS, self._faintest), _WEAK_DEVIATIONS * noise)
         strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
         self.least = max(float(strong.min()) - 0.01, 0.0)
-        self._weak.set_levels(levels - weak, levels + weak)
-        self._strong.set_levels(levels - strong, levels + strong)
+        self._weak, self._strong = map(self._margins, (weak, strong))
 
-    def strong(self, part: tuple) -> Range:
+    def mark(self, frame: np.ndarray) -> None:
+        """Compare all of a frame at once: faster where much of it has changed."""
+        whole = (slice(0, frame.shape[0]), slice(0, frame.shape[1]))
+        if self._ranges is None:
+            # Where the last ones were: the system gives new memory slowly.
+            self._ranges = [self._range(whole, margins, old) for margins, old in zip(
+                (self._strong, self._weak), self._old)]
+            self._old = self._ranges
+        self._marked = (frame, *(bounds.outside(frame) for bounds in self._ranges))
+
+    def strong(self, frame: np.ndarray, part: tuple) -> np.ndarray:
+        """Mark what an object must have somewhere, in a part: shape (h, w), uint8, 255 there."""
+        return self._outside(frame, part, 0)
+
+    def weak(self, frame: np.ndarray, part: tuple) -> np.ndarray:
+        """Mark what each pixel of an object shows, in a part: shape (h, w), uint8, 255 there."""
+        return self._outside(frame, part, 1)
+
+    def strong_range(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
-        return self._strong.part(part)
+        return self._range(part, self._strong)
 
-    def weak(self, part: tuple) -> Range:
-        """Give the range that each pixel of an object leaves, for a part of the picture."""
-        return self._weak.part(part)
+    def _outside(self, frame: np.ndarray, part: tuple, which: int) -> np.ndarray:
+        if self._marked[0] is frame:
+            return self._marked[1 + which][part].copy()
+        return self._range(part, (self._strong, self._weak)[which]).outside(frame[part])
 
+    def _margins(self, levels: np.ndarray) -> np.ndarray:
+        return cv2.LUT(self._picture, np.uint8(np.minimum(np.rint(levels), 255))[:, None])
 
-class _LitRange:
-    # A range at the frame's light: made block by block, where it is asked for.
-
-    def __init__(self, usual: Range) -> None:
-        self._usual = usual
-        self._lit = Range(*(np.empty_like(bound) for bound in usual))
-        self._missing = np.ones(
-            [-(-length // _BLOCK) for length in usual.darkest.shape[:2]], np.uint8)
-        self._tables = np.empty(0), np.empty(0)
-
-    def set_levels(self, darkest: np.ndarray, lightest: np.ndarray) -> None:
-        tables = tuple(np.clip(np.rint(levels), 0, 255).astype(np.uint8)[:, None]
-                       for levels in (darkest, lightest))
-        if not all(map(np.array_equal, tables, self._tables)):
-            self._tables = tables
-            self._missing[:] = 1
-
-    def part(self, part: tuple) -> Range:
-        blocks = tuple([slice(side.start // _BLOCK, -(-side.stop // _BLOCK)) for side in part])
-        if cv2.countNonZero(self._missing[blocks]):
-            around = tuple(slice(side.start * _BLOCK, side.stop * _BLOCK) for side in blocks)
-            for usual, table, lit in zip(self._usual, self._tables, self._lit):
-                cv2.LUT(usual[around], table, dst=lit[around])
-            self._missing[blocks] = 0
-        return Range(self._lit.darkest[part], self._lit.lightest[part])
+    def _range(
+        self, part: tuple, margins: np.ndarray, old: Sequence[Optional[np.ndarray]] = (None, None)
+    ) -> Range:
+        return Range(*(change(self._gain.lit(bound[part]), margins[part], dst=into)
+                       for bound, change, into in zip(self._usual, (cv2.subtract, cv2.add), old)))
 
 
 def measure_noise(

@@ -75,7 +75,7 @@ def find_plain(
     :returns: None where there is something else than one plain object.
     """
     place = slices(part)
-    weak = reference.limits.weak(place).outside(frame[place])
+    weak = reference.limits.weak(frame, place)
     everything = outlines_in(weak)
     outlines = [outline for outline in everything if len(outline) >= SHORTEST_OUTLINE]
     if not outlines:
@@ -85,7 +85,7 @@ def find_plain(
         weak = filled(outline, Box(0, 0, part.width, part.height), 255)
     x, y, width, height = cv2.boundingRect(outline)
     if (x == 0 or y == 0 or x + width == part.width or y + height == part.height
-            or len(outlines) > 1 and _shows_more(frame[place], weak, place, reference, min_area)):
+            or len(outlines) > 1 and _shows_more(frame, weak, place, reference, min_area)):
         return None
     mask = weak[y - 1:y + height + 1, x - 1:x + width + 1]
     window = Box(part.x + x - 1, part.y + y - 1, width + 2, height + 2)
@@ -94,10 +94,10 @@ def find_plain(
 
 
 def _shows_more(
-    levels: np.ndarray, weak: np.ndarray, place: tuple, reference: Reference, min_area: float
+    frame: np.ndarray, weak: np.ndarray, place: tuple, reference: Reference, min_area: float
 ) -> bool:
     # JPEG leaves faint specks around an object. They are no regions, see `regions`.
-    strong = reference.limits.strong(place).outside(levels)
+    strong = reference.limits.strong(frame, place)
     return cv2.countNonZero(cv2.subtract(strong, weak)) >= min_area / 2
 
 

@@ -24,7 +24,7 @@ goes on into the arm, and what lies on the arm is not surrounded by table or sha
 these is taken for an object.
 """
 
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LevelLimits
@@ -35,11 +35,14 @@ import cv2
 import numpy as np
 
 _CLOSE, _LEAST_SHARE = np.ones((3, 3), np.uint8), 1e-3
-_FARTHER = 16
+# Margins of the windows in which a region is looked for, px; the last one is the whole picture.
+_FARTHER = 16, 64, 1 << 20
+# Where more than this part of a frame has changed, all of it is looked at, each thing once.
+_MUCH = 0.1
 SHORTEST_OUTLINE = 12
 # Lines of a print are thinner than this. What they part lies opposite for twice as far as it is
 # apart, that is, a gap's area is so many times its half width squared.
-_PRINT, _LONG_GAP, _LEAST_PRINT, _NEARBY = np.ones((11, 11), np.uint8), 8.0, 7, 15
+_PRINT, _LONG_GAP, _NEARBY = np.ones((11, 11), np.uint8), 8.0, 15
 # A print has an object's colour where it is off by less than this part of the object's contrast,
 # which is so many times the least.
 _SAME_COLOUR, _CLEAR = 0.3, 2.0
@@ -93,19 +96,51 @@ def find_regions(
     :param min_area: How large a region's strong part must be, in px².
     :returns: The largest first.
     """
-    found: List[Region] = []
-    seen: Set[Box] = set()
-    done: List[Box] = []
-    for part in sorted(parts, key=lambda part: -part.width * part.height):
-        if any(part.is_inside(window) for window in done):
-            continue
-        window, regions = _regions_around(frame, part, limits, min_area)
-        done.append(window)
-        for region in regions:
-            if region.box not in seen:
-                seen.add(region.box)
-                found.append(region)
-    return sorted(found, key=lambda region: -region.strong_area)
+    looked = {part: _regions_in(frame, part, limits, min_area)
+              for part in _or_whole([*parts], frame)}
+    for margin in _FARTHER:
+        # A region that reaches the window's border is looked at again in a larger window.
+        going_on = [window for window, regions in looked.items()
+                    if any(_goes_on(region.box, window, frame) for region in regions)]
+        if not going_on:
+            break
+        windows = _or_whole(_joined([grown(one, margin, frame) for one in going_on]), frame)
+        looked = {window: regions for window, regions in looked.items()
+                  if not any(window.is_inside(one) for one in windows)}
+        looked.update((window, _regions_in(frame, window, limits, min_area))
+                      for window in windows)
+    found = {region.box: region for regions in looked.values() for region in regions}
+    return sorted(found.values(), key=lambda region: -region.strong_area)
+
+
+def _or_whole(windows: List[Box], frame: np.ndarray) -> List[Box]:
+    return [Box(0, 0, *frame.shape[1::-1])] if is_much(windows, frame) else windows
+
+
+def is_much(windows: List[Box], frame: np.ndarray) -> bool:
+    """Tell whether all of a frame is looked at as fast as these windows."""
+    return sum(one.width * one.height for one in windows) > _MUCH * frame[..., 0].size
+
+
+def _joined(windows: List[Box]) -> List[Box]:
+    """Join boxes that overlap."""
+    joined: List[Box] = []
+    for window in windows:
+        near = [one for one in joined if _overlap(one, window)]
+        while near:
+            joined = [one for one in joined if one not in near]
+            left, top = (min(one[axis] for one in (window, *near)) for axis in range(2))
+            right, bottom = (max(one[axis] + one[axis + 2] for one in (window, *near))
+                             for axis in range(2))
+            window = Box(left, top, right - left, bottom - top)
+            near = [one for one in joined if _overlap(one, window)]
+        joined.append(window)
+    return joined
+
+
+def _overlap(one: Box, other: Box) -> bool:
+    return (one.x < other.x + other.width and other.x < one.x + one.width
+            and one.y < other.y + other.height and other.y < one.y + one.height)
 
 
 def filled(outline: np.ndarray, box: Box, value: int = 1) -> np.ndarray:
@@ -128,28 +163,16 @@ def grown(box: Box, margin: int, picture: np.ndarray) -> Box:
     return Box(left, top, right - left, bottom - top)
 
 
-def _regions_around(
-    frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float
-) -> Tuple[Box, List[Region]]:
-    # A region that reaches the window's border is looked at again in a larger window.
-    window, margin = part, _FARTHER
-    while True:
-        found = _regions_in(frame, window, limits, min_area)
-        if not any(_goes_on(region.box, window, frame) for region in found):
-            return window, found
-        window, margin = grown(part, margin, frame), margin * 4
-
-
 def _regions_in(
     frame: np.ndarray, window: Box, limits: LevelLimits, min_area: float
 ) -> List[Region]:
     part = slices(window)
     levels = frame[part]
-    strong = limits.strong(part).outside(levels)
+    strong = limits.strong(frame, part)
     area = cv2.countNonZero(strong)
     if area < min_area / 2:
         return []
-    weak = limits.weak(part).outside(levels)
+    weak = limits.weak(frame, part)
     outlines = outlines_in(weak)
     if len(outlines) == 1 and _is_solid(outlines[0], weak, area, min_area):
         return [_moved(outlines[0], area, window)]
@@ -180,10 +203,10 @@ def _print_between(levels: np.ndarray, mask: np.ndarray, least: float) -> np.nda
     table, least = np.array(cv2.mean(levels, (mask == 0).view(np.uint8))[:3]), _CLEAR * least
     near = (1 - _SAME_COLOUR) * least
     gaps = cv2.subtract(gaps, cv2.inRange(levels, table - near, table + near))
+    gaps &= cv2.dilate(cv2.erode(mask, _CLOSE), square(_NEARBY))
     for outline in outlines_in(gaps):
-        box = Box(*cv2.boundingRect(outline))
-        if box.width * box.height > _LEAST_PRINT:
-            part = slices(grown(box, _NEARBY // 2 + 1, mask))
+        if enclosed(outline) > _LONG_GAP:
+            part = slices(grown(Box(*cv2.boundingRect(outline)), _NEARBY // 2 + 1, mask))
             between[part] |= _same_colour(levels[part], mask[part], gaps[part], table, least)
     return between
 

@@ -23,7 +23,8 @@ from camera_to_base.detection.precise.light import LevelLimits, Reference
 from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
 from camera_to_base.detection.precise.plain import find_plain, Plain
-from camera_to_base.detection.precise.regions import filled, find_regions, Region, slices
+from camera_to_base.detection.precise.regions import (
+    filled, find_regions, is_much, Region, slices)
 from camera_to_base.detection.precise.things import things_in, work
 import cv2
 import numpy as np
@@ -110,6 +111,8 @@ def _search(
     frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float, budget: Budget
 ) -> Candidates:
     plain, others = [], []
+    if is_much(parts, frame):
+        reference.limits.mark(frame)
     for part in parts:
         if _is_speck(frame, part, reference.limits, min_area):
             continue
@@ -205,7 +208,7 @@ def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float
     if part.width * part.height > _MOST_SPECK:
         return False
     place = slices(part)
-    return cv2.countNonZero(limits.strong(place).outside(frame[place])) < min_area / 2
+    return cv2.countNonZero(limits.strong(frame, place)) < min_area / 2
 
 
 def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
@@ -253,7 +256,7 @@ def left_over(
     left = np.zeros(found.frame.shape[:2], np.uint8)
     for part in parts:
         place = slices(part)
-        left[place] |= reference.limits.strong(place).outside(found.frame[place])
+        left[place] |= reference.limits.strong(found.frame, place)
     for detection in detections + unclear:
         for width in cv2.FILLED, _RIM:
             cv2.drawContours(left, [detection.outline[:, None]], 0, 0, width)
