@@ -67,6 +67,9 @@ _LEAST_SOLIDITY = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
 _SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
 
+# On which part of an object it differs as much as one must.
+_LEAST_STRONG = 0.5
+
 # A frame full of specks must not take long: only the largest objects get the full treatment.
 _MOST_EXACT, _MOST_GHOSTS = 100, 4
 
@@ -206,6 +209,10 @@ class PreciseDifferenceDetector:
                 placed += unplaced(region.outline, frame)
                 continue
             parts = self._placer.place_region(frame, region, self._reference)
+            if not region.in_other_light:
+                faint = [part for part in parts if self._is_faint(part, frame)]
+                unclear += faint
+                parts = [part for part in parts if not any(part is one for one in faint)]
             if region.may_be_light:
                 unclear += parts or unplaced(region.outline, frame)
             elif region.is_thing:
@@ -220,6 +227,15 @@ class PreciseDifferenceDetector:
             first = [*takewhile(lambda one: _is_shadow(one, frame, self._reference.lit), placed)]
             placed, unclear = placed[len(first):], unclear + first
         return placed, [*map(_doubtful, _largest_first(unclear))]
+
+    def _is_faint(self, detection: Detection, frame: np.ndarray) -> bool:
+        # A trace of light or of JPEG, with a speck in it.
+        if detection.cut_off:
+            return False
+        inside = filled(np.int32(detection.outline)[:, None], detection.box)
+        strong = self._reference.limits.strong(frame, slices(detection.box))
+        return (cv2.countNonZero(cv2.bitwise_and(strong, inside))
+                < _LEAST_STRONG * cv2.countNonZero(inside))
 
     @property
     def taken_away(self) -> List[Detection]:

@@ -20,7 +20,7 @@ from typing import List, NamedTuple, Optional
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     box_mean, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
-from camera_to_base.detection.precise.light import LINEAR, Reference
+from camera_to_base.detection.precise.light import LINEAR, Reference, WEAK_LEVELS
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
     channel_extremes, chosen, enclosed, enlarged, find_highlight, largest_part, make_piece,
@@ -57,6 +57,9 @@ _MOST_STEEP = 0.3
 # How far two things may be apart that are taken for one at first, in px; how much nearer to the
 # table's colour it is there; how large a part each is; how far the frame goes towards the table.
 _WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
+# The sides of a gap have one colour where they differ by less; how far off their colours and the
+# table's a gap may be, as a part of their contrast.
+_ALIKE, _THIRD_COLOUR = 0.15, 0.1
 # What is off by less than this part of what is near it shows the table.
 _SURELY = 0.15
 # What is between a thing and its shade: in the frame, logarithm.
@@ -216,16 +219,24 @@ def _is_gap(
 ) -> bool:
     # On the way from a dark face to a light one, a blurred edge looks like the table, too.
     near = cv2.dilate(gap, square(_WIDEST_GAP))
-    change = np.int16(frame) - background
-    sides = [side for side in (change[(part & near) > 0] for part in parts) if len(side)]
-    changes = [np.median(side, axis=0) for side in sides]
-    if not sides or not all(float(one @ changes[0]) > 0 for one in changes):
+    levels = np.int16(frame)
+    change = levels - background
+    places = [place for place in ((part & near) > 0 for part in parts) if place.any()]
+    span = np.array([np.median(change[place], axis=0) for place in places])
+    if not places or (span @ span[0] <= 0).any():
         return False
-    # A dark joint of the table below a dark thing is no gap: the frame goes on.
-    across = np.int16(frame)[gap > 0] - np.median(frame[(sum(parts) & near) > 0], axis=0)
-    to_table = across - change[gap > 0]
-    shares = (across * to_table).sum(axis=1) / max(float(changes[0] @ changes[0]), 1.0)
-    return float(np.median(shares)) > _LEAST_GAP
+    # Through a blurred lens, it is a mixture of the table and the sides: no third colour.
+    seen, contrasts = change[gap > 0], np.linalg.norm(span, axis=1)
+    off = np.linalg.norm(seen - seen @ np.linalg.pinv(span, _ALIKE) @ span, axis=1)
+    if np.median(off) > max(_THIRD_COLOUR * contrasts.min(), WEAK_LEVELS):
+        return False
+    # Not one side goes on. A dark joint of the table below a dark thing is no gap, either.
+    for place, contrast in zip(places, contrasts):
+        across = levels[gap > 0] - np.median(levels[place], axis=0)
+        shares = (across * (across - seen)).sum(axis=1) / max(contrast ** 2, 1.0)
+        if np.median(shares) <= _LEAST_GAP:
+            return False
+    return True
 
 
 def _smooth(found: Evidence) -> np.ndarray:
