@@ -71,9 +71,9 @@ DETECTOR_SPECS = [
                   'precise: what is done with something that may be shade or light as well as a '
                   'thing of the colour of the surface; publish: with a wide ellipse.',
                   choices=('leave_out', 'publish')),
-    ParameterSpec('detector.budget_px', 100000,
+    ParameterSpec('detector.budget_px', 250000,
                   'precise: how many pixels around changes are looked at closely on a frame, '
-                  'about 0.4 ms for 1000 of them. What lies beyond is left out as too_much; '
+                  'about 0.2 ms for 1000 of them. What lies beyond is left out as too_much; '
                   'objects of the last frame come first.', (1000, 100000000), unit='px'),
     ParameterSpec('detector.publish_cut_off', False,
                   "precise: whether an object that touches the picture's edge is published; the "

@@ -141,7 +141,7 @@ class PreciseDifferenceDetector:
     def __init__(
         self, background: np.ndarray, *, faintest: float = 13.0, min_area: float = 30.0,
         split_touching: bool = False, publish_unclear: bool = False,
-        budget_px: float = 100_000,
+        budget_px: float = 250_000,
     ) -> None:
         self.check_parameters(faintest, min_area)
         check_frame(background, 'background')
