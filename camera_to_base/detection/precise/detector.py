@@ -67,8 +67,9 @@ _LEAST_SOLIDITY = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
 _SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
 
-# On which part of an object it differs as much as one must.
-_LEAST_STRONG = 0.5
+# On which part of an object it differs as much as one must,
+# or on which it differs by so many times that.
+_LEAST_STRONG, _LEAST_CLEAR, _CLEAR = 0.5, 0.05, 3.0
 
 # A frame full of specks must not take long: only the largest objects get the full treatment.
 _MOST_EXACT, _MOST_GHOSTS = 100, 4
@@ -232,10 +233,17 @@ class PreciseDifferenceDetector:
         # A trace of light or of JPEG, with a speck in it.
         if detection.cut_off:
             return False
+        part, limits = slices(detection.box), self._reference.limits
         inside = filled(np.int32(detection.outline)[:, None], detection.box)
-        strong = self._reference.limits.strong(frame, slices(detection.box))
-        return (cv2.countNonZero(cv2.bitwise_and(strong, inside))
-                < _LEAST_STRONG * cv2.countNonZero(inside))
+        area = cv2.countNonZero(inside)
+        if cv2.countNonZero(limits.strong(frame, part) & inside) >= _LEAST_STRONG * area:
+            return False
+        if not self._reference.has_edges(part):
+            return True
+        # On a print, a thing may look like a part of it.
+        faint = cv2.inRange(cv2.absdiff(frame[part], self._reference.lit[part]), 0,
+                            (_CLEAR * limits.least,) * 3)
+        return cv2.countNonZero(inside & ~faint) < _LEAST_CLEAR * area
 
     @property
     def taken_away(self) -> List[Detection]:

@@ -237,6 +237,11 @@ class LevelLimits:
         """Mark what each pixel of an object shows, in a part: shape (h, w), uint8, 255 there."""
         return self._outside(frame, part, 1)
 
+    def has_print(self, part: tuple, levels: float) -> np.ndarray:
+        """Mark where the background changes by some levels within 2 px: shape (h, w), uint8."""
+        near = cv2.subtract(*(bound[part] for bound in reversed(self._usual)))
+        return cv2.dilate(cv2.bitwise_not(cv2.inRange(near, 0, (levels,) * 3)), _TREMBLE)
+
     def strong_range(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
         return self._range(part, self._strong)

@@ -68,6 +68,7 @@ class Region(NamedTuple):
     :param outline: Shape (n, 1, 2), int32, in px of the picture.
     :param box: The upright rectangle around it.
     :param strong_area: The largest connected part of it beyond the strong limit, in px².
+    :param strong: The box around what is beyond it.
     :param in_other_light: Whether the table has other light there than `Reference.lit` shows.
     :param is_thing: Whether all of it is a thing, see `things`.
     :param neighbours: Outlines of the things near it, as its own.
@@ -78,6 +79,7 @@ class Region(NamedTuple):
     outline: np.ndarray
     box: Box
     strong_area: int
+    strong: Box
     in_other_light: bool = False
     is_thing: bool = False
     neighbours: Tuple[np.ndarray, ...] = ()
@@ -175,9 +177,9 @@ def _regions_in(
     weak = limits.weak(frame, part)
     outlines = outlines_in(weak)
     if len(outlines) == 1 and _is_solid(outlines[0], weak, area, min_area):
-        return [_moved(outlines[0], area, window)]
+        return [_moved(outlines[0], area, window, strong)]
     if len(outlines) > 1:
-        between = _print_between(levels, weak, limits.least)
+        between = _print_between(levels, weak, limits, part)
         strong, weak = strong | between, weak | between
     strong, weak = (
         cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE) for mask in (strong, weak))
@@ -186,13 +188,15 @@ def _regions_in(
     return [region for region in regions if region is not None]
 
 
-def _print_between(levels: np.ndarray, mask: np.ndarray, least: float) -> np.ndarray:
+def _print_between(
+    levels: np.ndarray, mask: np.ndarray, limits: LevelLimits, part: tuple
+) -> np.ndarray:
     """
     Find what differs from the background around it only: a print that has the object's colour.
 
     :param levels: Shape (h, w, 3), uint8, BGR.
     :param mask: What differs, shape (h, w), uint8, not 0 there.
-    :param least: Grey levels by which an object differs from the background.
+    :param limits: What is the background's own, and where the levels lie on it.
     :returns: Shape (h, w), uint8, 255 for what lies between its parts and has their colour.
     """
     gaps = cv2.subtract(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _PRINT), mask)
@@ -200,10 +204,11 @@ def _print_between(levels: np.ndarray, mask: np.ndarray, least: float) -> np.nda
     if not cv2.countNonZero(gaps):
         return between
     # What has an object's colour is as far from the table's: only there more is asked.
-    table, least = np.array(cv2.mean(levels, (mask == 0).view(np.uint8))[:3]), _CLEAR * least
+    table = np.array(cv2.mean(levels, (mask == 0).view(np.uint8))[:3])
+    least = _CLEAR * limits.least
     near = (1 - _SAME_COLOUR) * least
     gaps = cv2.subtract(gaps, cv2.inRange(levels, table - near, table + near))
-    gaps &= cv2.dilate(cv2.erode(mask, _CLOSE), square(_NEARBY))
+    gaps &= limits.has_print(part, near)
     for outline in outlines_in(gaps):
         if enclosed(outline) > _LONG_GAP:
             part = slices(grown(Box(*cv2.boundingRect(outline)), _NEARBY // 2 + 1, mask))
@@ -255,12 +260,15 @@ def _region(
         area = _largest_area(marked)
     if area < min_area:
         return None
-    return _moved(outline, area, window)
+    return _moved(outline, area, window, marked)
 
 
-def _moved(outline: np.ndarray, area: int, window: Box) -> Region:
+def _moved(outline: np.ndarray, area: int, window: Box, strong: np.ndarray) -> Region:
     outline = outline + np.int32([window.x, window.y])
-    return Region(outline, Box(*cv2.boundingRect(outline)), area)
+    box = Box(*cv2.boundingRect(outline))
+    x, y, width, height = cv2.boundingRect(strong)
+    left, top = (box[:2] if strong.shape[::-1] == box[2:] else window[:2])
+    return Region(outline, box, area, Box(left + x, top + y, width, height))
 
 
 def _largest_area(mask: np.ndarray) -> int:

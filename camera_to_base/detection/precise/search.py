@@ -25,7 +25,7 @@ from camera_to_base.detection.precise.outside_light import (
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.regions import (
     filled, find_regions, is_much, Region, slices)
-from camera_to_base.detection.precise.things import things_in, work
+from camera_to_base.detection.precise.things import seen_closely, things_in, work
 import cv2
 import numpy as np
 
@@ -121,7 +121,8 @@ def _search(
             others.append(part)
         else:
             plain.append(one)
-    regions, left = _within(budget, find_regions(frame, others, reference.limits, min_area))
+    regions, left = _within(
+        budget, find_regions(frame, others, reference.limits, min_area), frame)
     tint = measure_tint(frame, regions, reference)
     regions = [thing for region in regions
                for thing in _things_of(frame, region, reference, tint, min_area)]
@@ -130,11 +131,14 @@ def _search(
         _is_same(region.box, one.window) for one in plain)], left)
 
 
-def _within(budget: Budget, regions: List[Region]) -> Tuple[List[Region], List[Region]]:
+def _within(
+    budget: Budget, regions: List[Region], frame: np.ndarray
+) -> Tuple[List[Region], List[Region]]:
     """Give the regions that a budget reaches, and the others; at least one is reached."""
     order = sorted(regions, key=lambda region: not any(
         _is_same(box, region.box) for box in budget.first))
-    reached = np.cumsum([work(region.box).area for region in order]) <= budget.area
+    areas = [work(seen_closely(region, frame)).area for region in order]
+    reached = np.cumsum(areas) <= budget.area
     kept = {id(region) for region, is_reached in zip(order, reached) if is_reached}
     kept |= {id(region) for region in order[:1]}
     return ([region for region in regions if id(region) in kept],

@@ -67,6 +67,8 @@ _LEAST_STEP = 0.15
 # How far the surroundings of a part matter for that, px.
 _BESIDE = 12
 _MARGIN = 8
+# How far around what is strong, px.
+_FAINT = 16
 # A larger window is looked at reduced, in px; not so much that things in it vanish.
 _COARSEST = 4
 _MOST_AT_FULL_SIZE = 60_000
@@ -99,8 +101,8 @@ def things_in(
     :param min_area: Of a thing, in px².
     :returns: One region for each thing, none where all is light; None where it is not clear.
     """
-    window = grown(region.box, _MARGIN, frame)
-    scale = work(region.box).scale
+    seen = seen_closely(region, frame)
+    window, scale = grown(seen, _MARGIN, frame), work(seen).scale
     changed = filled(region.outline, window)
     size = [-(-length // scale) for length in (window.width, window.height)]
     seen, usual, changed = (picture if scale == 1 else cv2.resize(
@@ -118,9 +120,18 @@ def things_in(
         is_plain = not reference.has_edges(slices(window))
         return [region._replace(may_be_light=True)] if is_plain else None
     outlines = [outline_of(enlarged(mask, scale, frame[slices(window)]), window) for mask in masks]
-    return [Region(outline, Box(*cv2.boundingRect(outline)), int(cv2.contourArea(outline)),
-                   is_thing=True, neighbours=(*outlines[:index], *outlines[index + 1:]))
-            for index, outline in enumerate(outlines)]
+    boxes = [Box(*cv2.boundingRect(outline)) for outline in outlines]
+    return [Region(outline, box, int(cv2.contourArea(outline)), box, is_thing=True,
+                   neighbours=(*outlines[:index], *outlines[index + 1:]))
+            for index, (outline, box) in enumerate(zip(outlines, boxes))]
+
+
+def seen_closely(region: Region, frame: np.ndarray) -> Box:
+    """Give the part of a region that is looked at: what is faint is its farther shade."""
+    near, box = grown(region.strong, _FAINT, frame), region.box
+    left, top = max(near.x, box.x), max(near.y, box.y)
+    right = min(near.x + near.width, box.x + box.width)
+    return Box(left, top, right - left, min(near.y + near.height, box.y + box.height) - top)
 
 
 def work(box: Box) -> Work:

@@ -294,3 +294,24 @@ def test_shade_that_ends_at_a_print_is_no_object(gain):
             background = painted(background, square(u, v, 15), [0.03, 0.03, 0.03])
     patch = covered((63, 20), (197, 20), (197, 200), (63, 200))
     assert detect(background * (1 + (gain - 1) * patch), background) == []
+
+
+@pytest.mark.parametrize('stripe', [(0.05, 0.04, 0.2), (0.45, 0.2, 0.08)])
+def test_ball_with_a_stripe_is_one(stripe):
+    background = np.full((*SIZE, 3), 0.16, np.float32)
+    light = ball(background, 150, 120, [1.0, 1.0, 1.0])
+    y, x = np.mgrid[:SIZE[0], :SIZE[1]]
+    light[(np.hypot(x - 150, y - 120) < 16) & (np.abs(y - x + 30) < 5)] = stripe
+    found, = PreciseDifferenceDetector(video(background, 1)).detect(
+        video(cv2.GaussianBlur(light, (0, 0), 0.7), 2))
+    assert found.centre == pytest.approx((150, 120), abs=2)
+
+
+def test_fleck_with_a_faint_halo_may_be_light():
+    rows, columns = np.mgrid[:240, :320]
+    halo = 9.0 * (np.hypot(rows - 120, columns - 150) < 13)[..., None] * np.float32([1, 0.2, 1])
+    fleck = 20.0 * (np.abs(rows - 120) + np.abs(columns - 150) < 5)[..., None]
+    background = np.full((240, 320, 3), (60, 140, 100), np.uint8)
+    detector = PreciseDifferenceDetector(background)
+    assert detector.detect(np.uint8(background + halo + fleck)) == []
+    assert detector.dropped[0].kind == 'light_or_thing'
