@@ -31,6 +31,8 @@ from camera_to_base.calibration.cell_file import (
     BASE, camera_fields, cell_text, corrected_file_text, file_status, grown, MARKERS, next_step,
     OfferedCorrection, part_values, parts_of, parts_to_lose, report_of, SURFACE, TITLE,
     without_report)
+from camera_to_base.calibration.common_objects import (
+    resting_places, shared_places, SharedPlace)
 from camera_to_base.calibration.marker_learning import learned_markers
 from camera_to_base.calibration.report import Report, report_lines
 from camera_to_base.calibration.result import Calibration
@@ -43,14 +45,15 @@ from camera_to_base.calibration.tables import (
 __all__ = [
     'BASE', 'BoardLook', 'calibrate_base', 'calibrate_placements', 'calibrate_surface',
     'calibrate_touches', 'Calibration', 'camera_fields', 'cell_text', 'check_surface',
-    'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown', 'has_one_origin',
-    'held_tilt', 'HeldTilt', 'learned_markers', 'lens_of_camera_info', 'look_for',
-    'make_placement', 'map_lines', 'marker_sheet_content', 'MARKERS', 'measured_place',
-    'missing_side', 'next_step', 'NINTHS', 'OfferedCorrection', 'pair_figures', 'PairFigures',
-    'pairs_text', 'PAPERS', 'part_values', 'parts_of', 'parts_to_lose', 'Place', 'Placement',
-    'point_pairs', 'PrintedBoard', 'read_camera_info', 'read_kept_pairs', 'read_pairs',
-    'read_points', 'read_typed_position', 'refuse_other_size', 'refuse_unlike', 'renumbered',
-    'Report', 'report_lines', 'report_of', 'rough_surface', 'same_touch', 'shares_of',
+    'corrected_file_text', 'covered_shares', 'file_status', 'FRAMES', 'grown',
+    'has_one_origin', 'held_tilt', 'HeldTilt', 'learned_markers', 'lens_of_camera_info',
+    'look_for', 'make_placement', 'map_lines', 'marker_sheet_content', 'MARKERS',
+    'measured_place', 'missing_side', 'next_step', 'NINTHS', 'OfferedCorrection',
+    'pair_figures', 'PairFigures', 'pairs_text', 'PAPERS', 'part_values', 'parts_of',
+    'parts_to_lose', 'Place', 'Placement', 'point_pairs', 'PrintedBoard', 'read_camera_info',
+    'read_kept_pairs', 'read_pairs', 'read_points', 'read_typed_position', 'refuse_other_size',
+    'refuse_unlike', 'renumbered', 'Report', 'report_lines', 'report_of', 'resting_places',
+    'rough_surface', 'same_touch', 'shared_places', 'SharedPlace', 'shares_of',
     'sheet_content', 'suggested_places', 'Suggestion', 'SURFACE', 'tilt_suggestion',
     'tilt_trouble', 'TITLE', 'TouchedPair', 'uncovered', 'without_report',
 ]

@@ -43,7 +43,7 @@ _CM_PER_UNIT = {'': 1.0, 'cm': 1.0, 'mm': 0.1, 'm': 100.0}
 
 # Frames for a position, and those of them that may show nothing: a reflection, a passing shadow.
 FRAMES = 20
-_MOST_WITHOUT = 5
+MOST_WITHOUT = 5
 # A coin at rest is located to 0.01 to 0.1 mm from frame to frame; a hand moves it by more.
 LARGEST_SPREAD_CM = 0.1
 
@@ -159,7 +159,7 @@ def measured_place(frames: Sequence[_Points]) -> Place:
     :raises CalibrationError: If there is no object, there are several, or it moves.
     """
     with_object = [points for points in frames if points]
-    if len(frames) - len(with_object) > _MOST_WITHOUT or not with_object:
+    if len(frames) - len(with_object) > MOST_WITHOUT or not with_object:
         raise CalibrationError(
             f'{len(frames) - len(with_object)} of {len(frames)} frames show no object: put one '
             'into the picture, and take your hand and the robot out of it')
@@ -228,10 +228,11 @@ class TouchedPair(NamedTuple):
     base_point: Tuple[float, float]
 
 
-def point_pairs(pairs: Sequence[TouchedPair], rows: Sequence[int] = ()) -> PointPairs:
+def point_pairs(pairs: Sequence[Any], rows: Sequence[int] = ()) -> PointPairs:
     """
     Return the points of pairs, which lie on the surface and on the table of the base frame.
 
+    :param pairs: With a `camera_point` and a `base_point` each.
     :param rows: What messages call the pairs; 1 to n by default.
     """
     camera = [(*pair.camera_point, 0.0) for pair in pairs]

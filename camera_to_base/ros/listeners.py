@@ -88,13 +88,14 @@ class ObjectListener(Listener):
     Receives all objects of each frame from a camera node.
 
     :param namespace: The camera node's namespace; '' for none.
+    :param topic: The topic's name there.
     """
 
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, namespace: str, topic: str = 'objects_in_cam_frame') -> None:
         super().__init__('calibrate')
         prefix = f'/{namespace.strip("/")}'.rstrip('/')
         self._camera = f'{prefix}/{_NODE}'
-        self.topic = f'{prefix}/objects_in_cam_frame'
+        self.topic = f'{prefix}/{topic}'
         self._frames: List[List[Tuple[float, float]]] = []
         self._told: Optional[str] = None
         self.node.create_subscription(PoseArray, self.topic, self._on_objects, 50)
@@ -105,12 +106,15 @@ class ObjectListener(Listener):
         """Return whether somebody publishes the objects, after waiting for the discovery."""
         return self.spin_until(lambda: self.node.count_publishers(self.topic) > 0, _DISCOVERY_S)
 
-    def check_same_surface(self, values: Mapping[str, Any], path: str) -> None:
+    def check_same_surface(
+        self, values: Mapping[str, Any], path: str, may_move: bool = False
+    ) -> None:
         """
         Check that the running node has the surface of a file.
 
         :param values: The file's parameters by full name.
         :param path: The file, for the message.
+        :param may_move: Whether the node may show the simulated table.
         :raises CalibrationError: If it has another one, or does not answer.
         """
         wanted = {name: value for name, value in values.items() if name.startswith('surface.')}
@@ -119,7 +123,7 @@ class ObjectListener(Listener):
             raise CalibrationError(
                 f"the running {_NODE} has another surface than '{path}', so its positions belong "
                 f'to another camera frame: restart it with --params-file {path}, or stop it')
-        if running['source'] == 'simulated':
+        if running['source'] == 'simulated' and not may_move:
             raise CalibrationError(
                 f'the running {_NODE} shows the simulated table, whose objects move: stop it, and '
                 'the simulated camera of this command lays one coin after the other')

@@ -17,6 +17,7 @@ from camera_to_base.calibration import (
     read_pairs, Report, SURFACE, TouchedPair)
 from camera_to_base.commands.calibrate.files import (
     base_outputs, check_outputs, Outputs, read_cell_file, write_part)
+from camera_to_base.commands.calibrate.from_camera import run_base_from
 from camera_to_base.commands.calibrate.live import (
     collect, KeptPairs, measure_again, open_positions, open_robot, Positions, Robot,
     touch_elsewhere)
@@ -112,6 +113,14 @@ def marker_base(
 
 def run_base(options: argparse.Namespace) -> Report:
     """Calibrate the base frame, and write the file."""
+    if options.live == '':  # As in `base cell.yaml --live`.
+        options.live, options.table = options.table, None
+    if options.other is not None:
+        if options.live is None:
+            raise InvalidValueError(
+                '--from takes the file of the camera that has no base frame, too, as in '
+                'calibrate base --from /left --live right.yaml')
+        return run_base_from(options)
     if options.live is not None:
         return _run_live(options)
     if options.markers is not None:

@@ -57,6 +57,11 @@ the file:
 
   calibrate base --live cell.yaml
 
+Where another camera in the namespace /left has the base frame, lay five flat objects that both
+see; nothing is touched:
+
+  calibrate base --from /left --live right.yaml
+
 Or note the objects' /pos_in_cam_frame and the robot's positions in a table with the columns
 x_cam_cm, y_cam_cm, x_base_cm, y_base_cm (and z_cam_cm, z_base_cm, which are 0 by default).
 
@@ -323,12 +328,15 @@ def _add_board(board: argparse.ArgumentParser) -> None:
 
 def _add_base(base: argparse.ArgumentParser) -> None:
     base.add_argument('table', nargs='?', metavar='PAIRS.csv')
-    base.add_argument('--live', metavar='FILE',
+    base.add_argument('--live', nargs='?', const='', metavar='FILE',
                       help='instead of a table: ask for one object after the other, with the '
                            'surface in FILE, and add the base frame to it. Positions come from '
                            'the running camera_publisher, or from the camera that FILE names')
     base.add_argument('--places', type=int, default=5, metavar='5',
                       help='number of objects for --live (default: %(default)s)')
+    base.add_argument('--from', dest='other', metavar='NAMESPACE',
+                      help='for --live: nothing is touched; a running camera in this namespace, '
+                           'which has its base frame, sees the same flat objects')
     base.add_argument('--camera', metavar='SOURCE', help='camera for --live, whatever runs')
     base.add_argument('--markers', metavar='FILE',
                       help='instead of a table: the robot touches the middle of each marker that '
