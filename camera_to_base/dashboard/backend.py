@@ -20,7 +20,8 @@ import zipfile
 from camera_to_base.dashboard.live.parameters import RefusedError
 from camera_to_base.dashboard.live.watch import WatchedCells
 from camera_to_base.dashboard.server.guarded import Refused
-from camera_to_base.dashboard.sessions.cell_sessions import AllSessions, CellSessions
+from camera_to_base.dashboard.sessions.all_sessions import AllSessions
+from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
 from camera_to_base.errors import CameraToBaseError
 from rclpy.node import Node
 from rclpy.task import Future as RosFuture

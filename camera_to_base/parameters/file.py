@@ -301,7 +301,9 @@ def age_text(date: str, now: datetime) -> str:
         days = (now - datetime.fromisoformat(date)).days
     except (TypeError, ValueError):
         return date
-    return f'{date} ({"less than a day" if days < 1 else f"{days} days"} ago)'
+    if days < 1:
+        return f'{date} (less than a day ago)'
+    return f'{date} ({days} day{"s" * (days > 1)} ago)'
 
 
 def _part(name: str, record: Optional[str], is_set: bool, now: datetime) -> str:

@@ -93,10 +93,12 @@ def test_recording_is_played_as_the_camera_with_the_same_objects_and_tuned(
     before = places()
     path = record(page, ros)
     ros.remove(camera)
-    ros.spin_until(lambda: not page.parts['watch']['objects'])
+    ros.spin_until(lambda: not page.parts['watch']['objects']
+                   and not page.parts['parameters']['camera'])
     camera = ros.add(CameraPublisher, '-p', f'source:={path}', '-p', 'repeat:=true')
     ros.spin_until(lambda: len(places()) == 5)
     np.testing.assert_allclose(places(), before, atol=0.03)
+    ros.spin_until(lambda: page.parts['parameters']['camera'])
     assert page.post('/api/parameters', {
         'node': 'camera', 'values': {'detector.min_area_cm2': 1000.0}})[0] == 200
     ros.spin_until(lambda: page.parts['watch']['objects'] == [])

@@ -37,7 +37,9 @@ _BEFORE_BASE = ('not_calibrated', 'random', 'other_camera')
 
 # The part of the page that helps, by the beginning of a kind.
 _WAYS = {
-    'calibrate': ('view_corrected', 'not_calibrated', 'other_camera', 'frame_size'),
+    'save': ('view_corrected',),
+    'watch': ('looks_solid',),
+    'calibrate': ('not_calibrated', 'other_camera', 'frame_size'),
     'robot': ('base_not_calibrated',),
     'detect': ('view_', 'background_', 'taken_away', 'other_view'),
     'health': ('camera_', 'no_publisher', 'damaged', 'old_frames', 'topic_', 'no_base_positions'),
@@ -78,6 +80,9 @@ class Facts(NamedTuple):
     :param sees_board: Whether a board is looked for, and seen now.
     :param has_new_surface: Whether a new surface is used whose background is not taken yet.
     :param object_count: Number of objects in the newest frame.
+    :param solid: How many of the objects that count as flat look solid, and of how many; None where
+        that is no reason to ask.
+    :param not_kept: Why what people have measured is not on the disk; None if it is.
     """
 
     cell: GraphCell
@@ -90,6 +95,8 @@ class Facts(NamedTuple):
     sees_board: bool = False
     has_new_surface: bool = False
     object_count: int = 0
+    solid: Optional[Tuple[int, int]] = None
+    not_kept: Optional[str] = None
 
 
 class CellState(NamedTuple):
@@ -122,7 +129,7 @@ def cell_state(facts: Facts) -> CellState:
         return _silence(facts)
     doubts = list(filter(None, (
         _without_base(facts), _uncalibrated(facts), _doubt(facts.camera),
-        _doubt(facts.transform))))
+        _doubt(facts.transform), _solid(facts.solid), _not_kept(facts.not_kept))))
     if not doubts:
         return CellState('ok', 'ok', _published(facts.object_count))
     first, *others = doubts
@@ -182,6 +189,34 @@ def _doubt(report: Optional[Report]) -> Optional[CellState]:
     if report is None or report.level == 'ok' or report.is_stale:
         return None
     return CellState(report.reason, report.level, report.sentence)
+
+
+def _solid(solid: Optional[Tuple[int, int]]) -> Optional[CellState]:
+    if solid is None:
+        return None
+    return CellState('looks_solid', 'warn', (
+        f'{solid[0]} of {solid[1]} objects {"looks" if solid[0] == 1 else "look"} solid, and '
+        'object_height_cm is 0: positions are off by up to half of what is seen of the sides. '
+        'Say in Watch how high they are, or that they are flat.'))
+
+
+def _not_kept(problem: Optional[str]) -> Optional[CellState]:
+    if problem is None:
+        return None
+    return CellState('steps_not_kept', 'warn', (
+        'What you have measured is not on the disk, and is lost when the dashboard ends: '
+        f'{problem}'))
+
+
+def look_solid(report: Optional[Report]) -> Optional[Tuple[int, int]]:
+    """Return how many objects look solid by a camera node's report, of how many; None for few."""
+    told = '' if report is None else report.values.get('objects that look solid', '')
+    numbers = told.split(' of ')
+    if len(numbers) != 2 or not all(number.isdecimal() for number in numbers):
+        return None
+    solid, count = map(int, numbers)
+    # A flat one that points to the camera looks so by chance.
+    return (solid, count) if solid and 2 * solid >= count else None
 
 
 def _published(count: int) -> str:

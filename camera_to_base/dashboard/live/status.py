@@ -19,7 +19,7 @@ from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.health import CellHealth, Charts
 from camera_to_base.dashboard.live.positions import CellPositions, SeenFrame
 from camera_to_base.dashboard.live.shapes import shapes_data
-from camera_to_base.dashboard.live.state import cell_state, Facts, SILENT_S
+from camera_to_base.dashboard.live.state import cell_state, Facts, look_solid, SILENT_S
 from camera_to_base.dashboard.sessions.values import Setup
 from camera_to_base.ros import UncertainPose
 from camera_to_base.uncertainty import error_ellipse
@@ -35,6 +35,7 @@ _DIGITS = 4
 _LEAST_HZ, _LONGEST_MS = 5.0, 300.0
 # An object's last ellipse is held for so long, while it moves at most so far.
 _HELD_S, _HELD_CM = 2.0, 3.0
+_HELD_SOLID_S = 5.0
 
 
 class HeldEllipses:
@@ -169,6 +170,7 @@ class CellStatus:
         self._camera, self._transform = camera, transform
         self._charts, self._held = Charts(), HeldEllipses()
         self._was_seen = False
+        self._was_solid: Tuple[float, Optional[Tuple[int, int]]] = (-math.inf, None)
         self._old_surface: Any = None
         self._state: Dict[str, Any] = {}
 
@@ -188,6 +190,7 @@ class CellStatus:
         self._state = cell_state(self._facts(cell, setup, shown)).data
         return {
             'state': self._state, 'rate_hz': round(self._positions.rate_hz, 1),
+            'solid': None if setup.are_flat else self._solid,
             'stamp_s': None if frame is None else round(frame.stamp_s, 3),
             'age_s': None if frame is None else round(time.time() - frame.stamp_s, 1),
             'latency_ms': self._latency_ms, 'pace': self._pace,
@@ -224,7 +227,19 @@ class CellStatus:
             self._health.report(self._camera), self._health.report(self._transform),
             setup.parts, setup.sees_board,
             setup.new_surface is not None and setup.new_surface is not self._old_surface,
-            len(shown.camera or []) if shown else 0)
+            len(shown.camera or []) if shown else 0,
+            None if setup.are_flat else self._solid, setup.not_kept)
+
+    @property
+    def _solid(self) -> Optional[Tuple[int, int]]:
+        # Held, so that an object in doubt does not make the sentence come and go.
+        now, report = time.monotonic(), self._health.report(self._camera)
+        solid = None if report is None or report.is_stale else look_solid(report)
+        if solid is not None:
+            self._was_solid = now, solid
+        came_at, held = self._was_solid
+        is_asked = report is not None and 'objects that look solid' in report.values
+        return held if is_asked and now - came_at < _HELD_SOLID_S else None
 
     @property
     def _shown(self) -> Optional[SeenFrame]:

@@ -190,7 +190,7 @@ class SavedFile(Action):
 
 
 SESSION_ACTIONS = [
-    ('/api/(board|markers|robot|prove|record|save|simulated)/([a-z_0-9]+)', SessionStep),
+    ('/api/(board|markers|robot|prove|record|save|objects|simulated)/([a-z_0-9]+)', SessionStep),
     ('/api/(save|areas)', WholePart), ('/api/correction', KeepCorrection),
     ('/api/report/([a-z]+[.](?:png|txt))', ReportPart), ('/api/sheet', Sheet),
     ('/api/snapshot', TakeSnapshot),

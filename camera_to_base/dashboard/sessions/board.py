@@ -110,7 +110,8 @@ class BoardSession:
         """The state as JSON."""
         return {
             'step': 'off' if not self._is_on else 'fitted' if self.calibration else 'looking',
-            'hint': self._hint(), 'options': self._options.data, 'look': self._watch.data,
+            'hint': self._hint(), 'options': self._options.data,
+            'look': self._watch.data if self._values.camera else None,
             'placements': _with_errors(self._placements.data, 'error_mm', self._errors[0]),
             'covered': self._placements.covered,
             'suggestion': self._suggestion,
@@ -283,6 +284,8 @@ class BoardSession:
 
     def _hint(self) -> str:
         count = len(self._placements)
+        if self._is_on and self._values.camera is None:
+            return 'camera_publisher does not run: start it. What is measured is kept.'
         if not self._is_on:
             return 'Lay the printed board flat on the table, and start.'
         if self._is_tilting:

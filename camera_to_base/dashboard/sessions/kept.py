@@ -17,6 +17,7 @@ import io
 import json
 import os
 import threading
+import time
 from typing import Any, Dict, List, NamedTuple, Optional
 import zipfile
 
@@ -28,6 +29,7 @@ import numpy as np
 _STEPS = 'steps.json'
 # A file that somebody has made larger is not read.
 _LARGEST_BYTES, _MOST_IMAGES = 300_000_000, 40
+_RETRY_S = 5.0
 
 
 class Steps(NamedTuple):
@@ -61,6 +63,8 @@ class KeptSteps:
     A file with steps.
 
     :param params_file: The parameter file that they are for; '' for none, then nothing is kept.
+
+    `problem` says why the newest steps are not on the disk; None if they are.
     """
 
     def __init__(self, params_file: str) -> None:
@@ -69,6 +73,8 @@ class KeptSteps:
         self._newest: Optional[Steps] = None
         self._is_written, self._writing = True, threading.Lock()
         self._pngs: Dict[int, bytes] = {}
+        self._tried_at = 0.0
+        self.problem: Optional[str] = None
 
     def read(self) -> Optional[Steps]:
         """Return what was kept; None for nothing, or what cannot be read."""
@@ -87,8 +93,11 @@ class KeptSteps:
 
     def see(self, steps: Steps) -> bool:
         """Take the newest steps; return whether they are to be written."""
-        if not self.path or steps.is_same(self._newest):
+        if not self.path:
             return False
+        if steps.is_same(self._newest):
+            # The disk may have room again.
+            return not self._is_written and time.monotonic() - self._tried_at > _RETRY_S
         self._newest, self._is_written = steps, False
         return True
 
@@ -105,13 +114,15 @@ class KeptSteps:
         if self._is_written:
             return
         steps, self._is_written = self._newest, True
+        self._tried_at = time.monotonic()
         try:
             if not steps.is_empty:
                 write_files({self.path: self._content(steps)})
             elif os.path.exists(self.path):
                 os.remove(self.path)
-        except (CameraToBaseError, OSError):
-            pass
+            self.problem = None
+        except (CameraToBaseError, OSError) as error:
+            self.problem, self._is_written = str(error), False
 
     def _content(self, steps: Steps) -> bytes:
         self._pngs = {id(image): self._pngs.get(id(image)) or _png(image)

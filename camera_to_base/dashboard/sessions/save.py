@@ -69,7 +69,9 @@ class SaveSession:
         return {'path': self.path, 'folder': self._file.folder,
                 'from': self.path if self._file.content else None,
                 'needs': self._needs(), 'changes': changed_values(old, new),
-                'warnings': self._warnings(), 'calibration': calibration_summary(new),
+                'warnings': self._warnings(),
+                # Without a node and a file, it is not known what is calibrated.
+                'calibration': calibration_summary(new) if new or not self._needs() else None,
                 'former': _former(self.path), 'can_undo': self._before is not None,
                 'question': self._question,
                 'error': self._error, 'saved': self._saved}

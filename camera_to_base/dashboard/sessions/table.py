@@ -7,9 +7,9 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""Areas that are drawn on the picture, and what lies on the simulated table."""
+"""What a person says of the table: areas, flat objects; what lies on the simulated one."""
 
-from typing import Any, Dict, Mapping
+from typing import Any, Callable, Dict, Mapping
 
 from camera_to_base.checks import finite_numbers
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues
@@ -29,6 +29,35 @@ _WORDS = {'objects': 'Coins move over the simulated table.',
           'still_objects': 'Five coins lie on the simulated table.',
           'board': 'The printed board lies on the simulated table.',
           'empty': 'The simulated table is empty.'}
+
+
+class FlatObjects:
+    """
+    Whether a person has said that objects which look solid are flat.
+
+    :param on_change: Called when the state has changed.
+    """
+
+    def __init__(self, on_change: Callable[[], None]) -> None:
+        self._on_change = on_change
+        self.are_flat = False
+
+    @property
+    def state(self) -> Dict[str, Any]:
+        """The state as JSON."""
+        return {'flat': self.are_flat}
+
+    def tell(self, body: Mapping[str, Any]) -> None:
+        """
+        Say that they are, or ask again.
+
+        :param body: {'flat': whether they are}.
+        :raises InvalidValueError: If it says neither.
+        """
+        if not isinstance(body.get('flat'), bool):
+            raise InvalidValueError('flat must be true or false')
+        self.are_flat = body['flat']
+        self._on_change()
 
 
 def areas_data(values: CellValues) -> Dict[str, Any]:

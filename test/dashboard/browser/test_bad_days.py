@@ -25,6 +25,12 @@ def test_dead_camera_node_is_told_and_its_return(page, cell):
     cell.kill('camera_publisher')
     page.wait_for('camera_publisher', '#banner')
     assert 'published' not in page.read('#banner-text')
+    page.go_to('calibrate')
+    # Nobody knows any more whether there are pictures and a background.
+    wait_until(lambda: not {'Camera', 'Background'} & set(page.run(
+        "return [...document.querySelectorAll('.steps .done a')].map((one) => one.textContent)")),
+        lambda: page.read('.steps'))
+    page.go_to('watch')
     cell.start('camera_publisher')
     page.wait_for('published', '#banner')
 
@@ -72,6 +78,7 @@ def test_dead_dashboard_is_told_and_its_return(page, cell):
     page.go_to('detect')
     page.click('Take the background now')
     page.wait_for('Nothing was changed', '#notices')
+    assert page.serious_problems() == []
     cell.start('dashboard')
     page.wait_for('Connected', '#connection')
     page.wait_for('published', '#banner')

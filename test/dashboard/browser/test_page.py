@@ -107,6 +107,9 @@ def test_solid_objects_are_noticed_and_drawn_with_what_they_stand_on(open_page, 
                       namespace='/solid', params_file=SOLIDS)
     page = open_page(cell)
     page.wait_for('5 of 5 objects look solid', '#part-watch .heights')
+    page.wait_for('5 of 5 objects look solid', '#banner')
+    page.click('They are flat', '#part-watch .heights')
+    page.wait_for('5 objects are published', '#banner')
     page.fill('Height of the objects in cm', '3')
     for paths in ('.picture .shapes path.top', '.map path.footprint'):
         wait_until(lambda paths=paths: len(page.elements(f'#part-watch {paths}')) == 5,

@@ -10,6 +10,7 @@
 """The proof of a calibration: what is published beside where the robot touches."""
 
 import json
+import time
 import zipfile
 
 from camera_to_base.errors import CameraToBaseError
@@ -44,6 +45,14 @@ def cell():
 def click(cell, point=PLACE):
     (u, v), = camera_settings(cell.values['camera']).surface.pixels([point])
     return cell.do('prove', 'see', u=u, v=v)
+
+
+def wait_for(condition, seconds=30):
+    end = time.monotonic() + seconds
+    while not (result := condition()):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return result
 
 
 def prove(cell, true, base=(-5.8, 15.4), ellipse=ELLIPSE):
@@ -148,3 +157,25 @@ def test_file_of_proofs_that_somebody_has_broken_gives_none(tmp_path):
         with zipfile.ZipFile(path, 'w') as file:
             file.writestr('steps.json', json.dumps({**steps, 'prove': broken}))
         assert calibrated(tmp_path / 'cell.yaml').state('prove')['proofs'] == []
+
+
+def test_steps_that_cannot_be_kept_are_told_until_they_are(tmp_path):
+    folder = tmp_path / 'cell'
+    folder.mkdir()
+    cell = calibrated(folder / 'cell.yaml')
+    folder.rmdir()
+    prove(cell, (-5.8, 15.31))
+    told = wait_for(lambda: cell.sessions.setup.not_kept)
+    assert 'No such file' in told
+    folder.mkdir()
+    prove(cell, (-5.8, 15.31))
+    wait_for(lambda: cell.sessions.setup.not_kept is None)
+    cell.sessions.close()
+
+
+def test_objects_are_flat_once_a_person_says_so(cell):
+    assert not cell.sessions.setup.are_flat
+    assert cell.do('objects', 'tell', flat=True) == {'flat': True}
+    assert cell.sessions.setup.are_flat
+    with pytest.raises(CameraToBaseError, match='true or false'):
+        cell.do('objects', 'tell', flat='yes')

@@ -17,23 +17,23 @@
 
 const WITHOUT_BACKGROUND = [
   'background_missing', 'background_dark', 'background_unsettled', 'other_view'];
+const WITHOUT_CAMERA = ['node_ended', 'node_hangs', 'not_running', 'camera_opening', 'camera_waiting',
+  'camera_lost', 'topic_type'];
 const WITH_ANOTHER_SURFACE = ['view_corrected', 'surface_by_markers'];
 
-/** Tell whether there is no background that can be used. */
+/** Tell whether no pictures come from the camera. */
+export function lacksCamera(kind) {
+  return WITHOUT_CAMERA.includes(kind);
+}
+
+/** Tell whether there is no background that can be used, or nobody who knows it. */
 export function lacksBackground(kind) {
-  return WITHOUT_BACKGROUND.includes(kind);
+  return lacksCamera(kind) || WITHOUT_BACKGROUND.includes(kind);
 }
 
 /** Tell whether positions are located by a surface that is not the calibrated one. */
 export function hasAnotherSurface(kind) {
   return WITH_ANOTHER_SURFACE.includes(kind);
-}
-
-/** Return how many of the objects that count as flat look solid, such as [2, 5]; null for none. */
-export function lookSolid(health) {
-  const told = health?.nodes?.map(({values}) => values['objects that look solid']).find(Boolean);
-  const [solid, all] = told?.split(' of ').map(Number) ?? [0, 0];
-  return solid && 2 * solid >= all ? [solid, all] : null;
 }
 
 /** Tell whether an object was left out as its height is not the one that is set. */

@@ -53,6 +53,7 @@ export function createSave(store) {
   const changes = table('Parameters that differ from the file', ['Parameter', 'In the file', 'Now', 'Node'],
     {class: 'wrapped'});
   const none = element('p', {}, 'Nothing has changed since the file was loaded or saved.');
+  const changed = card('What changed', none, changes.node);
   const download = element('a', {class: 'button', href: address('/api/file'), download: 'cell.yaml'},
     'Download the file');
   let known = null;
@@ -66,7 +67,8 @@ export function createSave(store) {
     setText(folder, `The file lies in ${state.folder}: the dashboard writes nowhere else.`);
     write.disabled = Boolean(state.needs);
     sync(warnings, state.warnings ?? [], (text) => text, () => element('li'), setText);
-    show(none, !state.changes.length);
+    show(none, !state.changes.length && !state.needs);
+    show(changed, !state.needs || state.changes.length);
     show(changes.node, state.changes.length);
     sync(changes.body, state.changes, ({name, nodes}) => `${name} ${nodes}`, () => row(4),
       (node, {name, old, new: now, nodes}) => fillRow(node, [
@@ -79,7 +81,7 @@ export function createSave(store) {
       loaded, calibration, warnings,
       element('p', {class: 'buttons save-row'}, element('label', {for: 'path'}, 'File'), path, write, download),
       question.node, sentence, folder),
-    card('What changed', none, changes.node), former.node)};
+    changed, former.node)};
 }
 
 /** Asks before a calibration is removed from a file. */

@@ -18,7 +18,7 @@ import {sentence as asSentence} from '../base/numbers.js';
 import {setAttribute, setText, show} from '../base/dom.js';
 
 const WAYS = {
-  calibrate: 'Calibrate', robot: 'Measure with the robot', health: 'Look at Health',
+  calibrate: 'Calibrate', save: 'Keep the correction', watch: 'Say how high they are', robot: 'Measure with the robot', health: 'Look at Health',
   detect: 'Take the background again',
 };
 const LOST = 'The dashboard does not answer.';

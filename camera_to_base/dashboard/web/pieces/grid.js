@@ -54,8 +54,9 @@ function shapes({lines, axes}, {width, height}, frame) {
   const text = (content, [u, v], name) => svg('text', {class: name, x: u + font / 4, y: v - font / 4,
     'font-size': font}, content);
   const drawn = lines.flatMap(({name, points}) => {
-    // Not in the same corner for both.
-    const at = points.filter(isSeen).at(name.startsWith('y') ? 1 : 0);
+    // The node's note is above, so the numbers of x stand below.
+    const seen = points.filter(isSeen);
+    const at = name.startsWith('y') ? seen.at(1) : seen.sort((one, other) => other[1] - one[1])[0];
     return [svg('path', {d: path(points)}), ...(at ? [text(name, at, 'number')] : [])];
   });
   if (axes) {

@@ -18,7 +18,8 @@ import {act} from '../base/actions.js';
 import {button, element, setText, show} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
 import {fixed, read} from '../base/numbers.js';
-import {doubtsHeight, lookSolid} from '../base/reasons.js';
+import {doubtsHeight} from '../base/reasons.js';
+import {objects} from '../base/sessions.js';
 
 /** Make the question; it is urgent while objects do not fit the height that is set, or look solid. */
 export function createHeights(store) {
@@ -26,11 +27,7 @@ export function createHeights(store) {
   const input = element('input', {type: 'text', inputmode: 'decimal', id: 'height', class: 'short',
     autocomplete: 'off'});
   // A flat thing may look solid by chance, such as a card that points away from the camera.
-  let areFlat = false;
-  const flat = button('They are flat', () => {
-    areFlat = true;
-    update();
-  });
+  const flat = button('They are flat', () => objects('tell', {flat: true}));
   const node = element('form', {class: 'heights', hidden: true, onsubmit: (event) => {
     event.preventDefault();
     attempt(() => act('/api/parameters', {node: 'camera', values: {object_height_cm: read(input.value)}}),
@@ -42,10 +39,10 @@ export function createHeights(store) {
     const isKnown = valueOf(store, 'surface.model') === 'pinhole' || valueOf(store, 'surface.camera_height_cm') > 0;
     const several = valueOf(store, 'object_heights_cm')?.length;
     const doubted = (store.get('watch')?.left_out ?? []).filter(({reason}) => doubtsHeight(reason)).length;
-    const solid = !height && !several && !areFlat ? lookSolid(store.get('health')) : null;
+    const solid = !height && !several ? store.get('watch')?.solid : null;
     show(node, isKnown && !several || doubted);
     show(flat, solid);
-    node.classList.toggle('question', doubted > 0 || solid !== null);
+    node.classList.toggle('question', doubted > 0 || Boolean(solid));
     setText(sentence, doubted ? `${doubted} ${doubted === 1 ? 'object does' : 'objects do'} not fit a height of ` +
       `${fixed(height, 1)} cm. How high are they?` : height ? '' : solid ?
       `${solid[0]} of ${solid[1]} objects ${solid[0] === 1 ? 'looks' : 'look'} solid: the camera sees their sides. ` +
@@ -54,7 +51,7 @@ export function createHeights(store) {
       'positions are off.');
     if (document.activeElement !== input && !input.value) input.value = height ?? '';
   };
-  ['watch', 'parameters', 'health'].forEach((part) => store.on(part, update));
+  ['watch', 'parameters'].forEach((part) => store.on(part, update));
   return {node};
 }
 

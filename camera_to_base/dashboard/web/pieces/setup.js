@@ -15,7 +15,7 @@
 // The way to a calibrated cell, as one list of steps above the parts; it goes when all are done.
 
 import {button, element, setAttribute, setText, show, sync} from '../base/dom.js';
-import {lacksBackground} from '../base/reasons.js';
+import {lacksBackground, lacksCamera} from '../base/reasons.js';
 
 const KEPT_AS = 'setup-closed';
 // Where the list is shown even if all but the proof is done; elsewhere it goes then.
@@ -66,7 +66,7 @@ function stepsOf(store) {
   const surface = value(store, 'camera', 'calibration.surface');
   const base = value(store, 'transform', 'calibration.base');
   return [
-    {part: 'health', name: 'Camera', isDone: Boolean(watch?.image?.width),
+    {part: 'health', name: 'Camera', isDone: Boolean(watch?.image?.width) && !lacksCamera(watch.state.reason),
       todo: 'no picture yet: look at Health'},
     ...surfaceSteps(store.get('board'), Boolean(surface)),
     {part: 'detect', name: 'Background',
