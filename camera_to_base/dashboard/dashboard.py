@@ -18,8 +18,8 @@ from camera_to_base.dashboard.backend import Backend, NodeThread
 from camera_to_base.dashboard.live.watch import WatchedCells
 from camera_to_base.dashboard.server.sockets import part_text
 from camera_to_base.dashboard.server.web_server import WebServer
-from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.all_sessions import AllSessions
+from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.specs import dashboard_settings, DASHBOARD_SPECS
 from camera_to_base.parameters import all_names, TRANSFORM_SPECS
 from camera_to_base.ros import Heartbeat, NodeParameters, run, whole_or_gone

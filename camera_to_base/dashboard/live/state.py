@@ -80,8 +80,8 @@ class Facts(NamedTuple):
     :param sees_board: Whether a board is looked for, and seen now.
     :param has_new_surface: Whether a new surface is used whose background is not taken yet.
     :param object_count: Number of objects in the newest frame.
-    :param solid: How many of the objects that count as flat look solid, and of how many; None where
-        that is no reason to ask.
+    :param solid: How many of the objects that count as flat look solid, and of how many; None
+        where that is no reason to ask.
     :param not_kept: Why what people have measured is not on the disk; None if it is.
     """
 

@@ -13,8 +13,8 @@ import os
 from pathlib import Path
 
 from camera_to_base.calibration import file_status
-from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.all_sessions import AllSessions
+from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import read_node_parameters, read_parameter_file
 from camera_to_base.settings import read_node_settings
