@@ -24,7 +24,7 @@ from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.regions import (
-    filled, find_regions, is_much, Region, slices)
+    filled, find_regions, grown, is_much, Region, slices)
 from camera_to_base.detection.precise.things import seen_closely, things_in, work
 import cv2
 import numpy as np
@@ -46,6 +46,10 @@ _LEAST_HAND, _NARROW = 0.2, 8
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
 _MOST_DROPPED = 100
+# How far a print may have moved, y and x, px: the background's range reaches one px farther; it is
+# compared in patches of this size, px; which part of what differs may be unlike.
+_SHIFTS = [(y, x) for y in range(-4, 5, 2) for x in range(-4, 5, 2)]
+_NEAR_PRINT, _PATCH, _MOST_UNLIKE = np.ones((5, 5), np.uint8), 32, 0.1
 # A part that is larger is no speck, in px².
 _MOST_SPECK = 1200
 
@@ -121,14 +125,60 @@ def _search(
             others.append(part)
         else:
             plain.append(one)
-    regions, left = _within(
-        budget, find_regions(frame, others, reference.limits, min_area), frame)
+    regions, left = _within(budget, _regions(frame, others, reference, min_area), frame)
     tint = measure_tint(frame, regions, reference)
     regions = [thing for region in regions
                for thing in _things_of(frame, region, reference, tint, min_area)]
     # A window that grew may hold a plain object of another part.
     return Candidates(frame, plain, [region for region in regions if not any(
         _is_same(region.box, one.window) for one in plain)], left)
+
+
+def _regions(
+    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
+) -> List[Region]:
+    return [region for region in find_regions(frame, parts, reference.limits, min_area)
+            if not _is_moved_print(frame, region, reference, min_area)]
+
+
+def _is_moved_print(
+    frame: np.ndarray, region: Region, reference: Reference, min_area: float
+) -> bool:
+    """Tell whether a region shows the table as it is a few px beside: the camera was pushed."""
+    window, limits = grown(region.box, _SHIFTS[-1][0], frame), reference.limits
+    part = slices(window)
+    if not reference.has_edges(part):
+        return False
+    strong = limits.strong(frame, part) & filled(region.outline, window, 255)
+    near = cv2.dilate(limits.has_print(part, limits.least), _NEAR_PRINT)
+    area = cv2.countNonZero(strong)
+    most = min(area / 2, max(_MOST_UNLIKE * area, min_area))
+    if cv2.countNonZero(cv2.subtract(strong, near)) > area / 2:
+        return False
+    around, unlike = cv2.dilate(strong, _NEAR_PRINT), 0
+    # A lens or a push moves places differently.
+    for top in range(0, window.height, _PATCH):
+        for left in range(0, window.width, _PATCH):
+            patch = (slice(top, top + _PATCH), slice(left, left + _PATCH))
+            if cv2.countNonZero(strong[patch]):
+                unlike += min(_unlike(frame, window, patch, shift, limits, around[patch])
+                              for shift in _SHIFTS)
+                if unlike > most:
+                    return False
+    return True
+
+
+def _unlike(
+    frame: np.ndarray, box: Box, patch: tuple, shift: Tuple[int, int], limits: LevelLimits,
+    around: np.ndarray,
+) -> int:
+    # Where the picture ends, it goes on as it ends.
+    size, starts = around.shape, (box.y + patch[0].start, box.x + patch[1].start)
+    here = tuple(slice(start, start + length) for start, length in zip(starts, size))
+    there = tuple(slice(start, start + length) for start, length in (
+        (min(max(start + away, 0), whole - length), length) for start, away, whole, length in zip(
+            starts, shift, frame.shape, size)))
+    return cv2.countNonZero(limits.strong_range(there).outside(frame[here]) & around)
 
 
 def _within(
@@ -196,7 +246,7 @@ def _without_foreign_light(found: Candidates, reference: Reference, min_area: fl
     if field is None:
         return found
     usual = in_usual_light(frame, lit, field)
-    regions = find_regions(usual, parts_of(usual, reference), reference.limits, min_area)
+    regions = _regions(usual, parts_of(usual, reference), reference, min_area)
     # What is known to be a thing is one in any light.
     known = [region for region in found.regions if region.is_thing]
     boxes = [region.box for region in known] + [one.window for one in found.plain]

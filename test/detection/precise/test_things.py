@@ -315,3 +315,19 @@ def test_fleck_with_a_faint_halo_may_be_light():
     detector = PreciseDifferenceDetector(background)
     assert detector.detect(np.uint8(background + halo + fleck)) == []
     assert detector.dropped[0].kind == 'light_or_thing'
+
+
+@pytest.mark.parametrize('pushed', [(3, 0), (2, -3)])
+def test_print_that_was_pushed_is_no_object_and_hides_none(pushed):
+    lines = np.zeros(SIZE, np.uint8)
+    for at in range(10, 140, 30):
+        cv2.line(lines, (at, 0), (at, SIZE[0]), 255, 2)
+        cv2.line(lines, (0, at), (150, at), 255, 2)
+    dark = np.float32([0.04, 0.04, 0.05])
+    background = np.where(lines[..., None] > 0, dark, np.float32(TABLE))
+    moved = cv2.warpAffine(
+        background, np.float32([[1, 0, pushed[0]], [0, 1, pushed[1]]]), SIZE[::-1],
+        borderMode=cv2.BORDER_REPLICATE)
+    assert detect(moved, background) == []
+    found, = detect(painted(moved, square(100, 105, 12), (0.1, 0.2, 0.7)), background)
+    assert found.centre == pytest.approx((99.5, 104.5), abs=1.5)
