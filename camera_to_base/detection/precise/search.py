@@ -47,9 +47,10 @@ _LEAST_HAND, _NARROW = 0.2, 8
 _RIM = 7
 _MOST_DROPPED = 100
 # How far a print may have moved, y and x, px: the background's range reaches one px farther; it is
-# compared in patches of this size, px; which part of what differs may be unlike.
+# compared in patches of this size, px; which part of what differs may be unlike; in how many
+# places a print moves.
 _SHIFTS = [(y, x) for y in range(-4, 5, 2) for x in range(-4, 5, 2)]
-_NEAR_PRINT, _PATCH, _MOST_UNLIKE = np.ones((5, 5), np.uint8), 32, 0.1
+_NEAR_PRINT, _PATCH, _MOST_UNLIKE, _LEAST_MOVED = np.ones((5, 5), np.uint8), 32, 0.1, 3
 # A part that is larger is no speck, in px².
 _MOST_SPECK = 1200
 
@@ -137,8 +138,11 @@ def _search(
 def _regions(
     frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
 ) -> List[Region]:
-    return [region for region in find_regions(frame, parts, reference.limits, min_area)
+    regions = find_regions(frame, parts, reference.limits, min_area)
+    rest = [region for region in regions
             if not _is_moved_print(frame, region, reference, min_area)]
+    # What moves alone is an object of the background.
+    return rest if len(regions) - len(rest) >= _LEAST_MOVED else regions
 
 
 def _is_moved_print(
