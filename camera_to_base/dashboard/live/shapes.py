@@ -21,6 +21,8 @@ import numpy as np
 _STEP_CM = 0.05
 # The thinnest box that can be shown; it is meant for a flat object.
 _FLAT_CM = 0.1
+# A disc has 0.79 of its box's area, a rectangle all of it; a longer object has a direction.
+_ROUND_SHARE, _LEAST_ELONGATION = 0.87, 1.2
 # Of a unit square.
 _CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
@@ -46,16 +48,17 @@ def shapes_data(frame: Optional[SeenFrame], geometry: Optional[Geometry]) -> Lis
 def _shape(
     number: int, box: SolidBox, silhouette: Optional[SurfaceSilhouette], geometry: Geometry
 ) -> Dict[str, Any]:
-    bottom = _bottom(box)
     height = box.height if box.height > _FLAT_CM else 0.0
     seen = None if silhouette is None else silhouette.corners[:, :2]
     stands = _footprint(seen, height, geometry)
+    # The box of a round object is turned by its noise alone.
+    bottom = None if _may_be_round(box, stands) else _bottom(box)
     return {
         'number': number,
         'size_cm': [round(side, 1) for side in (box.length, box.width, height)],
         'picture': {
             'box': _pixels(bottom, geometry),
-            'top': _pixels(_raised(bottom, height, geometry), geometry),
+            'top': _pixels(_raised(stands if bottom is None else bottom, height, geometry), geometry),
             'footprint': _pixels(stands, geometry),
             'silhouette': _pixels(seen, geometry) if height else None},
         'map': {
@@ -67,6 +70,15 @@ def _bottom(box: SolidBox) -> np.ndarray:
     cosine, sine = np.cos(box.pose.yaw), np.sin(box.pose.yaw)
     turn = np.array([[cosine, -sine], [sine, cosine]])
     return _CORNERS * [box.length, box.width] @ turn.T + box.pose[:2]
+
+
+def _may_be_round(box: SolidBox, stands: Optional[np.ndarray]) -> bool:
+    if box.length > _LEAST_ELONGATION * box.width:
+        return False
+    if stands is None:
+        return True  # It may be.
+    area = cv2.contourArea((stands - stands[0]).astype(np.float32))
+    return area < _ROUND_SHARE * box.length * box.width
 
 
 def _raised(bottom: np.ndarray, height_cm: float, geometry: Geometry) -> Optional[np.ndarray]:

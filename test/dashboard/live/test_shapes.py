@@ -86,3 +86,17 @@ def test_what_is_turned_is_drawn_turned():
     shape, = shapes_data(frame, Geometry(CAMERA, TRANSFORM))
     (x0, y0), (x1, y1) = shape['picture']['box'][:2]
     assert math.degrees(math.atan2(y1 - y0, x1 - x0)) == pytest.approx(30, abs=0.5)
+
+
+def test_box_of_a_round_object_which_has_no_direction_is_not_drawn():
+    frame, _ = seen(0.0)
+    angles = np.linspace(0, 2 * math.pi, 40, endpoint=False)
+    disc = np.column_stack([10 + np.cos(angles), 12 + np.sin(angles), np.zeros(40)])
+    frame.boxes[0] = frame.boxes[0]._replace(length=2.0, width=1.98)
+    frame.silhouettes[0] = frame.silhouettes[0]._replace(corners=disc)
+    shape, = shapes_data(frame, Geometry(CAMERA, TRANSFORM))
+    assert shape['picture']['box'] is None and shape['map']['box'] is None
+    assert len(shape['picture']['footprint']) == 40
+    frame.boxes[0] = frame.boxes[0]._replace(height=1.0)
+    top = shapes_data(frame, Geometry(CAMERA, TRANSFORM))[0]['picture']['top']
+    assert len(top) > 8

@@ -49,14 +49,14 @@ export function createGrid(store, picture) {
 
 function shapes({lines, axes}, {width, height}, frame) {
   const font = width / 38;
-  const isSeen = ([u, v]) => u > 0 && v > font && u < width - font && v < height;
+  const isSeen = ([u, v]) => u > 0 && v > font && u < width - 2.5 * font && v < height;
   const path = (points) => points.map(([u, v], index) => `${index ? 'L' : 'M'}${u} ${v}`).join('');
   const text = (content, [u, v], name) => svg('text', {class: name, x: u + font / 4, y: v - font / 4,
     'font-size': font}, content);
   const drawn = lines.flatMap(({name, points}) => {
     // The node's note is above, so the numbers of x stand below.
-    const seen = points.filter(isSeen);
-    const at = name.startsWith('y') ? seen.at(1) : seen.sort((one, other) => other[1] - one[1])[0];
+    const seen = points.filter(isSeen).sort((one, other) => other[1] - one[1]);
+    const at = name.startsWith('x') ? seen[0] : points.filter(isSeen).filter(([, v]) => v < height - 4 * font).at(1);
     return [svg('path', {d: path(points)}), ...(at ? [text(name, at, 'number')] : [])];
   });
   if (axes) {
