@@ -58,7 +58,8 @@ def _shape(
         'size_cm': [round(side, 1) for side in (box.length, box.width, height)],
         'picture': {
             'box': _pixels(bottom, geometry),
-            'top': _pixels(_raised(stands if bottom is None else bottom, height, geometry), geometry),
+            'top': _pixels(_raised(
+                stands if bottom is None else bottom, height, geometry), geometry),
             'footprint': _pixels(stands, geometry),
             'silhouette': _pixels(seen, geometry) if height else None},
         'map': {
