@@ -21,6 +21,8 @@ import numpy as np
 REST_CM = 0.1
 # What rests is solved anew after this time.
 _SOLVED_AGAIN_S = 1.0
+# What rests and fits nothing is tried again after this time.
+_TRIED_AGAIN_S = 0.4
 # What no camera has seen for so long is forgotten: it may be another object that comes.
 _FORGOTTEN_S = 1.0
 # A frame that is that old is no longer needed to tell what rests.
@@ -130,6 +132,14 @@ class _Remembered:
     seen_at: float
 
 
+class _Refused(NamedTuple):
+    """A silhouette that others touch, but that fits none of them: of a camera, at a time."""
+
+    camera: int
+    reached: np.ndarray
+    at: float
+
+
 class FusedCell:
     """
     Fuses what cameras see, and remembers what rests.
@@ -141,11 +151,12 @@ class FusedCell:
         self.limits = limits
         self._names = tuple(names)
         self._known: List[_Remembered] = []
+        self._refused: List[_Refused] = []
         self._history: List[List[CameraFrame]] = [[] for _ in names]
 
     def forget(self) -> None:
         """Forget all objects: a camera is at another place."""
-        self._known = []
+        self._known, self._refused = [], []
         self._history = [[] for _ in self._names]
 
     def fuse(
@@ -161,10 +172,13 @@ class FusedCell:
         self._keep(frames)
         book = _Book(frames)
         objects = self._resting(book, now_s)
-        found = match([() if frame is None else [
-            one for number, one in enumerate(frame.seen) if (camera, number) not in book.used]
-            for camera, frame in enumerate(frames)], self.limits.highest_cm)
-        found = book.renumbered(found)
+        self._still_refused(book, now_s)
+        free = book.free
+        found = book.renumbered(match(
+            [[book.outline((camera, number)) for number in numbers]
+             for camera, numbers in enumerate(free)], self.limits.highest_cm), free)
+        self._refused += [_Refused(camera, book.reach_of((camera, number)), now_s)
+                          for camera, number in found.disagreeing]
         bumped = book.bumped
         for group in found.groups:
             if bumped & {camera for camera, _ in group.members}:
@@ -205,6 +219,17 @@ class FusedCell:
             self._known.append(one)
             objects.append(FusedObject(one.solution, tuple(members)))
         return objects
+
+    def _still_refused(self, book: '_Book', now_s: float) -> None:
+        """Leave out what rests and has just been found to fit nothing."""
+        self._refused = [one for one in self._refused if now_s - one.at < _TRIED_AGAIN_S]
+        for one in self._refused:
+            frame = book.frames[one.camera]
+            number = None if frame is None else frame.at_rest(one.reached)
+            member = one.camera, number
+            if number is not None and member not in book.used | book.refused:
+                book.refused.add(member)
+                book.leave_out(member, self._contradiction(book))
 
     @staticmethod
     def _members_at_rest(one: '_Remembered', book: '_Book') -> Dict[int, int]:
@@ -314,6 +339,7 @@ class _Book:
     def __init__(self, frames: Sequence[Optional[CameraFrame]]) -> None:
         self.frames = frames
         self.used: Set[Member] = set()
+        self.refused: Set[Member] = set()
         self.disagreeing: Set[int] = set()
         self.agreeing: Set[int] = set()
         self.only_one = False
@@ -345,19 +371,25 @@ class _Book:
             (camera, number) not in self.used for number in frame.touching(reached))
 
     def touches_used(self, member: Member) -> bool:
-        """Tell whether a silhouette touches one of another camera that has an object already."""
+        """Tell whether a silhouette touches one of another camera that something was done with."""
         reached = self.reach_of(member)
         return any(
             frame is not None and camera != member[0] and any(
-                (camera, number) in self.used for number in frame.touching(reached))
+                (camera, number) in self.used | self.refused
+                for number in frame.touching(reached))
             for camera, frame in enumerate(self.frames))
 
-    def renumbered(self, found: Matches) -> Matches:
-        """Give what was found among the unused silhouettes by the frames' own numbers."""
-        free = [[] if frame is None else [
-            number for number in range(len(frame.seen)) if (camera, number) not in self.used]
+    @property
+    def free(self) -> List[List[int]]:
+        """By camera, the numbers of the silhouettes that nothing has been done with."""
+        done = self.used | self.refused
+        return [[] if frame is None else [
+            number for number in range(len(frame.seen)) if (camera, number) not in done]
             for camera, frame in enumerate(self.frames)]
 
+    @staticmethod
+    def renumbered(found: Matches, free: Sequence[Sequence[int]]) -> Matches:
+        """Give what was found among the free silhouettes by the frames' own numbers."""
         def own(members):
             return [(camera, free[camera][number]) for camera, number in members]
 

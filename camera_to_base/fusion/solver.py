@@ -43,8 +43,8 @@ OUTLINE_PX = 0.3
 _OUTLINE_CM, _BEST_OUTLINE_CM = 0.02, 0.005
 # Outlines are off alike in neighbouring directions: so many directions are independent.
 _INDEPENDENT = 8.0
-# The weights have settled after so many rounds.
-_ROUNDS = 12
+# The weights have settled after so many rounds, or once the height changes by less.
+_ROUNDS, _SETTLED_CM = 12, 0.002
 # Keeps a covariance of zeros, as of a simulated camera, invertible.
 _LEAST_CM2 = 1e-8
 
@@ -151,12 +151,15 @@ class _Problem:
 
     def solved(self, known: Optional[KnownHeight]) -> np.ndarray:
         """Return the height and the cameras' errors: shape (1 + 2 cameras,), in cm."""
-        height, self._weights = 0.0, np.ones(COUNT)
+        before, self._weights = math.inf, np.ones(COUNT)
+        found = self._solved(known, 0.0)
         for _ in range(_ROUNDS):
-            found = self._solved(known, height)
-            height = max(float(found[0]), 0.0)
+            if abs(found[0] - before) < _SETTLED_CM:
+                break
+            before = found[0]
             self._weights = self._trust(self._apart - self._rows @ found, self._noise)
-        errors = found[1:].reshape(self.count, 2)
+            found = self._solved(known, max(before, 0.0))
+        errors, height = found[1:].reshape(self.count, 2), max(float(found[0]), 0.0)
         self._strain = np.array([error @ np.linalg.solve(self._prior(one, height), error)
                                  for error, one in zip(errors, self._seen)])
         return found

@@ -40,7 +40,7 @@ class FakeCamera:
         self._place, self._frame_id = place, frame_id
         self._topics = SilhouetteTopics(
             ros.node, f'{name}{OBJECTS}', f'{name}/camera_in_robot_base_frame')
-        self._random = np.random.default_rng(1)
+        self._random, self.moved = np.random.default_rng(1), (0.0, 0.0)
         self._topics.publish_camera(Header(frame_id=frame_id), camera_pose(
             *place.foot_cm, SURFACE_Z_CM + place.height_cm, np.zeros((3, 3))))
 
@@ -49,7 +49,7 @@ class FakeCamera:
         return self._topics.is_wanted
 
     def show(self, stamp, *objects):
-        outlines = [seen(*one, self._place, self._random) for one in objects]
+        outlines = [seen(*one, self._place, self._random, moved=self.moved) for one in objects]
         self._topics.publish(Header(frame_id=self._frame_id, stamp=stamp), [
             SurfaceSilhouette(
                 np.column_stack([one.corners, np.full(len(one.corners), SURFACE_Z_CM)]),
@@ -110,6 +110,45 @@ def test_camera_that_falls_silent_is_named_and_known_heights_stay(cell):
                (left, (BOX,)))
     assert 'right publishes no positions' in status[-1].message
     assert poses[-1].poses[0].position.z == pytest.approx(0.03, abs=1e-3)
+
+
+def check_unmoved(poses):
+    """Check that each object is where BOX or DISC is."""
+    for message in poses:
+        for pose in message.poses:
+            x, y, z = 100 * pose.position.x, 100 * pose.position.y, 100 * pose.position.z
+            there = (6.0, 2.0, 3.0) if x > 0 else (-7.0, -1.0, 6.0)
+            assert (x, y, z) == pytest.approx(there, abs=0.15)
+
+
+def test_camera_that_was_bumped_by_5_mm_is_named_and_moves_nothing(cell):
+    ros, left, right = cell
+    poses = ros.listen_to(PoseArray, OBJECTS)
+    status = ros.listen_to_diagnostics('/camera_fusion')
+    show_until(ros, lambda: poses and len(poses[-1].poses) == 2 and status
+               and status[-1].values['reason'] == 'ok', (left, (BOX, DISC)), (right, (BOX, DISC)))
+    right.moved = (0.3, -0.4)
+    show_until(ros, lambda: status[-1].values['reason'] == 'cameras_disagree',
+               (left, (BOX, DISC)), (right, (BOX, DISC)))
+    assert status[-1].message.startswith('right sees objects elsewhere')
+    assert len(poses[-1].poses) == 2
+    check_unmoved(poses)
+
+
+def test_arm_over_half_of_one_picture_moves_nothing(cell):
+    ros, left, right = cell
+    arm = base_of('box', 30.0, 14.0, (9.0, 5.0), 0.5), 0.0
+    poses = ros.listen_to(PoseArray, OBJECTS)
+    status = ros.listen_to_diagnostics('/camera_fusion')
+    show_until(ros, lambda: status and poses and len(poses[-1].poses) == 2,
+               (left, (BOX, DISC)), (right, (BOX, DISC)))
+    # Both objects rest: the one below the arm is known from the other camera.
+    show_until(ros, lambda: status[-1].values['reason'] == 'cameras_disagree',
+               (left, (BOX, DISC)), (right, (arm, DISC)))
+    assert 'right' in status[-1].message and len(poses[-1].poses) == 2
+    check_unmoved(poses)
+    show_until(ros, lambda: status[-1].values['reason'] == 'ok',
+               (left, (BOX, DISC)), (right, (BOX, DISC)))
 
 
 def test_cameras_with_different_base_frames_are_refused(ros):
