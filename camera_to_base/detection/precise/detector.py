@@ -89,9 +89,11 @@ def _is_shadow(detection: Detection, frame: np.ndarray, background: np.ndarray) 
         return False
     outline = np.int32(detection.outline)[:, None]
     part = slices(detection.box)
-    if not _is_shade(frame[part], background[part], filled(outline, detection.box)):
-        return False
-    if _is_crescent(outline):
+    pictures, inside = (frame[part], background[part]), filled(outline, detection.box)
+    if not _is_shade(*pictures, inside):
+        if not _is_shade(*reversed(pictures), inside):
+            return False
+    elif _is_crescent(outline):
         return True
     window = grown(detection.box, max(_WINDOWS), frame)
     return not _has_sharp_rim(frame[slices(window)], outline, window)

@@ -71,7 +71,7 @@ _MARGIN = 8
 _FAINT = 16
 # A larger window is looked at reduced, in px; not so much that things in it vanish.
 _COARSEST = 4
-_MOST_AT_FULL_SIZE = 60_000
+_MOST_AT_FULL_SIZE = 30_000
 # All of a region may be light, as well as a thing.
 _UNCLEAR: List[np.ndarray] = []
 
