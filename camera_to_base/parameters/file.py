@@ -276,13 +276,16 @@ def calibration_summary(values: Mapping[str, Any], now: Optional[datetime] = Non
     return f'calibration: {surface}; {base}' + (f'; camera {device}' if device else '')
 
 
-def calibration_date(values: Mapping[str, Any]) -> Optional[datetime]:
+def calibration_date(
+    values: Mapping[str, Any], record: str = 'calibration.surface'
+) -> Optional[datetime]:
     """
     Tell when the surface was calibrated; None where that is not recorded.
 
     :param values: By full name.
+    :param record: Name of the record of what was calibrated.
     """
-    date = str(values.get('calibration.surface') or '').partition(', ')[0]
+    date = str(values.get(record) or '').partition(', ')[0]
     try:
         return datetime.fromisoformat(date).astimezone()
     except ValueError:

@@ -17,7 +17,8 @@ from camera_to_base.calibration import (
 from camera_to_base.dashboard.sessions.values import CellValues, SPECS
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.files import check_folder
-from camera_to_base.parameters import ParameterFile, read_parameter_file, read_sections, Values
+from camera_to_base.parameters import (
+    calibration_date, ParameterFile, read_parameter_file, read_sections, Values)
 
 # What a person shows on the simulated table is no part of the set-up.
 _PASSING = ('simulated.shows', 'simulated.placement', 'simulated.touched',
@@ -195,19 +196,21 @@ def _is_another_surface(old: Values, new: Values) -> bool:
 
 class Loss(NamedTuple):
     """
-    What saving would remove.
+    What saving would remove or replace.
 
     :param sentence: Asks whether it may.
     :param removes: The parts of the calibration, in words.
+    :param verb: What is done to them.
     """
 
     sentence: str
     removes: List[str]
+    verb: str = 'Remove'
 
 
 def loss_of(own: StoredFile, target: StoredFile, new: Values) -> Optional[Loss]:
     """
-    Tell which calibration in a file would be gone; None if there is none.
+    Tell which calibration in a file would be gone, or replaced by an older one; None for none.
 
     :param own: The cell's file.
     :param target: The one to write.
@@ -217,12 +220,22 @@ def loss_of(own: StoredFile, target: StoredFile, new: Values) -> Optional[Loss]:
     name = os.path.basename(target.path)
     if target is not own and held:
         return Loss(f"'{name}' exists, and holds {_and(held)}, perhaps of another cell. Replace "
-                    'it?', held)
+                    'it?', held, 'Replace')
     lost = [part for part in held if part not in parts_of(new)]
     if lost:
         return Loss(f"'{name}' holds {_and(lost)}, which the running nodes do not have. Remove "
                     f'{"it" if len(lost) == 1 else "them"} from the file?', lost)
+    newer = [part for part in held if _is_newer(_RECORDS.get(part, ''), target.values, new)]
+    if newer:
+        return Loss(f"'{name}' holds {_and(newer)} of a later date than the running nodes have, "
+                    'perhaps from the command calibrate. Replace it? To use it, load the file.',
+                    newer, 'Replace')
     return None
+
+
+def _is_newer(record: str, held: Values, new: Values) -> bool:
+    dates = calibration_date(held, record), calibration_date(new, record)
+    return None not in dates and dates[0] > dates[1]
 
 
 def _and(words: Sequence[str]) -> str:

@@ -288,3 +288,21 @@ def test_an_error_does_not_tell_what_a_file_holds(calibrated, tmp_path):
     with pytest.raises(CameraToBaseError) as refused:
         cell.do('save', 'save', path='secret.yaml')
     assert 'hunter2' not in str(refused.value) and 'other' not in str(refused.value)
+
+
+def test_newer_calibration_in_the_file_is_not_replaced_without_a_question(calibrated, tmp_path):
+    path = tmp_path / 'cell.yaml'
+    cell = set_up(calibrated, path)
+    assert cell.do('save', 'save')['question'] is None
+    mine = path.read_text()
+    # The command `calibrate` writes the file while the nodes run with the former one.
+    record = cell.values['camera']['calibration.surface']
+    assert record[:10] in mine
+    later = mine.replace(record[:10], '2999-01-01')
+    path.write_text(later)
+    state = cell.do('save', 'save')
+    assert 'later date' in state['question']['sentence'] and path.read_text() == later
+    assert state['question']['verb'] == 'Replace'
+    cell.do('save', 'save', removes=state['question']['removes'])
+    assert '2999-' not in path.read_text()
+    assert '2999-' in (tmp_path / 'cell.yaml.bak.1').read_text()

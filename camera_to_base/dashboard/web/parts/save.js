@@ -84,17 +84,19 @@ export function createSave(store) {
     changed, former.node)};
 }
 
-/** Asks before a calibration is removed from a file. */
+/** Asks before a calibration is removed from a file, or replaced by an older one. */
 function createQuestion(allow) {
   const sentence = element('p');
   let removes = [];
+  const yes = button('', () => allow(removes));
   const node = element('div', {class: 'question', role: 'alertdialog', 'aria-label': 'Before saving'},
     sentence, element('div', {class: 'buttons'},
       button('Keep the file as it is', () => saving('cancel'), {class: 'primary'}),
-      button('Remove, and save', () => allow(removes))));
+      yes));
   const update = ({question}) => {
     show(node, question);
     setText(sentence, question?.sentence ?? '');
+    setText(yes, `${question?.verb ?? 'Remove'}, and save`);
     removes = question?.removes ?? [];
   };
   return {node, update};
