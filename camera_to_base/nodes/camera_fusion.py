@@ -12,14 +12,15 @@ import math
 import time
 from typing import List, Optional
 
+from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import CameraPlace, Pose
 from camera_to_base.errors import all_well, InvalidValueError, Level, Reason
 from camera_to_base.fusion import (
     CameraFrame, ClockCheck, FusedCell, FusedObject, FusedSighting, fusion_settings, FUSION_SPECS,
     FusionSettings, OUTLINE_PX, SeenOutline, Viewpoint)
 from camera_to_base.ros import (
-    Diagnostics, Health, Heartbeat, latched, left_out_markers, NameCheck, NO_EVENTS,
-    NodeParameters, PositionTopics, run, silhouettes_of_markers, SolidBox,
+    Diagnostics, Health, Heartbeat, latched, left_out_markers, markers_of_bytes, NameCheck,
+    NO_EVENTS, NodeParameters, PositionTopics, run, silhouettes_of_markers, SolidBox,
     uncertain_pose_from_message, UncertainPose, whole_or_gone)
 from camera_to_base.uncertainty import UNKNOWN_ANGLE
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -67,18 +68,21 @@ class FusedCamera:
         """
         Take a message with silhouettes.
 
+        :param message: See `silhouettes_of_markers`.
         :raises InvalidValueError: If it holds none.
         """
         if not message.markers:
             raise InvalidValueError('expected silhouettes, got a message without a marker')
         silhouettes = silhouettes_of_markers(message)
         if silhouettes:
-            self.surface_z_cm = float(np.mean([one.corners[:, 2].mean() for one in silhouettes]))
+            self.surface_z_cm = float(np.concatenate(
+                [one.corners[:, 2] for one in silhouettes]).mean())
         pose, covariance = self.place
         viewpoint = Viewpoint(
             CameraPlace(tuple(pose[:2]), abs(pose.z - self.surface_z_cm)), covariance[:3, :3])
-        self.header = message.markers[0].header
-        stamp = self.header.stamp
+        told = message.markers[0].header
+        stamp = Time(sec=told.stamp.sec, nanosec=told.stamp.nanosec)
+        self.header = Header(stamp=stamp, frame_id=told.frame_id)
         self.frame = CameraFrame.of(stamp.sec + _NANO * stamp.nanosec, [
             SeenOutline(one.corners[:, :2], one.place.covariance[:2, :2], viewpoint,
                         OUTLINE_PX * one.pixel_cm)
@@ -127,7 +131,7 @@ class CameraFusion(Node):
             lambda message: self._on_place(camera, message), latched())
         self.create_subscription(
             MarkerArray, f'{camera.name}/{_SILHOUETTES}',
-            lambda message, info: self._on_silhouettes(number, camera, message, info), 10,
+            lambda raw, info: self._on_silhouettes(number, camera, raw, info), 10, raw=True,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
     def _on_new_settings(self) -> None:
@@ -143,12 +147,12 @@ class CameraFusion(Node):
         self._cell.forget()
 
     def _on_silhouettes(
-        self, number: int, camera: FusedCamera, message: MarkerArray, info: dict
+        self, number: int, camera: FusedCamera, raw: bytes, info: dict
     ) -> None:
         if camera.place is None:
             return
         try:
-            camera.take(message)
+            camera.take(markers_of_bytes(raw))
         except InvalidValueError as error:
             self._drop(camera, error)
             return
@@ -177,12 +181,11 @@ class CameraFusion(Node):
     def _publish(self, camera: FusedCamera, sighting: FusedSighting) -> None:
         header = camera.header
         tops = [self._top(camera, one) for one in sighting.objects]
-        if tops:
-            pose = tops[0].pose
-            self._topics.publish_position(pose.x, pose.y)
-            self._topics.publish_point(header, *pose[:3])
-            if self._topics.wants_pose:
-                self._topics.publish_pose(header, tops[0])
+        if tops and self._topics.wants_position:
+            self._topics.publish_position(*tops[0].pose[:2])
+            self._topics.publish_point(header, *tops[0].pose[:3])
+        if tops and self._topics.wants_pose:
+            self._topics.publish_pose(header, tops[0])
         self._topics.publish_objects(header, [top.pose for top in tops])
         if self._topics.wants_ellipses:
             self._topics.publish_ellipses(header, tops)

@@ -23,6 +23,7 @@ from camera_to_base.ros.diagnostics import (
 from camera_to_base.ros.driver import (
     camera_info_topic, DriverInfo, is_rectified, PictureListener)
 from camera_to_base.ros.listeners import CorrectionListener, ObjectListener, ToolListener
+from camera_to_base.ros.marker_bytes import markers_of_bytes
 from camera_to_base.ros.messages import (
     left_out_markers, point_from_message, poses_from_message, poses_message, poses_of_markers,
     position_from_message, position_message, tool_message, uncertain_pose_from_message,
@@ -37,8 +38,8 @@ from camera_to_base.ros.silhouettes import (
 __all__ = [
     'box_markers', 'boxes_of_markers', 'camera_info_topic', 'camera_pose',
     'CorrectionListener', 'Diagnostics', 'DriverInfo', 'Health', 'Heartbeat', 'is_rectified',
-    'keep_freed_memory', 'latched', 'left_out_markers', 'NameCheck', 'NO_EVENTS',
-    'NodeParameters', 'ObjectListener', 'PictureListener', 'point_from_message',
+    'keep_freed_memory', 'latched', 'left_out_markers', 'markers_of_bytes', 'NameCheck',
+    'NO_EVENTS', 'NodeParameters', 'ObjectListener', 'PictureListener', 'point_from_message',
     'poses_from_message', 'poses_message', 'poses_of_markers', 'position_from_message',
     'position_message', 'PositionTopics', 'qos_mismatch', 'real_time_timer', 'run',
     'silhouette_markers', 'silhouettes_of_markers', 'SilhouetteTopics', 'SolidBox',

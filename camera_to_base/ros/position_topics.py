@@ -71,6 +71,12 @@ class PositionTopics:
                    for publisher in (self._position, self._point, self._pose, self._objects))
 
     @property
+    def wants_position(self) -> bool:
+        """Whether the tutorial's topic or the stamped point has a subscriber."""
+        return (self._position.get_subscription_count() > 0
+                or self._point.get_subscription_count() > 0)
+
+    @property
     def wants_pose(self) -> bool:
         """Whether the pose with its covariance has a subscriber."""
         return self._pose.get_subscription_count() > 0

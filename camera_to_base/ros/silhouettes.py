@@ -9,6 +9,7 @@
 """Silhouettes on the surface, and where the camera is: what several cameras are fused from."""
 
 import math
+from types import SimpleNamespace
 from typing import Iterable, List, NamedTuple, Optional
 
 from camera_to_base.coordinate_transform import Pose
@@ -68,6 +69,7 @@ def silhouettes_of_markers(message: MarkerArray) -> List[SurfaceSilhouette]:
     """
     Read silhouettes.
 
+    :param message: The message, or what `markers_of_bytes` returns.
     :raises InvalidValueError: If a number is not finite, an outline has no ellipse, or there are
         far too many outlines or corners.
     """
@@ -81,7 +83,7 @@ def silhouettes_of_markers(message: MarkerArray) -> List[SurfaceSilhouette]:
     if [one.id for one in lines] != [one.id for one in ellipses]:
         raise InvalidValueError(f'expected an ellipse for each outline, got {len(lines)} '
                                 f'outlines and {len(ellipses)} ellipses')
-    places = poses_of_markers(MarkerArray(markers=ellipses))
+    places = poses_of_markers(SimpleNamespace(markers=ellipses))
     return [SurfaceSilhouette(_corners(line), place, _width(line))
             for line, place in zip(lines, places)]
 
@@ -90,7 +92,9 @@ def _corners(line: Marker) -> np.ndarray:
     if not _FEWEST_CORNERS < len(line.points) <= _MOST_CORNERS:
         raise InvalidValueError(f'expected {_FEWEST_CORNERS + 1} to {_MOST_CORNERS} corners of an '
                                 f'outline, got {len(line.points)}')
-    corners = np.array([(point.x, point.y, point.z) for point in line.points[:-1]])
+    points = line.points[:-1]
+    corners = points if isinstance(points, np.ndarray) else np.array(
+        [(point.x, point.y, point.z) for point in points])
     if not np.isfinite(corners).all():
         raise InvalidValueError('expected finite corners of an outline, got '
                                 f'{corners[~np.isfinite(corners).all(axis=1)][0].tolist()}')

@@ -12,19 +12,21 @@ import math
 import os
 
 from ament_index_python.packages import get_package_share_directory
+from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import CameraPlace, Pose
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.fusion import KnownHeight, SeenOutline, solve, Viewpoint
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
 from camera_to_base.ros import (
-    boxes_of_markers, camera_pose, latched, silhouette_markers, silhouettes_of_markers,
-    SilhouetteTopics, SurfaceSilhouette, UncertainPose)
+    boxes_of_markers, camera_pose, latched, markers_of_bytes, silhouette_markers,
+    silhouettes_of_markers, SilhouetteTopics, SurfaceSilhouette, UncertainPose)
 from geometry_msgs.msg import PoseWithCovarianceStamped
 import numpy as np
 import pytest
+from rclpy.serialization import serialize_message
 from std_msgs.msg import Header
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import MarkerArray, UVCoordinate
 
 IN_CAMERA, IN_BASE = '/objects_in_cam_frame', '/objects_in_robot_base_frame'
 SQUARE = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.0]])
@@ -42,6 +44,34 @@ def test_silhouette_comes_back_as_it_was_sent():
         assert back.place.pose == pytest.approx(one.place.pose)
         assert back.pixel_cm == pytest.approx(one.pixel_cm)
     assert silhouettes_of_markers(silhouette_markers(Header(), [])) == []
+
+
+def test_bytes_are_read_as_the_message_is_and_other_bytes_are_refused():
+    header = Header(frame_id='base_link', stamp=Time(sec=7, nanosec=9))
+    for sent in ([], [ONE], [ONE, ONE._replace(corners=SQUARE + [5.0, 0.0, 0.1])]):
+        message = silhouette_markers(header, sent)
+        if sent:  # What silhouettes do not have is passed over.
+            message.markers[0].text, message.markers[0].mesh_file.data = 'Grüße', [1, 2, 3]
+            message.markers[-1].texture.data = [4, 5]
+            message.markers[-1].uv_coordinates = [UVCoordinate(u=0.5, v=0.5)]
+        raw = serialize_message(message)
+        read = markers_of_bytes(raw)
+        assert not isinstance(read, MarkerArray)
+        assert read.markers[0].header.frame_id == 'base_link'
+        assert read.markers[0].header.stamp.sec == 7 and read.markers[0].header.stamp.nanosec == 9
+        wanted = silhouettes_of_markers(message)
+        assert len(silhouettes_of_markers(read)) == len(wanted) == len(sent)
+        for one, other in zip(silhouettes_of_markers(read), wanted):
+            np.testing.assert_array_equal(one.corners, other.corners)
+            np.testing.assert_array_equal(one.place.covariance, other.place.covariance)
+            assert one.place.pose == other.place.pose and one.pixel_cm == other.pixel_cm
+
+
+def test_bytes_of_another_shape_are_read_as_a_message_or_refused():
+    raw = serialize_message(silhouette_markers(Header(), [ONE]))
+    assert isinstance(markers_of_bytes(raw + bytes(40)), MarkerArray)
+    with pytest.raises(InvalidValueError, match='expected a MarkerArray, got 100 other bytes'):
+        markers_of_bytes(raw[:100])
 
 
 def test_outline_without_an_ellipse_or_with_a_corner_nowhere_is_refused():
