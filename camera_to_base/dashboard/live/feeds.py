@@ -7,13 +7,15 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""The pictures of a cell's camera node, and what a cell's sessions ask for."""
+"""The pictures of a cell's camera node: for pages, for sessions, and one moment's as files."""
 
+import time
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.dashboard.live.cells import full_name
 from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
+from camera_to_base.errors import FrameSourceError
 from camera_to_base.ros import DriverInfo, is_rectified
 import cv2
 from geometry_msgs.msg import PoseStamped
@@ -22,6 +24,7 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.subscription import Subscription
+from rclpy.task import Future
 from sensor_msgs.msg import CompressedImage
 
 TOPICS = {'annotated': 'debug_image/compressed', 'frame': 'frame/compressed',
@@ -31,8 +34,14 @@ _LATCHED = {'background', 'recorded'}
 _IMAGES = {'sensor_msgs/msg/Image', 'sensor_msgs/msg/CompressedImage'}
 
 OnPicture = Callable[[str, str, CompressedImage], None]
+Stamp = Tuple[int, int]
+PositionsAt = Callable[[Stamp], Optional[Dict[str, Any]]]
 
 _CM_PER_M = 100.0
+_SNAPSHOT_KINDS = ('frame', 'mask')
+# A mask or positions that have not come by then do not come: nothing is published.
+_LONGEST_SNAPSHOT_S = 4.0
+_LONGEST_FOR_BASE_S = 1.0
 
 
 def picture_qos(kind: str) -> QoSProfile:
@@ -174,3 +183,68 @@ class SessionFeed:
         self._sessions.see_tool(
             place.x * _CM_PER_M, place.y * _CM_PER_M, message.header.frame_id,
             stamp.sec + stamp.nanosec / 1e9)
+
+
+class Snapshot:
+    """
+    Waits until the pictures and the positions of one frame have come.
+
+    `answer` is the future of the pictures by file name and the positions as JSON.
+
+    :param node: The node that listens.
+    :param namespace: The cell's.
+    :param positions_at: Returns the positions of the frame with a stamp; None while they are not
+        there.
+    """
+
+    def __init__(self, node: Node, namespace: str, positions_at: PositionsAt) -> None:
+        self._node, self._positions_at = node, positions_at
+        self._began_at = time.monotonic()
+        self._pictures: Dict[Stamp, Dict[str, CompressedImage]] = {}
+        self.answer = Future()
+        self._subscriptions = [
+            node.create_subscription(
+                CompressedImage, full_name(namespace, TOPICS[kind]),
+                lambda message, kind=kind: self._see(kind, message), picture_qos(kind))
+            for kind in _SNAPSHOT_KINDS]
+
+    def check(self) -> bool:
+        """Answer if everything is there, or nothing more is waited for; return whether it has."""
+        waited = time.monotonic() - self._began_at
+        for stamp, pictures in sorted(self._pictures.items()):
+            is_whole = len(pictures) == len(_SNAPSHOT_KINDS)
+            positions = self._positions_at(stamp) if is_whole else None
+            # Base positions follow; of what is beyond the reach, none come.
+            if positions and (waited > _LONGEST_FOR_BASE_S or all(
+                    one['base'] for one in positions['objects'])):
+                return self._end(stamp, positions)
+        if waited < _LONGEST_SNAPSHOT_S:
+            return False
+        if not self._pictures:
+            return self._fail()
+        return self._end(max(self._pictures), {'objects': None})
+
+    def close(self) -> None:
+        """Stop listening."""
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+        self._subscriptions: List[Any] = []
+
+    def _see(self, kind: str, message: CompressedImage) -> None:
+        stamp = message.header.stamp.sec, message.header.stamp.nanosec
+        self._pictures.setdefault(stamp, {})[kind] = message
+        for old in sorted(self._pictures)[:-20]:
+            del self._pictures[old]
+
+    def _end(self, stamp: Stamp, positions: Dict[str, Any]) -> bool:
+        self.close()
+        files = {f'{kind}.{"png" if "png" in one.format else "jpg"}': bytes(one.data)
+                 for kind, one in self._pictures[stamp].items()}
+        self.answer.set_result((files, {'stamp_s': stamp[0] + stamp[1] / 1e9, **positions}))
+        return True
+
+    def _fail(self) -> bool:
+        self.close()
+        self.answer.set_exception(FrameSourceError(
+            'no pictures come from the camera node: is it running, and the camera plugged in?'))
+        return True

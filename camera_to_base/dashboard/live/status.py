@@ -15,10 +15,9 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.dashboard.live.cells import GraphCell
-from camera_to_base.dashboard.live.geometry import Geometry
+from camera_to_base.dashboard.live.geometry import Geometry, shapes_data
 from camera_to_base.dashboard.live.health import CellHealth, Charts
 from camera_to_base.dashboard.live.positions import CellPositions, SeenFrame
-from camera_to_base.dashboard.live.shapes import shapes_data
 from camera_to_base.dashboard.live.state import cell_state, Facts, look_solid, SILENT_S
 from camera_to_base.dashboard.sessions.values import Setup
 from camera_to_base.ros import UncertainPose

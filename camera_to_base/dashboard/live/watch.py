@@ -12,12 +12,11 @@
 from typing import Any, Callable, Dict, Iterable, List, Optional
 
 from camera_to_base.dashboard.live.cells import CAMERA, CellFinder, full_name, GraphCell, TRANSFORM
-from camera_to_base.dashboard.live.feeds import OnPicture, PictureTopics, SessionFeed
+from camera_to_base.dashboard.live.feeds import OnPicture, PictureTopics, SessionFeed, Snapshot
 from camera_to_base.dashboard.live.geometry import Geometry
 from camera_to_base.dashboard.live.health import CellHealth, Lines, LogLines, no_lines
 from camera_to_base.dashboard.live.parameters import RemoteParameters
 from camera_to_base.dashboard.live.positions import CellPositions
-from camera_to_base.dashboard.live.snapshot import Snapshot
 from camera_to_base.dashboard.live.status import CellStatus
 from camera_to_base.dashboard.sessions.all_sessions import AllSessions
 from camera_to_base.dashboard.sessions.cell_sessions import CellSessions

@@ -12,9 +12,8 @@
 import math
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.dashboard.live.geometry import Geometry
+from camera_to_base.dashboard.live.geometry import Geometry, shapes_data
 from camera_to_base.dashboard.live.positions import SeenFrame
-from camera_to_base.dashboard.live.shapes import shapes_data
 from camera_to_base.parameters import default_values, TRANSFORM_SPECS
 from camera_to_base.ros import SolidBox, SurfaceSilhouette, UncertainPose
 from camera_to_base.settings import CAMERA_SPECS
