@@ -19,7 +19,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
 from camera_to_base.detection.precise.evidence import measure_tint
-from camera_to_base.detection.precise.light import LevelLimits, Reference
+from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
 from camera_to_base.detection.precise.plain import find_plain, Plain
@@ -161,28 +161,33 @@ def _is_moved_print(
         return False
     around, unlike = cv2.dilate(strong, _NEAR_PRINT), 0
     # A lens or a push moves places differently.
+    far = grown(window, _SHIFTS[-1][0], frame)
+    bounds = limits.strong_range(slices(far))
     for top in range(0, window.height, _PATCH):
         for left in range(0, window.width, _PATCH):
             patch = (slice(top, top + _PATCH), slice(left, left + _PATCH))
             if cv2.countNonZero(strong[patch]):
-                unlike += min(_unlike(frame, window, patch, shift, limits, around[patch])
-                              for shift in _SHIFTS)
+                unlike += _unlike(frame[part][patch], bounds, around[patch],
+                                  (window.y - far.y + top, window.x - far.x + left))
                 if unlike > most:
                     return False
     return True
 
 
-def _unlike(
-    frame: np.ndarray, box: Box, patch: tuple, shift: Tuple[int, int], limits: LevelLimits,
-    around: np.ndarray,
-) -> int:
-    # Where the picture ends, it goes on as it ends.
-    size, starts = around.shape, (box.y + patch[0].start, box.x + patch[1].start)
-    here = tuple(slice(start, start + length) for start, length in zip(starts, size))
-    there = tuple(slice(start, start + length) for start, length in (
-        (min(max(start + away, 0), whole - length), length) for start, away, whole, length in zip(
-            starts, shift, frame.shape, size)))
-    return cv2.countNonZero(limits.strong_range(there).outside(frame[here]) & around)
+def _unlike(levels: np.ndarray, bounds: Range, around: np.ndarray, place: Tuple[int, int]) -> int:
+    """Count what a patch shows that the background does not, at the best shift."""
+    least = around.size
+    for shift in _SHIFTS:
+        # Where the picture ends, it goes on as it ends.
+        there = tuple(slice(start, start + length) for start, length in (
+            (min(max(start + away, 0), whole - length), length)
+            for start, away, whole, length in zip(
+                place, shift, bounds.darkest.shape, around.shape)))
+        beside = Range(*(bound[there] for bound in bounds))
+        least = min(least, cv2.countNonZero(beside.outside(levels) & around))
+        if not least:
+            break
+    return least
 
 
 def _within(
