@@ -13,12 +13,18 @@ Splits convex objects that touch: coins, nuts, blocks.
 Where two convex objects touch, their common outline has a neck: two notches that face each other,
 closer together than either object is wide. A screw has two notches, too, but its neck is as wide
 as its shaft; an L has one notch. An outline is split only if all of its parts are convex then.
+
+Things with a narrow gap are apart where the table is seen between them: `cut_at_gaps`.
 """
 
 from itertools import combinations
 from typing import Iterator, List, Optional, Tuple
 
-from camera_to_base.detection.precise.piece import largest_part, outline_of
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.light import WEAK_LEVELS
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, enclosed, largest_part, outline_of, outlines_in, square)
+from camera_to_base.detection.precise.regions import filled
 import cv2
 import numpy as np
 
@@ -29,6 +35,14 @@ _WIDEST_NECK = 0.6
 # How much of its convex hull a part fills; a small one's outline is ragged.
 _LEAST_SOLIDITY, _SMALLEST = 0.9, 30
 _MOST_NOTCHES, _MOST_PARTS = 12, 12
+# How far two things may be apart that are taken for one at first, in px; how much nearer to the
+# table's colour it is there; how large a part each is; how far the frame goes towards the table.
+_WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
+# The sides of a gap have one colour where they differ by less; how far off their colours and the
+# table's a gap may be, as a part of their contrast.
+_ALIKE, _THIRD_COLOUR = 0.15, 0.1
+# What is off by less than this part of what is near it shows the table.
+_SURELY = 0.15
 
 
 def split_touching(mask: np.ndarray) -> List[np.ndarray]:
@@ -111,3 +125,68 @@ def _grown_together(parts: List[np.ndarray], mask: np.ndarray) -> List[np.ndarra
 def nearest_part(parts: List[np.ndarray]) -> np.ndarray:
     """Tell which of some masks is nearest to each pixel: shape (h, w), its index."""
     return np.argmin([cv2.distanceTransform(1 - part, cv2.DIST_L2, 5) for part in parts], axis=0)
+
+
+def cut_at_gaps(
+    things: np.ndarray, frame: np.ndarray, background: np.ndarray, min_area: float
+) -> List[np.ndarray]:
+    """
+    Cut things where the table is seen between them, be it through a blurred lens.
+
+    :param things: Shape (h, w), uint8, 1 inside.
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :param min_area: Smaller things do not count, in px².
+    :returns: Each thing's mask.
+    """
+    away = channel_extremes(cv2.absdiff(frame, background))[1]
+    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
+    gap = cv2.morphologyEx(
+        (away < _VALLEY * around).view(np.uint8), cv2.MORPH_CLOSE, square(3)) & things
+    rest = cv2.erode(things & (1 - gap), square(3))
+    whole = Box(0, 0, *things.shape[::-1])
+    found: List[np.ndarray] = []
+    for outline in outlines_in(things):
+        inside = filled(outline, whole)
+        least = max(min_area / 2, _LEAST_PART * enclosed(outline))
+        cores = [filled(one, whole) for one in outlines_in(rest & inside)
+                 if enclosed(one) >= least]
+        if len(cores) > 1 and _is_gap(cores, gap & inside, frame, background):
+            nearest = nearest_part(cores)
+            found += [largest_part(inside & (1 - gap) & (nearest == index).view(np.uint8))
+                      for index in range(len(cores))]
+        elif enclosed(outline) >= min_area:
+            found.append(inside)
+    return found
+
+
+def table_between(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    """Give where the frame is as the table, beside where it is not: shape (h, w), 1 there."""
+    away = channel_extremes(cv2.absdiff(frame, background))[1]
+    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
+    return cv2.morphologyEx((away < _SURELY * around).view(np.uint8), cv2.MORPH_OPEN, square(2))
+
+
+def _is_gap(
+    parts: List[np.ndarray], gap: np.ndarray, frame: np.ndarray, background: np.ndarray
+) -> bool:
+    # On the way from a dark face to a light one, a blurred edge looks like the table, too.
+    near = cv2.dilate(gap, square(_WIDEST_GAP))
+    levels = np.int16(frame)
+    change = levels - background
+    places = [place for place in ((part & near) > 0 for part in parts) if place.any()]
+    span = np.array([np.median(change[place], axis=0) for place in places])
+    if not places or (span @ span[0] <= 0).any():
+        return False
+    # Through a blurred lens, it is a mixture of the table and the sides: no third colour.
+    seen, contrasts = change[gap > 0], np.linalg.norm(span, axis=1)
+    off = np.linalg.norm(seen - seen @ np.linalg.pinv(span, _ALIKE) @ span, axis=1)
+    if np.median(off) > max(_THIRD_COLOUR * contrasts.min(), WEAK_LEVELS):
+        return False
+    # Not one side goes on. A dark joint of the table below a dark thing is no gap, either.
+    for place, contrast in zip(places, contrasts):
+        across = levels[gap > 0] - np.median(levels[place], axis=0)
+        shares = (across * (across - seen)).sum(axis=1) / max(contrast ** 2, 1.0)
+        if np.median(shares) <= _LEAST_GAP:
+            return False
+    return True

@@ -20,14 +20,14 @@ from typing import List, NamedTuple, Optional
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     box_mean, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
-from camera_to_base.detection.precise.light import LINEAR, Reference, WEAK_LEVELS
+from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, chosen, enclosed, enlarged, find_highlight, largest_part, make_piece,
-    outline_of, outlines_in, quantile, square)
+    chosen, enclosed, enlarged, find_highlight, make_piece, outline_of, outlines_in, quantile,
+    square)
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 from camera_to_base.detection.precise.segments import parted
-from camera_to_base.detection.touching import nearest_part
+from camera_to_base.detection.touching import cut_at_gaps, table_between
 import cv2
 import numpy as np
 
@@ -54,14 +54,6 @@ _WIDE, _LEAST_NATS, _LEAST_OWN, _EDGE = 15, 2.0, 0.25, 4.0
 _STEEPEST = 0.06
 # What fades into the table has such an edge on less of its rim.
 _MOST_STEEP = 0.3
-# How far two things may be apart that are taken for one at first, in px; how much nearer to the
-# table's colour it is there; how large a part each is; how far the frame goes towards the table.
-_WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
-# The sides of a gap have one colour where they differ by less; how far off their colours and the
-# table's a gap may be, as a part of their contrast.
-_ALIKE, _THIRD_COLOUR = 0.15, 0.1
-# What is off by less than this part of what is near it shows the table.
-_SURELY = 0.15
 # What is between a thing and its shade: in the frame, logarithm.
 _LEAST_STEP = 0.15
 # How far the surroundings of a part matter for that, px.
@@ -150,7 +142,7 @@ def _masks(
     things = _smooth(found) & cv2.dilate(changed, square(3))
     # Between two colours of a thing, pixels show neither; on a strip of 2 px they show the table.
     things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
-        1 - _table_between(frame, background))
+        1 - table_between(frame, background))
     solid = _solid(things, found, min_area)
     has_highlight = find_highlight(
         make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
@@ -174,7 +166,7 @@ def _masks(
                 things, changed, found, has_highlight, min_area):
             return None
     # Where a thing was seen, parts that are too small do not make it light.
-    return _cut_at_gaps(things, frame, background, min_area) or None
+    return cut_at_gaps(things, frame, background, min_area) or None
 
 
 def _by_segments(
@@ -191,63 +183,6 @@ def _by_segments(
         return None
     # Segments touch at their common border.
     return cv2.morphologyEx(result.things, cv2.MORPH_CLOSE, square(3))
-
-
-def _cut_at_gaps(
-    things: np.ndarray, frame: np.ndarray, background: np.ndarray, min_area: float
-) -> List[np.ndarray]:
-    """Give each thing's mask; cut where the table is seen, be it through a blurred lens."""
-    away = channel_extremes(cv2.absdiff(frame, background))[1]
-    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
-    gap = cv2.morphologyEx(
-        (away < _VALLEY * around).view(np.uint8), cv2.MORPH_CLOSE, square(3)) & things
-    rest = cv2.erode(things & (1 - gap), square(3))
-    whole = Box(0, 0, *things.shape[::-1])
-    found: List[np.ndarray] = []
-    for outline in outlines_in(things):
-        inside = filled(outline, whole)
-        least = max(min_area / 2, _LEAST_PART * enclosed(outline))
-        cores = [filled(one, whole) for one in outlines_in(rest & inside)
-                 if enclosed(one) >= least]
-        if len(cores) > 1 and _is_gap(cores, gap & inside, frame, background):
-            nearest = nearest_part(cores)
-            found += [largest_part(inside & (1 - gap) & (nearest == index).view(np.uint8))
-                      for index in range(len(cores))]
-        elif enclosed(outline) >= min_area:
-            found.append(inside)
-    return found
-
-
-def _table_between(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
-    """Give where the frame is as the table, beside where it is not: shape (h, w), 1 there."""
-    away = channel_extremes(cv2.absdiff(frame, background))[1]
-    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
-    return cv2.morphologyEx((away < _SURELY * around).view(np.uint8), cv2.MORPH_OPEN, square(2))
-
-
-def _is_gap(
-    parts: List[np.ndarray], gap: np.ndarray, frame: np.ndarray, background: np.ndarray
-) -> bool:
-    # On the way from a dark face to a light one, a blurred edge looks like the table, too.
-    near = cv2.dilate(gap, square(_WIDEST_GAP))
-    levels = np.int16(frame)
-    change = levels - background
-    places = [place for place in ((part & near) > 0 for part in parts) if place.any()]
-    span = np.array([np.median(change[place], axis=0) for place in places])
-    if not places or (span @ span[0] <= 0).any():
-        return False
-    # Through a blurred lens, it is a mixture of the table and the sides: no third colour.
-    seen, contrasts = change[gap > 0], np.linalg.norm(span, axis=1)
-    off = np.linalg.norm(seen - seen @ np.linalg.pinv(span, _ALIKE) @ span, axis=1)
-    if np.median(off) > max(_THIRD_COLOUR * contrasts.min(), WEAK_LEVELS):
-        return False
-    # Not one side goes on. A dark joint of the table below a dark thing is no gap, either.
-    for place, contrast in zip(places, contrasts):
-        across = levels[gap > 0] - np.median(levels[place], axis=0)
-        shares = (across * (across - seen)).sum(axis=1) / max(contrast ** 2, 1.0)
-        if np.median(shares) <= _LEAST_GAP:
-            return False
-    return True
 
 
 def _smooth(found: Evidence) -> np.ndarray:
