@@ -209,7 +209,8 @@ def camera_settings(values: Values) -> CameraSettings:
         detector=DetectorSettings(
             **grouped(values, 'detector.'),
             area=hull if values['surface.reject_outside_hull'] else None, areas=areas,
-            heights_cm=object_heights(values, surface)),
+            heights_cm=object_heights(values, surface),
+            flat_middle_cm=values['flat_middle_cm']),
         surface=surface,
         hull=hull,
         uncertainty=position_uncertainty(values, surface),

@@ -139,15 +139,23 @@ class ObjectLocator:
     ) -> Union[LocatedObject, LeftOut]:
         if isinstance(place, HorizonError):
             return LeftOut(detection, _beyond_horizon(place))
-        point = Point(*place.point.tolist())
+        point = Point(*self._below(place.point).tolist())
         area_cm2 = detection.area * abs(_determinant(place.cm_per_px))
         if self._settings.heights_cm:
-            return self._standing(detection, point, area_cm2)
+            return self._standing(detection, Point(*place.point.tolist()), area_cm2)
         reason = self._reason_to_leave_out(detection, point, area_cm2)
         if reason is not None:
             return LeftOut(detection, reason, point)
         yaw = object_yaw(self._surface, detection, place.cm_per_px, self._least_width)
         return LocatedObject(detection, point, yaw)
+
+    def _below(self, seen: np.ndarray) -> np.ndarray:
+        """Give where a flat object lies, whose middle is seen."""
+        middle_cm, pinhole = self._settings.flat_middle_cm, self._surface.pinhole
+        if pinhole is None or not middle_cm:
+            return seen
+        camera = pinhole.camera_place
+        return seen + (camera.foot_cm - seen) * (middle_cm / camera.height_cm)
 
     def _standing(
         self, detection: Detection, seen: Point, area_cm2: float

@@ -99,6 +99,11 @@ HEIGHT_SPECS = [
                   'Several heights, in place of object_height_cm: each object takes the one that '
                   'its outline fits, and is left out where that is not clear. The camera must be '
                   'tilted.', (0.01, 10000), unit='cm'),
+    ParameterSpec('flat_middle_cm', 0.05,
+                  'How far the middle of a flat object is above the plane that was calibrated: '
+                  "half of a coin's thickness, less that of the board; 0 for prints. A tilted "
+                  'camera sees it that much too far out. Only with surface.model pinhole.',
+                  (-2, 2), unit='cm'),
 ]
 # By their names without 'detector.'.
 DETECTOR_DEFAULTS: Mapping[str, Any] = grouped(default_values(DETECTOR_SPECS), 'detector.')
@@ -271,6 +276,7 @@ class DetectorSettings:
     :param areas: The areas on the surface in which objects count.
     :param heights_cm: The heights that objects may have, ascending, see `object_heights`; () for
         flat ones.
+    :param flat_middle_cm: How high a flat object's middle is; only a pinhole camera sees that.
     :raises InvalidValueError: If the smallest area is above the largest.
     """
 
@@ -288,6 +294,7 @@ class DetectorSettings:
     area: Optional[Hull] = None
     areas: Areas = Areas()
     heights_cm: Tuple[float, ...] = ()
+    flat_middle_cm: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the relation of the areas, which the limits of each setting do not cover."""

@@ -81,6 +81,17 @@ def test_prism_is_located_where_it_stands(tilt_deg, height, corners):
         np.testing.assert_allclose(size[:2], [5.0, 3.0], atol=0.1)
 
 
+def test_coin_is_located_where_it_lies_below_a_tilted_camera():
+    surface, place = camera(35), np.array([9.0, -6.0])
+    frame = picture(surface, (prism(place, 2.4, 2.4, 0.0, 60), 0.2))
+    off = {}
+    for middle_cm in 0.0, 0.1:
+        settings = DetectorSettings(flat_middle_cm=middle_cm)
+        found, = ObjectLocator(picture(surface), surface, settings).locate(frame)
+        off[middle_cm] = math.dist(found.point, place)
+    assert off[0.0] > 0.05 and off[0.1] < 0.01
+
+
 def test_object_without_a_height_is_off_by_its_side():
     surface, place = camera(35), np.array([9.0, -6.0])
     solid = prism(place, 5.0, 3.0, 0.4), 5.0
