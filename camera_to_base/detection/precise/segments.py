@@ -18,7 +18,8 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.evidence import Evidence
-from camera_to_base.detection.precise.piece import channel_extremes, disc, quantile, square
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, disc, largest_part, quantile, square)
 import cv2
 import numpy as np
 
@@ -36,6 +37,8 @@ _SOFT, _SHARPEST = 0.7, 0.8
 # how much the colour and the texture may count for light and for a thing.
 _NO_PENUMBRA, _PENUMBRA, _MOST_LIGHT, _MOST_THING = 27.0, 68.0, -30.0, 60.0
 _FEW = 8
+# A coloured thing's segment has this median, nats, and this part of it is one.
+_COLOURED, _SINGLE = 120.0, 0.85
 # What a pixel is whatever its segment is, and what tells that a region has a thing, beside soft
 # shade, too; nats. How much of that it takes, by the thing's area.
 _SURELY, _SURE, _SURE_BESIDE_SHADE, _LEAST_PENUMBRA = 30.0, 9.0, 2.5, 0.1
@@ -82,7 +85,10 @@ def parted(
         return None
     labels = _joined(labels, count, logs[0])
     at_table = cv2.dilate((labels == 1).view(np.uint8), square(3))
-    by_colour, surest, penumbra = np.zeros_like(changed), 0.0, 0
+    sure = found.nats > _SURELY, (found.nats < 0) & (found.is_dark == 0)
+    thing, light = (cv2.morphologyEx(pixels.view(np.uint8), cv2.MORPH_OPEN, square(5))
+                    for pixels in sure)
+    surest, penumbra = 0.0, 0
     result = Parted(np.zeros_like(changed), np.zeros_like(changed))
     for number in range(2, count):
         segment = (labels == number).view(np.uint8)
@@ -90,8 +96,12 @@ def parted(
             continue
         softness = _softness(segment, at_table, steps)
         nats = _nats(segment, softness, found)
+        if quantile(found.nats[segment > 0]) > _COLOURED:
+            # Compression may hide its edge to its shade.
+            result.light[segment > 0] = 1
+            segment = _without(segment, light)
+            result.light[segment > 0] = 0
         result[nats < 0][segment > 0] = 1
-        by_colour |= segment * (nats >= _MOST_THING)
         surest = max(surest, nats)
         if softness is not None and softness > _NO_PENUMBRA / _PENUMBRA:
             penumbra += cv2.countNonZero(segment)
@@ -103,12 +113,17 @@ def parted(
         return None
     if not area:
         return result
-    # Compression may hide an edge: a dark face, or a shade, has no segment of its own.
-    thing, light = (cv2.morphologyEx(
-        (sign * found.nats > _SURELY).view(np.uint8), cv2.MORPH_OPEN, square(5))
-        for sign in (1, -1))
-    things = (result.things | changed & thing) & (1 - (by_colour & light))
-    return Parted(things, changed & (1 - things) & (result.light | result.things))
+    # A dark face may have no segment of its own, for the same reason.
+    things = result.things | changed & thing
+    return Parted(things, result.light & (1 - things))
+
+
+def _without(segment: np.ndarray, light: np.ndarray) -> np.ndarray:
+    """Give a segment without light beside it; all of it where that leaves no single part."""
+    rest = segment & (1 - light)
+    kept = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
+    is_single = cv2.countNonZero(kept) > _SINGLE * cv2.countNonZero(rest)
+    return kept if is_single else segment
 
 
 def _nats(segment: np.ndarray, softness: Optional[float], found: Evidence) -> float:

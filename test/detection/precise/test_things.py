@@ -87,6 +87,24 @@ def test_dark_wall_ends_where_it_stands_though_the_top_is_far_lighter():
     assert np.hypot(*np.subtract(found[0].centre, place)) < 0.3
 
 
+@pytest.mark.parametrize('depth', [10, 16])
+def test_jpeg_does_not_join_a_coloured_wall_and_its_shades(depth):
+    background = np.full((*SIZE, 3), 0.45, np.float32)
+    light = shaded(background, covered((130, 110), (170, 110), (186, 144), (174, 156 + depth),
+                                       (146, 156 + depth)), 0.35)
+    light = shaded(light, covered((130, 110), (170, 110), (170, 142 + depth), (126, 152 + depth),
+                                  (114, 140)), 0.2)
+    wall = covered((128, 142), (172, 142), (171, 142 + depth), (129, 142 + depth))
+    orange = np.float32((0.03, 0.2, 0.7))
+    light = painted(painted(light, square(150, 120, 22), orange), wall, 0.25 * orange)
+    true = (np.maximum(square(150, 120, 22), wall) > 0.5)[..., 0]
+    taken = np.mean([coded(background, 100 + number) for number in range(8)], axis=0)
+    detector = PreciseDifferenceDetector(np.uint8(np.rint(taken)))
+    for seed in range(3):
+        found, = detector.detect(coded(light, seed))
+        assert overlap(found, true) > 0.97
+
+
 @pytest.mark.parametrize('colour', [(0.5, 0.12, 0.1), (0.4, 0.4, 0.42), (0.8, 0.8, 0.8)])
 def test_wall_belongs_to_a_box_and_its_shade_does_not(colour):
     found, = detect(box_with_a_wall(table(0.15), colour=colour), table(0.15))
