@@ -144,7 +144,7 @@ def random_request(source):
 def test_ten_thousand_random_bodies_cause_no_defect(ros, page, capfd, tell):
     source = random.Random(30)
     client = AsyncHTTPClient()
-    counts, defects = {}, []
+    counts, defects, busy = {}, [], []
 
     async def send(path, text):
         answer = await client.fetch(HTTPRequest(
@@ -152,7 +152,9 @@ def test_ten_thousand_random_bodies_cause_no_defect(ros, page, capfd, tell):
             request_timeout=60.0), raise_error=False)
         counts[answer.code] = counts.get(answer.code, 0) + 1
         # Of two sheets at a time, one is refused.
-        if answer.code >= 500 and (answer.code, path) != (503, 'sheet'):
+        if answer.code == 503 and b'the node has not answered' in answer.body:
+            busy.append(path)
+        elif answer.code >= 500 and (answer.code, path) != (503, 'sheet'):
             defects.append((path, text[:500], answer.body))
 
     async def send_all(requests):
@@ -163,5 +165,7 @@ def test_ten_thousand_random_bodies_cause_no_defect(ros, page, capfd, tell):
     tell(f'{BODIES} random bodies: ' + ', '.join(
         f'{count} times {code}' for code, count in sorted(counts.items())))
     assert not defects, defects[:20]
+    # On a loaded machine the middleware loses an answer now and then, and the page says so.
+    assert len(busy) < BODIES / 1000, busy
     assert 'Traceback' not in capfd.readouterr().err
     assert counts[200] > BODIES / 50
