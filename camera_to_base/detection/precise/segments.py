@@ -32,7 +32,7 @@ _FAR, _LEAST_STEP, _STEP_NOISE, _SAME_STEP = 9, 0.1, 5.0, 0.5
 # A step is soft where its near part is less than this part of that of the sharpest ones, which
 # are this part of all.
 _SOFT, _SHARPEST = 0.7, 0.8
-# Fitted to 1,225 segments of rendered scenes with two soft lamps, noise and JPEG; 11 pale faces
+# Fitted to 1,225 segments of rendered scenes with two soft lamps, noise and JPEG; 13 pale faces
 # are taken for light. Nats for a rim without a penumbra, and less for one that is all penumbra;
 # how much the colour and the texture may count for light and for a thing.
 _NO_PENUMBRA, _PENUMBRA, _MOST_LIGHT, _MOST_THING = 27.0, 68.0, -30.0, 60.0
