@@ -127,16 +127,19 @@ class CellPositions:
         def subscribe(kind: type, topic: str, callback: Callable[[Any], None]) -> Any:
             return node.create_subscription(kind, full_name(namespace, topic), callback, 5)
 
+        def keep(frame_id: str, topic: str, name: str, convert: Callable[[Any], list]) -> Any:
+            return subscribe(
+                MarkerArray, f'objects_in_{frame_id}/{topic}', self._keeps(name, convert))
+
         self._subscriptions = [
             subscribe(PoseArray, 'objects_in_cam_frame', self._on_camera),
             subscribe(PoseArray, 'objects_in_robot_base_frame', self._on_base),
-            subscribe(MarkerArray, 'objects_in_cam_frame/ellipses', self._on_camera_ellipses),
-            subscribe(MarkerArray, 'objects_in_robot_base_frame/ellipses',
-                      self._on_base_ellipses),
-            subscribe(MarkerArray, 'objects_in_cam_frame/left_out', self._on_left_out),
-            subscribe(MarkerArray, 'objects_in_cam_frame/boxes', self._on_boxes)]
-        self._subscribe_silhouettes = lambda: subscribe(
-            MarkerArray, 'objects_in_cam_frame/silhouettes', self._on_silhouettes)
+            keep('cam_frame', 'ellipses', 'camera_ellipses', poses_of_markers),
+            keep('robot_base_frame', 'ellipses', 'base_ellipses', poses_of_markers),
+            keep('cam_frame', 'left_out', 'left_out', _left_out_places),
+            keep('cam_frame', 'boxes', 'boxes', boxes_of_markers)]
+        self._subscribe_silhouettes = lambda: keep(
+            'cam_frame', 'silhouettes', 'silhouettes', silhouettes_of_markers)
         self._silhouettes: Optional[Subscription] = None
 
     def want_silhouettes(self, are_wanted: bool) -> None:
@@ -198,31 +201,15 @@ class CellPositions:
         self._owed_since = None
         self._frames.at(message.header.stamp).base = _read(poses_from_message, message)
 
-    def _on_camera_ellipses(self, message: MarkerArray) -> None:
-        if message.markers:
-            frame = self._frames.at(message.markers[0].header.stamp)
-            frame.camera_ellipses = _read(poses_of_markers, message)
-
-    def _on_base_ellipses(self, message: MarkerArray) -> None:
-        if message.markers:
-            frame = self._frames.at(message.markers[0].header.stamp)
-            frame.base_ellipses = _read(poses_of_markers, message)
-
-    def _on_boxes(self, message: MarkerArray) -> None:
-        if message.markers:
-            frame = self._frames.at(message.markers[0].header.stamp)
-            frame.boxes = _read(boxes_of_markers, message)
-
-    def _on_silhouettes(self, message: MarkerArray) -> None:
-        if message.markers:
-            frame = self._frames.at(message.markers[0].header.stamp)
-            frame.silhouettes = _read(silhouettes_of_markers, message)
-
-    def _on_left_out(self, message: MarkerArray) -> None:
-        if message.markers:
-            frame = self._frames.at(message.markers[0].header.stamp)
-            frame.left_out = [_left_out(marker) for marker in message.markers
-                              if marker.action == Marker.ADD]
+    def _keeps(
+        self, name: str, convert: Callable[[MarkerArray], list]
+    ) -> Callable[[MarkerArray], None]:
+        """Return what keeps a message with markers in its frame, by the name of the field."""
+        def keep(message: MarkerArray) -> None:
+            if message.markers:
+                frame = self._frames.at(message.markers[0].header.stamp)
+                setattr(frame, name, _read(convert, message))
+        return keep
 
 
 def _read(convert: Callable[[Any], list], message: Any) -> list:
@@ -230,6 +217,10 @@ def _read(convert: Callable[[Any], list], message: Any) -> list:
         return convert(message)
     except CameraToBaseError:
         return []  # not of this package's nodes
+
+
+def _left_out_places(message: MarkerArray) -> List[LeftOutPlace]:
+    return [_left_out(marker) for marker in message.markers if marker.action == Marker.ADD]
 
 
 def _left_out(marker: Marker) -> LeftOutPlace:
