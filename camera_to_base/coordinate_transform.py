@@ -99,6 +99,15 @@ class CameraPlace(NamedTuple):
     foot_cm: Tuple[float, float]
     height_cm: float
 
+    def below(self, seen: np.ndarray, height_cm: float) -> np.ndarray:
+        """
+        Give what lies below points that are higher than the surface on which they are seen.
+
+        :param seen: Shape (..., 2), x and y on the surface, in cm.
+        :param height_cm: How high they are.
+        """
+        return seen + (np.asarray(self.foot_cm) - seen) * (height_cm / self.height_cm)
+
 
 class CoordinateConversion:
     """A conversion between two coordinate frames (the tutorial's parent class)."""

@@ -139,10 +139,10 @@ class ObjectLocator:
     ) -> Union[LocatedObject, LeftOut]:
         if isinstance(place, HorizonError):
             return LeftOut(detection, _beyond_horizon(place))
-        point = Point(*self._below(place.point).tolist())
         area_cm2 = detection.area * abs(_determinant(place.cm_per_px))
         if self._settings.heights_cm:
             return self._standing(detection, Point(*place.point.tolist()), area_cm2)
+        point = Point(*self._below(place.point).tolist())
         reason = self._reason_to_leave_out(detection, point, area_cm2)
         if reason is not None:
             return LeftOut(detection, reason, point)
@@ -154,8 +154,7 @@ class ObjectLocator:
         middle_cm, pinhole = self._settings.flat_middle_cm, self._surface.pinhole
         if pinhole is None or not middle_cm:
             return seen
-        camera = pinhole.camera_place
-        return seen + (camera.foot_cm - seen) * (middle_cm / camera.height_cm)
+        return pinhole.camera_place.below(seen, middle_cm)
 
     def _standing(
         self, detection: Detection, seen: Point, area_cm2: float

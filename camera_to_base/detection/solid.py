@@ -219,7 +219,7 @@ def _at_half_the_height(
     corners: np.ndarray, camera: CameraPlace, height_cm: float, footprint: Footprint
 ) -> Tuple[Outline, float]:
     seen, foot = Outline.of(corners), np.array(camera.foot_cm)
-    outline = Outline.of(foot + (corners - foot) * (1 - height_cm / camera.height_cm / 2))
+    outline = Outline.of(camera.below(corners, height_cm / 2))
     # The two guesses are apart by as much as either may be off, and the sweep by the height.
     apart = float(np.hypot(*(outline.centre - footprint.outline.centre)))
     sweep = height_cm / camera.height_cm * float(np.hypot(*(seen.centre - foot)))

@@ -139,8 +139,7 @@ def cut_at_gaps(
     :param min_area: Smaller things do not count, in px².
     :returns: Each thing's mask.
     """
-    away = channel_extremes(cv2.absdiff(frame, background))[1]
-    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
+    away, around = _away(frame, background)
     gap = cv2.morphologyEx(
         (away < _VALLEY * around).view(np.uint8), cv2.MORPH_CLOSE, square(3)) & things
     rest = cv2.erode(things & (1 - gap), square(3))
@@ -162,9 +161,14 @@ def cut_at_gaps(
 
 def table_between(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
     """Give where the frame is as the table, beside where it is not: shape (h, w), 1 there."""
-    away = channel_extremes(cv2.absdiff(frame, background))[1]
-    around = cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
+    away, around = _away(frame, background)
     return cv2.morphologyEx((away < _SURELY * around).view(np.uint8), cv2.MORPH_OPEN, square(2))
+
+
+def _away(frame: np.ndarray, background: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Give how far a frame is off the table, and the same across the widest gap."""
+    away = channel_extremes(cv2.absdiff(frame, background))[1]
+    return away, cv2.morphologyEx(away, cv2.MORPH_CLOSE, square(_WIDEST_GAP))
 
 
 def _is_gap(

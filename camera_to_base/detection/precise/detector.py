@@ -213,9 +213,8 @@ class PreciseDifferenceDetector:
                 continue
             parts = self._placer.place_region(frame, region, self._reference)
             if not region.in_other_light:
-                faint = [part for part in parts if self._is_faint(part, frame)]
+                parts, faint = self._without_faint(parts, frame)
                 unclear += faint
-                parts = [part for part in parts if not any(part is one for one in faint)]
             if region.may_be_light:
                 unclear += parts or unplaced(region.outline, frame)
             elif region.is_thing:
@@ -230,6 +229,16 @@ class PreciseDifferenceDetector:
             first = [*takewhile(lambda one: _is_shadow(one, frame, self._reference.lit), placed)]
             placed, unclear = placed[len(first):], unclear + first
         return placed, [*map(_doubtful, _largest_first(unclear))]
+
+    def _without_faint(
+        self, parts: List[Detection], frame: np.ndarray
+    ) -> Tuple[List[Detection], List[Detection]]:
+        """Give the others, and the faint ones."""
+        clear: List[Detection] = []
+        faint: List[Detection] = []
+        for part in parts:
+            (faint if self._is_faint(part, frame) else clear).append(part)
+        return clear, faint
 
     def _is_faint(self, detection: Detection, frame: np.ndarray) -> bool:
         # A trace of light or of JPEG, with a speck in it.

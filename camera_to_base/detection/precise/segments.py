@@ -95,12 +95,12 @@ def parted(
         if not segment.any():
             continue
         softness = _softness(segment, at_table, steps)
-        nats = _nats(segment, softness, found)
-        if quantile(found.nats[segment > 0]) > _COLOURED:
+        colour = float(quantile(found.nats[segment > 0]))
+        nats = _nats(segment, colour, softness, found)
+        if colour > _COLOURED:
             # Compression may hide its edge to its shade.
-            result.light[segment > 0] = 1
-            segment = _without(segment, light)
-            result.light[segment > 0] = 0
+            whole, segment = segment, _without(segment, light)
+            result.light[whole > segment] = 1
         result[nats < 0][segment > 0] = 1
         surest = max(surest, nats)
         if softness is not None and softness > _NO_PENUMBRA / _PENUMBRA:
@@ -126,11 +126,13 @@ def _without(segment: np.ndarray, light: np.ndarray) -> np.ndarray:
     return kept if is_single else segment
 
 
-def _nats(segment: np.ndarray, softness: Optional[float], found: Evidence) -> float:
-    """Tell what speaks for a segment to be a thing."""
+def _nats(
+    segment: np.ndarray, colour: float, softness: Optional[float], found: Evidence
+) -> float:
+    """Tell what speaks for a segment to be a thing: its colour, by the median, and its rim."""
     if 2 * cv2.countNonZero(found.is_dark & segment) > cv2.countNonZero(segment):
         return _MOST_THING
-    nats = float(np.clip(quantile(found.nats[segment > 0]), _MOST_LIGHT, _MOST_THING))
+    nats = min(max(colour, _MOST_LIGHT), _MOST_THING)
     return nats if softness is None else nats + _NO_PENUMBRA - _PENUMBRA * softness
 
 
