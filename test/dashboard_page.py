@@ -18,6 +18,7 @@ import time
 from urllib.error import URLError
 from urllib.request import urlopen
 
+from pytest import approx
 from ros_helpers import NotInTime, Process, SIMULATED_CELL
 
 DRIVERS = ('/usr/bin/chromedriver', 'chromedriver')
@@ -25,6 +26,11 @@ BROWSERS = ('/usr/bin/chromium', 'chromium', 'chromium-browser', 'google-chrome'
 # The machine may be busy with other tests.
 PATIENCE_S = 60.0
 ENTER, RIGHT, DOWN = '\ue007', '\ue014', '\ue015'
+# The coordinates in the list, in the camera frame in cm: of the simulated objects that rest, with
+# the simulated camera's own calibration.
+LISTED = """return [...document.querySelectorAll('#part-watch .numbers tbody tr')].flatMap(
+    (row) => row.cells[2].textContent.split(', ').map(Number))"""
+AT_REST = [18.0, 13.5, 10.44, 8.91, 25.56, 18.09, 25.56, 8.91, 10.44, 18.09]
 # The browser itself says so about a server that a test has ended.
 EXPECTED_ERRORS = (
     'WebSocket connection to', 'net::ERR_CONNECTION_REFUSED', 'the server responded with a status')
@@ -212,6 +218,12 @@ class Page:
         except WebDriverException:  # it has moved, or was made anew
             return False
         return True
+
+    def lay_objects(self):
+        """Let the simulated objects rest, and wait until the page shows them where they rest."""
+        self.click('Objects at rest', '#simulated')
+        wait_until(lambda: self.run(LISTED) == approx(AT_REST, abs=0.05),
+                   lambda: self.read('#part-watch'))
 
     def fill(self, label, text, end=ENTER):
         """Type a text into the field with a label, and press Enter."""

@@ -131,8 +131,7 @@ def test_click_on_an_object_marks_it_in_the_picture(page):
 
 
 def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
-    page.click('Objects at rest', '#simulated')
-    wait_until(lambda: len(page.elements('.map .object')) == 5, lambda: page.read('#part-watch'))
+    page.lay_objects()
     page.run('window.saved = []; const make = URL.createObjectURL;'
              'URL.createObjectURL = (content) => {'
              'window.saved.push(content); return make(content); };')
@@ -151,7 +150,7 @@ def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
 
 
 def test_new_place_is_proved_by_touching_it(page):
-    page.click('Objects at rest', '#simulated')
+    page.lay_objects()
     page.go_to('prove')
     assert page.element('.setup [aria-current=step]').text == 'Prove'
     wait_until(lambda: page.button('Object 5', '#part-prove'), lambda: page.read())

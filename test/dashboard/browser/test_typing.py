@@ -103,8 +103,7 @@ def test_a_change_of_the_same_value_elsewhere_is_told_beside_what_is_typed(detec
 @pytest.mark.parametrize('press_ms', [60, 150, 250, 600])
 def test_a_press_of_any_length_on_the_map_chooses_the_object(page: Page, press_ms):
     from selenium.webdriver.common.action_chains import ActionChains
-    page.click('Objects at rest', '#simulated')
-    wait_until(lambda: len(page.elements('.map .object')) == 5, lambda: page.read('#part-watch'))
+    page.lay_objects()
     page.run("document.querySelector('.map').scrollIntoView({block: 'center'})")
     for index in range(5):
         chain = ActionChains(page.driver, duration=0)
