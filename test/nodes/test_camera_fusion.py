@@ -14,47 +14,17 @@ import signal
 
 from ament_index_python.packages import get_package_share_directory
 from builtin_interfaces.msg import Time
-from camera_to_base.coordinate_transform import Pose
 from camera_to_base.nodes.camera_fusion import CameraFusion
-from camera_to_base.ros import (
-    boxes_of_markers, camera_pose, SilhouetteTopics, SurfaceSilhouette, UncertainPose)
+from camera_to_base.ros import boxes_of_markers
+from fake_camera import BOX, DISC, FakeCamera, OBJECTS, show_until
 from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
 import numpy as np
 import pytest
-from ros_helpers import Process, stamp_now
-from std_msgs.msg import Header
-from two_cameras import base_of, PAIRS, seen
+from ros_helpers import Process
+from two_cameras import base_of, PAIRS
 from visualization_msgs.msg import MarkerArray
 
-OBJECTS = '/objects_in_robot_base_frame'
-SURFACE_Z_CM = 1.0
-BOX = base_of('box', 4.0, 3.0, (6.0, 2.0), 0.3), 2.0
-DISC = base_of('disc', 3.0, 3.0, (-7.0, -1.0), 0.0), 5.0
 CONFIG = os.path.join(get_package_share_directory('camera_to_base'), 'config')
-
-
-class FakeCamera:
-    """Publishes what a camera's transform node would."""
-
-    def __init__(self, ros, name, place, frame_id='base_link'):
-        self._place, self._frame_id = place, frame_id
-        self._topics = SilhouetteTopics(
-            ros.node, f'{name}{OBJECTS}', f'{name}/camera_in_robot_base_frame')
-        self._random, self.moved = np.random.default_rng(1), (0.0, 0.0)
-        self._topics.publish_camera(Header(frame_id=frame_id), camera_pose(
-            *place.foot_cm, SURFACE_Z_CM + place.height_cm, np.zeros((3, 3))))
-
-    @property
-    def is_heard(self):
-        return self._topics.is_wanted
-
-    def show(self, stamp, *objects):
-        outlines = [seen(*one, self._place, self._random, moved=self.moved) for one in objects]
-        self._topics.publish(Header(frame_id=self._frame_id, stamp=stamp), [
-            SurfaceSilhouette(
-                np.column_stack([one.corners, np.full(len(one.corners), SURFACE_Z_CM)]),
-                UncertainPose(Pose(*one.corners.mean(axis=0).tolist(), SURFACE_Z_CM, 0.0),
-                              1e-4 * np.eye(6))) for one in outlines])
 
 
 @pytest.fixture
@@ -66,16 +36,6 @@ def cell(ros):
     # What is sent once arrives once the two have found each other.
     ros.spin_for(0.5)
     return ros, left, right
-
-
-def show_until(ros, condition, *shows):
-    def step():
-        stamp = stamp_now()
-        for camera, objects in shows:
-            camera.show(stamp, *objects)
-        ros.spin_for(0.05)
-        return condition()
-    assert ros.spin_until(step)
 
 
 def test_objects_are_published_with_the_height_that_nobody_told(cell):

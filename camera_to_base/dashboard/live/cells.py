@@ -7,13 +7,18 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""Finds the cells of the ROS graph: the namespaces with a camera node or a transform node."""
+"""
+Finds the cells of the ROS graph: the namespaces with nodes of a camera, or with camera_fusion.
+
+A cell whose objects come from `camera_fusion` is a fused cell: its cameras are cells, too.
+"""
 
 from typing import Dict, List, NamedTuple, Optional, Set
 
 from rclpy.node import Node
 
 CAMERA, TRANSFORM = 'camera_publisher', 'robot_base_publisher'
+FUSION = 'camera_fusion'
 
 
 class GraphCell(NamedTuple):
@@ -23,11 +28,15 @@ class GraphCell(NamedTuple):
     :param namespace: '/' or '/cell_2'.
     :param camera: Full name of its camera node; None if that does not run.
     :param transform: Full name of its transform node; None if that does not run.
+    :param fusion: Full name of its `camera_fusion`; None if that does not run.
+    :param is_fused: Whether its objects come from `camera_fusion`, or did until that ended.
     """
 
     namespace: str
     camera: Optional[str]
     transform: Optional[str]
+    fusion: Optional[str] = None
+    is_fused: bool = False
 
     @property
     def data(self) -> Dict[str, str]:
@@ -50,11 +59,17 @@ class CellFinder:
         """Return all cells; '/' without nodes if there is none."""
         running = {full_name(namespace, name)
                    for name, namespace in self._node.get_node_names_and_namespaces()
-                   if name in (CAMERA, TRANSFORM)}
-        self._seen |= {_namespace(name) for name in running}
-        return [GraphCell(namespace, *(_if_running(full_name(namespace, name), running)
-                                       for name in (CAMERA, TRANSFORM)))
-                for namespace in sorted(self._seen or {'/'})]
+                   if name in (CAMERA, TRANSFORM, FUSION)}
+        self._seen |= running
+        return [self._cell(namespace, running)
+                for namespace in sorted(set(map(_namespace, self._seen)) or {'/'})]
+
+    def _cell(self, namespace: str, running: Set[str]) -> GraphCell:
+        names = [full_name(namespace, name) for name in (CAMERA, TRANSFORM, FUSION)]
+        camera, transform, fusion = (name if name in running else None for name in names)
+        was_fused = names[2] in self._seen and names[0] not in self._seen
+        return GraphCell(namespace, camera, transform, fusion,
+                         camera is None and (fusion is not None or was_fused))
 
 
 def full_name(namespace: str, name: str) -> str:
@@ -64,7 +79,3 @@ def full_name(namespace: str, name: str) -> str:
 
 def _namespace(node_name: str) -> str:
     return node_name.rpartition('/')[0] or '/'
-
-
-def _if_running(name: str, running: Set[str]) -> Optional[str]:
-    return name if name in running else None

@@ -157,13 +157,26 @@ def shapes_data(frame: Optional[SeenFrame], geometry: Optional[Geometry]) -> Lis
     :param frame: None where nothing is published.
     :param geometry: Where things are; None where it is not known.
     """
-    if frame is None or geometry is None or not frame.boxes:
+    if frame is None or not frame.boxes:
+        return []
+    if frame.is_fused:
+        return _fused_shapes(frame)
+    if geometry is None:
         return []
     silhouettes: List[Any] = list(frame.silhouettes)
     if len(silhouettes) != len(frame.boxes):  # One is beyond the horizon: whose is not told.
         silhouettes = [None] * len(frame.boxes)
     return [_shape(number, box, silhouette, geometry) for number, (box, silhouette) in enumerate(
         zip(frame.boxes, silhouettes), start=1) if box.length > 0]
+
+
+def _fused_shapes(frame: SeenFrame) -> List[Dict[str, Any]]:
+    """Describe the boxes of a fused cell: they are in the base frame, and in no picture."""
+    poses = frame.base if len(frame.base or []) == len(frame.boxes) else [None] * len(frame.boxes)
+    # An object without a direction has the identity's; its box is turned by noise alone.
+    return [{'number': number, 'size_cm': [round(side, 2) for side in box[1:]], 'picture': {},
+             'map': {'box': np.round(_bottom(box), 2).tolist() if pose and pose.yaw else None}}
+            for number, (box, pose) in enumerate(zip(frame.boxes, poses), start=1)]
 
 
 def _shape(

@@ -18,6 +18,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.subscription import Subscription
 
 _SECONDS = 60
 
@@ -62,13 +63,23 @@ class LogLines:
     """
 
     def __init__(self, node: Node, names: Collection[str], lines: Lines) -> None:
-        self._node = node
+        self._node, self._lines = node, lines
+        self._names: Dict[str, str] = {}
+        self._subscription: Optional[Subscription] = None
+        self.follow(names)
+
+    def follow(self, names: Collection[str]) -> None:
+        """Listen to these nodes alone."""
         # A logger's name is the node's full name with dots.
-        self._names = {name.strip('/').replace('/', '.'): name for name in names}
-        self._lines = lines
-        # What a node said before the page was opened is sent again.
-        self._subscription = node.create_subscription(Log, '/rosout', self._on_line, QoSProfile(
-            depth=_MOST_LINES, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        by_logger = {name.strip('/').replace('/', '.'): name for name in names}
+        if by_logger == self._names:
+            return
+        self.close()
+        self._names = by_logger
+        # What a node said before is sent again to each new subscriber.
+        self._subscription = self._node.create_subscription(
+            Log, '/rosout', self._on_line, QoSProfile(
+                depth=_MOST_LINES, durability=DurabilityPolicy.TRANSIENT_LOCAL))
 
     @property
     def data(self) -> List[Dict[str, Any]]:
@@ -77,7 +88,9 @@ class LogLines:
 
     def close(self) -> None:
         """Stop listening."""
-        self._node.destroy_subscription(self._subscription)
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
 
     def _on_line(self, line: Log) -> None:
         if line.name in self._names:
@@ -101,6 +114,10 @@ class CellHealth:
         self._reports: Dict[str, Report] = {}
         self._subscription = node.create_subscription(
             DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
+
+    def follow(self, names: Collection[str]) -> None:
+        """Listen to these nodes alone."""
+        self._names = list(names)
 
     def report(self, name: str) -> Optional[Report]:
         """Return the last report of a node; None if there was none."""

@@ -12,7 +12,7 @@
 from collections import deque, OrderedDict
 from dataclasses import dataclass, field
 import time
-from typing import Any, Callable, Deque, List, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.dashboard.live.cells import full_name
@@ -35,6 +35,8 @@ Stamp = Tuple[int, int]
 # The rate is counted over this time.
 _RATE_S = 3.0
 _CM_PER_M = 100.0
+# What is listened to for some cells alone.
+_SILHOUETTES, _FUSED = 'silhouettes', 'fused'
 
 
 @dataclass
@@ -52,6 +54,8 @@ class SeenFrame:
     """
     What came about one frame; None for what has not come.
 
+    :param camera: The objects in the camera frame; those of a fused cell, in the base frame.
+    :param is_fused: Whether it is of a fused cell, all of which is in the base frame.
     :param stamp_s: When it was taken.
     :param latency_s: The time from then until its objects came.
     """
@@ -63,6 +67,7 @@ class SeenFrame:
     left_out: List[LeftOutPlace] = field(default_factory=list)
     boxes: Optional[List[SolidBox]] = None
     silhouettes: List[SurfaceSilhouette] = field(default_factory=list)
+    is_fused: bool = False
     stamp_s: float = 0.0
     latency_s: float = 0.0
 
@@ -138,17 +143,28 @@ class CellPositions:
             keep('robot_base_frame', 'ellipses', 'base_ellipses', poses_of_markers),
             keep('cam_frame', 'left_out', 'left_out', _left_out_places),
             keep('cam_frame', 'boxes', 'boxes', boxes_of_markers)]
-        self._subscribe_silhouettes = lambda: keep(
-            'cam_frame', 'silhouettes', 'silhouettes', silhouettes_of_markers)
-        self._silhouettes: Optional[Subscription] = None
+        self._subscribe_more = {
+            _SILHOUETTES: lambda: [
+                keep('cam_frame', 'silhouettes', 'silhouettes', silhouettes_of_markers)],
+            _FUSED: lambda: [
+                keep('robot_base_frame', 'left_out', 'left_out', _left_out_places),
+                keep('robot_base_frame', 'boxes', 'boxes', boxes_of_markers)]}
+        self._more: Dict[str, List[Subscription]] = {}
 
     def want_silhouettes(self, are_wanted: bool) -> None:
         """Listen to silhouettes, or not: without a camera's place the node has none."""
-        if are_wanted and self._silhouettes is None:
-            self._silhouettes = self._subscribe_silhouettes()
-        elif not are_wanted and self._silhouettes is not None:
-            self._node.destroy_subscription(self._silhouettes)
-            self._silhouettes = None
+        self._want(_SILHOUETTES, are_wanted)
+
+    def want_fused(self, is_fused: bool) -> None:
+        """Listen to a fused cell, or not: all of it comes in the base frame."""
+        self._want(_FUSED, is_fused)
+
+    def _want(self, name: str, is_wanted: bool) -> None:
+        if is_wanted and name not in self._more:
+            self._more[name] = self._subscribe_more[name]()
+        elif not is_wanted:
+            for subscription in self._more.pop(name, []):
+                self._node.destroy_subscription(subscription)
 
     @property
     def newest(self) -> Optional[SeenFrame]:
@@ -184,6 +200,7 @@ class CellPositions:
     def close(self) -> None:
         """Stop listening."""
         self.want_silhouettes(False)
+        self.want_fused(False)
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
 
@@ -198,6 +215,9 @@ class CellPositions:
         self._on_objects(frame.camera)
 
     def _on_base(self, message: PoseArray) -> None:
+        if _FUSED in self._more:
+            self._on_camera(message)
+            self._frames.at(message.header.stamp).is_fused = True
         self._owed_since = None
         self._frames.at(message.header.stamp).base = _read(poses_from_message, message)
 

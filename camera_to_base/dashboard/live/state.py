@@ -17,7 +17,7 @@ import time
 from typing import Any, Collection, Dict, NamedTuple, Optional, Tuple
 
 from camera_to_base.calibration import BASE, SURFACE
-from camera_to_base.dashboard.live.cells import CAMERA, GraphCell, TRANSFORM
+from camera_to_base.dashboard.live.cells import CAMERA, FUSION, GraphCell, TRANSFORM
 
 # Without objects in the camera frame for so long, nothing is published.
 SILENT_S = 1.5
@@ -70,12 +70,13 @@ class Facts(NamedTuple):
     """
     What is known about a cell.
 
-    :param was_seen: Whether its camera node ran before.
+    :param was_seen: Whether its camera node ran before, of a fused cell its camera_fusion.
     :param silent_s: Time since the last objects in the camera frame came.
     :param owed_s: Time since objects came in the camera frame that have not come in the base
         frame, nor any later ones; 0 if they have.
     :param camera: The camera node's last report; None if there was none.
     :param transform: The transform node's.
+    :param fusion: Of camera_fusion, in a fused cell.
     :param parts: What is calibrated: SURFACE, MARKERS, BASE; None while it is not known.
     :param sees_board: Whether a board is looked for, and seen now.
     :param has_new_surface: Whether a new surface is used whose background is not taken yet.
@@ -91,6 +92,7 @@ class Facts(NamedTuple):
     owed_s: float = 0.0
     camera: Optional[Report] = None
     transform: Optional[Report] = None
+    fusion: Optional[Report] = None
     parts: Optional[Collection[str]] = None
     sees_board: bool = False
     has_new_surface: bool = False
@@ -125,6 +127,8 @@ class CellState(NamedTuple):
 
 def cell_state(facts: Facts) -> CellState:
     """Decide what state a cell is in; the most harmful fact comes first."""
+    if facts.cell.is_fused:
+        return _fused(facts)
     if facts.silent_s > SILENT_S:
         return _silence(facts)
     doubts = list(filter(None, (
@@ -137,14 +141,38 @@ def cell_state(facts: Facts) -> CellState:
                                      if one.sentence not in first.sentence))
 
 
-def _silence(facts: Facts) -> CellState:
-    report = facts.camera
-    if facts.cell.camera is None:
-        return _no_camera_node(facts)
+def _fused(facts: Facts) -> CellState:
+    # Its cameras have states of their own.
+    doubt = _doubt(facts.fusion)
+    if facts.silent_s <= SILENT_S:
+        return doubt or CellState('ok', 'ok', _published(facts.object_count))
+    return _no_node(FUSION, facts.cell.fusion, facts.fusion, facts) or doubt or CellState(
+        'waiting', 'warn', 'waiting for the first positions of camera_fusion')
+
+
+def _no_node(
+    node: str, running: Optional[str], report: Optional[Report], facts: Facts
+) -> Optional[CellState]:
+    """Tell that the node from which objects come does not run, or hangs; None if it is well."""
+    if running is None and facts.was_seen:
+        return CellState('node_ended', 'error', (
+            f'{node} has ended: its terminal says why. {_start(node, facts.cell).capitalize()}'))
+    if running is None:
+        return CellState('not_running', 'error', (
+            f'{node} does not run, or this machine does not find it: '
+            + _start(node, facts.cell)))
     if report is not None and report.is_stale:
         return CellState('node_hangs', 'error', (
-            f'camera_publisher has not reported for {report.age_s:.0f} s, and publishes nothing: '
+            f'{node} has not reported for {report.age_s:.0f} s, and publishes nothing: '
             'look at its terminal, and start it again'))
+    return None
+
+
+def _silence(facts: Facts) -> CellState:
+    report = facts.camera
+    missing = _no_node(CAMERA, facts.cell.camera, report, facts)
+    if missing is not None:
+        return missing
     kind = '' if report is None else report.reason
     if facts.has_new_surface and kind in _OUTDATED:
         return CellState('background_next', 'calm', (
@@ -224,16 +252,6 @@ def _published(count: int) -> str:
     if not count:
         return 'The surface is empty: an empty list of objects is published.'
     return '1 object is published.' if count == 1 else f'{count} objects are published.'
-
-
-def _no_camera_node(facts: Facts) -> CellState:
-    if facts.was_seen:
-        return CellState('node_ended', 'error', (
-            'camera_publisher has ended: its terminal says why. '
-            + _start(CAMERA, facts.cell).capitalize()))
-    return CellState('not_running', 'error', (
-        'camera_publisher does not run, or this machine does not find it: '
-        + _start(CAMERA, facts.cell)))
 
 
 def _start(node: str, cell: GraphCell) -> str:

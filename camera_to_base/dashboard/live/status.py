@@ -14,7 +14,8 @@ import time
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.coordinate_transform import Pose
-from camera_to_base.dashboard.live.cells import GraphCell
+from camera_to_base.dashboard.live.cells import (
+    CAMERA, full_name, FUSION, GraphCell, TRANSFORM)
 from camera_to_base.dashboard.live.geometry import Geometry, shapes_data
 from camera_to_base.dashboard.live.health import CellHealth, Charts
 from camera_to_base.dashboard.live.positions import CellPositions, SeenFrame
@@ -104,7 +105,8 @@ def objects_data(
     of_base = held.of('base', bases, frame.base_ellipses, now)
     pixels = _pixels([pose[:2] for pose in camera_poses], geometry)
     return [{
-        'number': number + 1, 'pixel': pixels[number], 'camera': _flat(pose),
+        'number': number + 1, 'pixel': pixels[number],
+        'camera': None if frame.is_fused else _flat(pose),
         'base': None if bases[number] is None else _in_space(bases[number], pose),
         'ellipse': of_camera[number] if bases[number] is None else of_base[number],
     } for number, pose in enumerate(camera_poses)]
@@ -158,20 +160,33 @@ class CellStatus:
 
     :param positions: What they publish.
     :param health: What they say about themselves.
-    :param camera: The camera node's full name.
-    :param transform: The transform node's full name.
+    :param namespace: The cell's.
     """
 
     def __init__(
-        self, positions: CellPositions, health: CellHealth, camera: str, transform: str
+        self, positions: CellPositions, health: CellHealth, namespace: str
     ) -> None:
         self._positions, self._health = positions, health
-        self._camera, self._transform = camera, transform
+        self._camera, self._transform, self._fusion = (
+            full_name(namespace, name) for name in (CAMERA, TRANSFORM, FUSION))
         self._charts, self._held = Charts(), HeldEllipses()
         self._was_seen = False
         self._was_solid: Tuple[float, Optional[Tuple[int, int]]] = (-math.inf, None)
         self._old_surface: Any = None
         self._state: Dict[str, Any] = {}
+
+    def cameras(self, cell: GraphCell) -> List[str]:
+        """Return the namespaces whose silhouettes a fused cell is made of, as its node told."""
+        report = self._health.report(self._fusion)
+        told = report.values.get('source', '') if cell.is_fused and report else ''
+        return [full_name(cell.namespace, name) for name in told.split(', ') if name]
+
+    def node_names(self, cell: GraphCell) -> List[str]:
+        """Return the full names of the nodes that are a cell's, or that a fused cell lives on."""
+        of_cameras = [full_name(camera, name) for camera in self.cameras(cell)
+                      for name in (CAMERA, TRANSFORM)]
+        return ([self._fusion, *of_cameras] if cell.is_fused else
+                [self._camera, self._transform])
 
     def watch_data(
         self, cell: GraphCell, geometry: Optional[Geometry], setup: Setup
@@ -183,7 +198,7 @@ class CellStatus:
         :param geometry: Where things are; None where it is not known.
         :param setup: What is calibrated, and what is being done.
         """
-        self._was_seen |= cell.camera is not None
+        self._was_seen |= (cell.fusion if cell.is_fused else cell.camera) is not None
         frame = self._positions.newest
         shown = self._shown
         self._state = cell_state(self._facts(cell, setup, shown)).data
@@ -195,6 +210,7 @@ class CellStatus:
             'latency_ms': self._latency_ms, 'pace': self._pace,
             'objects': objects_data(shown, geometry, self._held) if shown else [],
             'left_out': left_out_data(shown, geometry) if shown else [],
+            'cameras': self.cameras(cell) if cell.is_fused else None,
             'map': geometry and geometry.map_data, 'image': geometry and geometry.image_data}
 
     def shapes_data(self, geometry: Optional[Geometry]) -> List[Dict[str, Any]]:
@@ -223,7 +239,7 @@ class CellStatus:
             self._old_surface = setup.new_surface
         return Facts(
             cell, self._was_seen, self._positions.silent_s, self._positions.owed_s,
-            self._health.report(self._camera), self._health.report(self._transform),
+            *map(self._health.report, (self._camera, self._transform, self._fusion)),
             setup.parts, setup.sees_board,
             setup.new_surface is not None and setup.new_surface is not self._old_surface,
             len(shown.camera or []) if shown else 0,

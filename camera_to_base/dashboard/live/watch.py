@@ -70,8 +70,7 @@ class CellWatch:
         self.positions = CellPositions(node, namespace, self._feed.on_objects)
         self._health = CellHealth(node, names.values())
         self._log = LogLines(node, names.values(), lines)
-        self._status = CellStatus(
-            self.positions, self._health, names[CAMERA], names[TRANSFORM])
+        self._status = CellStatus(self.positions, self._health, namespace)
         self._capture = node.create_client(
             Trigger, f'{names[CAMERA]}/capture_background')
         self._correction = node.create_client(Trigger, f'{names[CAMERA]}/corrected_surface')
@@ -167,6 +166,9 @@ class CellWatch:
             else:
                 parameters.ask()
         self._feed.look_at_driver(self._cell.camera)
+        self.positions.want_fused(self._cell.is_fused)
+        for part in (self._health, self._log):
+            part.follow(self._status.node_names(self._cell))
 
     def _tell(self, part: str, data: Any) -> None:
         if part not in self._sent or self._sent[part] != data:

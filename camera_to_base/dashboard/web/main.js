@@ -28,9 +28,12 @@ import {createSetup} from './pieces/setup.js';
 import {createSimulated} from './pieces/simulated.js';
 import {createTabs} from './pieces/tabs.js';
 
+const ALL = ['watch', 'detect', 'calibrate', 'robot', 'prove', 'health', 'save'];
+const OF_FUSED = ['watch', 'health'];
+
 const store = new Store();
 
-createTabs(document.getElementById('tabs'), document.getElementById('main'), {
+const tabs = createTabs(document.getElementById('tabs'), document.getElementById('main'), {
   watch: ['Watch', createWatch(store)],
   detect: ['Detect', createDetect(store)],
   calibrate: ['Calibrate', createCalibrate(store)],
@@ -39,6 +42,8 @@ createTabs(document.getElementById('tabs'), document.getElementById('main'), {
   health: ['Health', createHealth(store)],
   save: ['Save', createSave(store)],
 });
+// What is set up, is set up in the cell of each camera.
+store.on('watch', ({cameras}) => tabs.offer(cameras ? OF_FUSED : ALL));
 createBanner(store);
 createCells(store);
 createSetup(store);

@@ -94,6 +94,16 @@ def test_a_camera_node_that_is_gone_is_told_within_three_seconds():
     assert cell_state(Facts(gone, was_seen=False, silent_s=1.6)).kind == 'not_running'
 
 
+def test_a_fused_cell_is_told_by_camera_fusion_and_lacks_no_camera_node():
+    running = GraphCell('/', None, None, '/camera_fusion', True)
+    assert cell_state(Facts(running, fusion=said(), object_count=2)).kind == 'ok'
+    lone = said('one_camera', 'warn', 'left alone sees an object')
+    assert cell_state(Facts(running, fusion=lone)).sentence == lone.sentence
+    assert cell_state(Facts(running, silent_s=2.6, fusion=said(age_s=2.6))).kind == 'node_hangs'
+    gone = cell_state(Facts(running._replace(fusion=None), silent_s=1.6))
+    assert gone.kind == 'node_ended' and 'ros2 run camera_to_base camera_fusion' in gone.sentence
+
+
 def test_a_robot_node_that_is_gone_is_told_within_three_seconds():
     one = state(owed_s=2.6, transform=said(age_s=2.6))
     assert (one.kind, one.level) == ('transform_hangs', 'error')

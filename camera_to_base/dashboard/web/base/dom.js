@@ -87,14 +87,14 @@ export function fillRow(node, texts) {
   texts.forEach((text, index) => setText(node.cells[index], text));
 }
 
-/** Make a table with a caption and column heads; `body` is its tbody. */
+/** Make a table with a caption and column heads; `body` is its tbody, `heads` its first cells. */
 export function table(caption, heads, properties = {}) {
   const body = element('tbody');
   const cells = heads.map((head) => element('th', {scope: 'col'}, head));
   const node = element('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption},
     element('table', properties, element('caption', {}, caption),
       element('thead', {}, element('tr', {}, ...cells)), body));
-  return {node, body};
+  return {node, body, heads: cells};
 }
 
 /** Make a card: a section with a heading. */

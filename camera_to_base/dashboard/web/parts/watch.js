@@ -17,6 +17,7 @@
 import {card, element, fillRow, row, setAttribute, setText, show, svg, sync, table, button}
   from '../base/dom.js';
 import {createCapture} from '../pieces/capture.js';
+import {createFused} from '../pieces/fused.js';
 import {createGrid} from '../pieces/grid.js';
 import {createHeights} from '../pieces/heights.js';
 import {createMap} from '../pieces/map.js';
@@ -35,6 +36,8 @@ const SAME_OBJECT_CM = 3;
 const NEAR_SHARE = 0.08;
 const AGE_AFTER_S = 1;
 const MOST_PLACES = 3;
+const THIRD = 2;
+const [BASE_XY, CAMERA_XY] = ['Base frame x, y in cm', 'Camera frame x, y in cm'];
 
 /** Make the part. */
 export function createWatch(store) {
@@ -42,7 +45,7 @@ export function createWatch(store) {
   const picture = new LivePicture('annotated', KINDS.annotated[1]);
   const map = createMap((object) => selection.choose(object));
   const list = table('Largest first; ± holds 95 % of the errors', [
-    'No.', 'Base frame x, y in cm', 'Camera frame x, y in cm', 'Direction, size in cm', '± mm'], {class: 'numbers'});
+    'No.', BASE_XY, CAMERA_XY, 'Direction, size in cm', '± mm'], {class: 'numbers'});
   const empty = element('p', {class: 'quiet'}, 'No object.');
   const figures = createFigures();
   const leftOut = createLeftOut();
@@ -51,10 +54,24 @@ export function createWatch(store) {
   const grid = createGrid(store, picture);
   const shapes = createShapes(store);
   picture.overlay.append(grid.layer, shapes.layer, rings);
+  const own = element('div', {}, element('div', {class: 'choices-row'}, kindChoice(picture), grid.node,
+    element('div', {class: 'choices'}, shapes.node)), picture.node,
+  element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'));
+  const fused = createFused();
+  const capture = createCapture(store).node;
+  let isShown = false;
+  const play = (cameras) => {
+    if (isShown && !cameras) picture.start();
+    else picture.stop();
+    fused.update(isShown ? cameras ?? [] : []);
+    for (const node of [own, capture]) show(node, !cameras);
+  };
 
   const draw = () => {
     const watch = store.get('watch');
     if (!watch) return;
+    play(watch.cameras);
+    setText(list.heads[THIRD], watch.cameras ? 'Height in cm' : CAMERA_XY);
     selection.follow(watch.objects);
     const sizes = new Map((store.get('shapes') ?? []).map((shape) => [shape.number, shape.size_cm]));
     sync(list.body, watch.objects, (object) => object.number,
@@ -63,7 +80,7 @@ export function createWatch(store) {
     show(empty, !watch.objects.length);
     show(list.node, watch.objects.length);
     figures.update(watch);
-    leftOut.update(watch.left_out ?? []);
+    leftOut.update(watch.left_out ?? [], watch.cameras ? BASE_XY : CAMERA_XY);
     map.update(watch, selection, store.get('shapes') ?? []);
     ring(picture, rings, selection.current);
     scatter.update(watch, selection.current);
@@ -80,14 +97,15 @@ export function createWatch(store) {
 
   const node = element('div', {class: 'watch'}, element('div', {class: 'columns'},
     element('div', {},
-      card('Picture', element('div', {class: 'choices-row'}, kindChoice(picture), grid.node,
-        element('div', {class: 'choices'}, shapes.node)), picture.node,
-        element('p', {class: 'quiet'}, 'Click an object to find it in the list and on the map.'),
-        figures.node, createCapture(store).node)),
+      card('Picture', own, fused.node, figures.node, capture)),
     element('div', {},
       card('Objects', list.node, empty, createHeights(store).node, leftOut.node),
       card('Seen from above', map.node), scatter.node)));
-  return {node, shown: () => picture.start(), hidden: () => picture.stop()};
+  const turn = (isOn) => {
+    isShown = isOn;
+    play(store.get('watch')?.cameras);
+  };
+  return {node, shown: () => turn(true), hidden: () => turn(false)};
 }
 
 /** The object that a person has chosen; it is followed by its place, for numbers change. */
@@ -123,7 +141,8 @@ class Selection {
 }
 
 function apart(one, other) {
-  return Math.hypot(one.camera.x - other.camera.x, one.camera.y - other.camera.y);
+  const [from, to] = [one, other].map(({camera, base}) => camera ?? base);
+  return Math.hypot(from.x - to.x, from.y - to.y);
 }
 
 function nearest(objects, pixel, size) {
@@ -164,10 +183,11 @@ function fillObject(node, object, isChosen, size) {
   const label = node.cells[0].firstChild;
   setAttribute(label, 'aria-pressed', isChosen);
   setAttribute(label, 'aria-label', `Object ${object.number}: show it in the picture`);
-  const yaw = object.base?.yaw_deg ?? object.camera.yaw_deg;
+  const yaw = (object.base ?? object.camera).yaw_deg;
   const [, base, camera, turned, uncertain] = node.cells;
   setText(base, point(object.base));
-  setText(camera, point(object.camera));
+  // A fused cell has no camera frame, and measures heights.
+  setText(camera, object.camera ? point(object.camera) : fixed(size?.at(-1), 2));
   setText(turned.firstChild, yaw === null || yaw === undefined ? 'none' : `${fixed(yaw, 0)}°`);
   setText(turned.lastChild, size ? size.filter(Boolean).map((side) => fixed(side, 1)).join(' × ') : '');
   setText(uncertain, object.ellipse ? fixed(object.ellipse.major_mm, 1) : '–');
@@ -196,10 +216,11 @@ function createFigures() {
 }
 
 function createLeftOut() {
-  const list = table('Left out', ['Why', 'Camera frame x, y in cm'], {class: 'grey'});
+  const list = table('Left out', ['Why', CAMERA_XY], {class: 'grey'});
   show(list.node, false);
-  const update = (items) => {
+  const update = (items, place) => {
     show(list.node, items.length);
+    setText(list.heads[1], place);
     // Shade, for one, is left out at many places for the same reason.
     const groups = new Map(items.map(({sentence}) => [sentence, []]));
     items.forEach((item) => groups.get(item.sentence).push(item));

@@ -16,7 +16,7 @@
 
 import {button, element, setAttribute, setText, show, svg} from '../base/dom.js';
 import {ago} from '../base/numbers.js';
-import {socket} from '../base/state.js';
+import {chosenCell, socket} from '../base/state.js';
 
 const LEAST_GAP_MS = 70;
 const RETRY_MS = 1500;
@@ -32,13 +32,15 @@ export class LivePicture {
   #line = null;
   #isWanted = false;
   #kind;
+  #cell;
   #sentSize = null;
   #age = null;
   #old = element('p', {class: 'age', hidden: true});
   #oldTimer = null;
 
-  /** `kind` is what the server sends; `text` says what can be seen. */
-  constructor(kind, text) {
+  /** `kind` is what the server sends; `text` says what can be seen; `cell` is the chosen one if it is not given. */
+  constructor(kind, text, cell = chosenCell()) {
+    this.#cell = cell;
     this.overlay = svg('svg', {preserveAspectRatio: 'xMidYMid meet', 'aria-hidden': 'true'});
     this.node = element('div', {class: 'picture empty'}, this.#image, this.overlay, this.#waiting,
       this.#old, this.#fullScreen());
@@ -99,7 +101,7 @@ export class LivePicture {
 
   #open() {
     if (!this.#isWanted) return;
-    const line = socket('/ws/picture', {kind: this.#kind, adapts: 'yes'});
+    const line = socket('/ws/picture', {cell: this.#cell, kind: this.#kind, adapts: 'yes'});
     this.#line = line;
     line.binaryType = 'blob';
     line.onopen = () => line.send('next');

@@ -37,7 +37,7 @@ export function createSetup(store) {
     const part = location.hash.slice(1) || 'watch';
     const next = steps.findIndex((step) => !step.isDone);
     const isOpen = OF_SETUP.includes(part) ? next >= 0 : next >= 0 && steps[next].part !== 'prove';
-    show(node, isOpen && !WITHOUT.includes(part) && !sessionStorage.getItem(KEPT_AS));
+    show(node, isOpen && !store.get('watch')?.cameras && !WITHOUT.includes(part) && !sessionStorage.getItem(KEPT_AS));
     sync(list, steps, (step) => step.name, makeStep,
       (item, step, index) => fillStep(item, step, index === next, step.part === part));
     // On a small screen the list is one line that scrolls.

@@ -14,7 +14,7 @@
 
 // The tabs: one part of the page is shown at a time, and the address names it.
 
-import {element, svg} from '../base/dom.js';
+import {element, show, svg} from '../base/dom.js';
 
 const ICONS = {
   watch: 'M2 12s4-7 10-7 10 7 10 7-4 7-10 7S2 12 2 12zM12 9a3 3 0 1 0 .01 0',
@@ -31,10 +31,10 @@ const STEPS = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1};
  * Make the tabs.
  *
  * `parts` has a title and a part for each name; a part has `node`, and `shown()` and `hidden()`
- * where it has something to start or to stop.
+ * where it has something to start or to stop. `offer(names)` of what is returned shows some tabs alone.
  */
 export function createTabs(list, main, parts) {
-  const names = Object.keys(parts);
+  let names = Object.keys(parts);
   let current = null;
   for (const name of names) {
     const [title, part] = parts[name];
@@ -46,7 +46,7 @@ export function createTabs(list, main, parts) {
     const name = names.includes(location.hash.slice(1)) ? location.hash.slice(1) : names[0];
     if (name === current) return;
     if (current) parts[current][1].hidden?.();
-    names.forEach((each) => mark(each, each === name));
+    Object.keys(parts).forEach((each) => mark(each, each === name));
     document.title = `${parts[name][0]} · camera_to_base`;
     current = name;
     scrollTo(0, 0);
@@ -57,6 +57,12 @@ export function createTabs(list, main, parts) {
     parts[current][1][document.hidden ? 'hidden' : 'shown']?.();
   });
   choose();
+  const offer = (offered) => {
+    names = offered;
+    Object.keys(parts).forEach((name) => show(document.getElementById(`tab-${name}`), names.includes(name)));
+    choose();
+  };
+  return {offer};
 }
 
 function tab(name, title, onclick) {
