@@ -16,6 +16,7 @@ import numpy as np
 # Cameras of 1280 x 720 px, 80 cm away: 1200 px of focal length.
 CM_PER_PX = 80 / 1200
 NOISE_PX = 0.3
+RASTER_CM = 0.02
 
 
 def place(tilt_deg, towards_deg, away_cm=80.0):
@@ -61,6 +62,22 @@ def seen(base, height_cm, camera, random=None, covariance_cm2=1e-4, moved=(0.0, 
         hull += random.normal(0, noise_px * CM_PER_PX, hull.shape)
     return SeenOutline(hull + moved, covariance_cm2 * np.eye(2),
                        Viewpoint(camera, np.zeros((3, 3))))
+
+
+def seen_as_one(objects, camera, random):
+    """Return the silhouette of objects, each a base and a height, as one; None if it is not."""
+    hulls = [seen(base, height, camera).corners for base, height in objects]
+    origin = np.concatenate(hulls).min(axis=0) - 0.2
+    pixels = [np.round((hull - origin) / RASTER_CM).astype(np.int32) for hull in hulls]
+    mask = np.zeros(np.concatenate(pixels).max(axis=0)[::-1] + 10, np.uint8)
+    for one in pixels:
+        cv2.fillPoly(mask, [one], 255)
+    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    if len(outlines) != 1:
+        return None
+    corners = outlines[0].reshape(-1, 2)[::10] * RASTER_CM + origin
+    corners = corners + random.normal(0, NOISE_PX * CM_PER_PX, corners.shape)
+    return SeenOutline(corners, 1e-4 * np.eye(2), Viewpoint(camera, np.zeros((3, 3))))
 
 
 def random_object(random, widest=15.0):

@@ -310,7 +310,7 @@ class FusedCell:
             book.disagreeing or {camera for camera, frame in enumerate(book.frames)
                                  if frame is not None}))
         return Reason('cameras_disagree', Level.WARN, (
-            f'{named}: the silhouettes fit no upright object of one height; is one camera bumped, '
+            f'{named}: the silhouettes fit no upright convex object; is one camera bumped, '
             'is a part hidden, or do two objects touch?'), is_passing=True)
 
     def _reason(

@@ -78,6 +78,16 @@ def reach(corners: np.ndarray, directions: np.ndarray = DIRECTIONS) -> np.ndarra
     return (directions @ corners.T).max(axis=1)
 
 
+def notch(corners: np.ndarray) -> float:
+    """
+    Return how deep a polygon is notched: how far inside of its hull a corner is, in cm.
+
+    :param corners: Shape (n, 2), in cm.
+    """
+    along = DIRECTIONS @ corners.T
+    return float((along.max(axis=1)[:, None] - along).min(axis=0).max())
+
+
 def outline_of(reached: np.ndarray) -> np.ndarray:
     """
     Return the polygon that reaches so far: where neighbouring tangents meet.

@@ -34,7 +34,7 @@ from typing import NamedTuple, Optional, Sequence
 
 from camera_to_base.coordinate_transform import CameraPlace
 from camera_to_base.fusion.shape import (
-    COUNT, DIRECTIONS, Extent, extent_of, Moments, moments_of, outline_of, reach)
+    COUNT, DIRECTIONS, Extent, extent_of, Moments, moments_of, notch, outline_of, reach)
 import numpy as np
 
 # Standard deviation of an outline.
@@ -95,6 +95,7 @@ class Solution:
     :param covariance: Of the footprint's centre, shape (2, 2), in cm².
     :param agreement: Share of the outline in which the cameras agree to within twice the noise.
     :param misfit_cm: How far two cameras' footprints are apart: the root of the mean square.
+    :param notch_cm: How deep the silhouettes are notched, in the mean of the cameras.
     :param strain: How far each camera's silhouette had to be moved, as the square over its
         covariance; 4.6 and more for one in ten.
     :param cost: Twice the negative logarithm of how likely this is.
@@ -106,6 +107,7 @@ class Solution:
     covariance: np.ndarray
     agreement: float
     misfit_cm: float
+    notch_cm: float
     strain: np.ndarray
     cost: float
 
@@ -181,7 +183,8 @@ class _Problem:
         return Solution(
             KnownHeight(float(found[0]), height_deviation), moments,
             extent_of(lambda directions: self._footprint(found, directions), moments),
-            covariance, float(agreement), misfit, self._strain,
+            covariance, float(agreement), misfit,
+            float(np.mean([notch(one.corners) for one in self._seen])), self._strain,
             float(self._strain.sum() - 2 * _INDEPENDENT * np.log(self._weights).mean()))
 
     def _solved(self, known: Optional[KnownHeight], height_cm: float) -> np.ndarray:

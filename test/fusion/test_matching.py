@@ -9,9 +9,10 @@
 """Silhouettes of one object find each other; what does not fit is said, and not guessed."""
 
 from camera_to_base.fusion import match
+import cv2
 import numpy as np
 import pytest
-from two_cameras import base_of, PAIRS, place, seen
+from two_cameras import base_of, PAIRS, place, random_object, seen, seen_as_one
 
 TILTED = PAIRS['tilted 30 degrees, opposite sides']
 HIGHEST_CM = 10.0
@@ -51,6 +52,27 @@ def test_an_object_that_one_camera_does_not_see_is_alone():
 def test_a_camera_that_sees_nothing_leaves_all_alone():
     first, _ = both([(box(-10, 0), 2.0), (box(8, 0), 3.0)])
     assert match([first, []], HIGHEST_CM).alone == [(0, 0), (0, 1)]
+
+
+def test_two_objects_that_both_cameras_see_as_one_are_left_out():
+    random, count, published = np.random.default_rng(11), 0, 0
+    while count < 60:
+        first, height, centre = random_object(random)
+        angle, away = random.uniform(0, 2 * np.pi), random.uniform(2.0, 8.0)
+        second = random_object(random)[0]
+        second = second - second.mean(axis=0) + centre + away * np.array(
+            [np.cos(angle), np.sin(angle)])
+        objects = [(first, height), (second, random.uniform(1, 8))]
+        cameras = list(PAIRS.values())[count % len(PAIRS)]
+        outlines = [seen_as_one(objects, camera, random) for camera in cameras]
+        if cv2.intersectConvexConvex(*(cv2.convexHull(one.astype(np.float32)) for one in (
+                first, second)))[0] > 0 or None in outlines:
+            continue
+        count += 1
+        found = match([[one] for one in outlines], HIGHEST_CM)
+        published += len(found.groups)
+        assert len(found.groups) == 1 or found.disagreeing == [(0, 0), (1, 0)]
+    assert published <= 1
 
 
 def test_two_objects_that_one_camera_sees_as_one_are_not_guessed():
