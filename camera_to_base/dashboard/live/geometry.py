@@ -216,10 +216,12 @@ def _may_be_round(box: SolidBox, stands: Optional[np.ndarray]) -> bool:
     return area < _ROUND_SHARE * box.length * box.width
 
 
-def _raised(bottom: np.ndarray, height_cm: float, geometry: Geometry) -> Optional[np.ndarray]:
+def _raised(
+    bottom: Optional[np.ndarray], height_cm: float, geometry: Geometry
+) -> Optional[np.ndarray]:
     """Return the points of the surface that are hidden by points above it, in cm."""
     camera = geometry.settings.surface.camera_place
-    if camera is None or not 0 < height_cm < camera.height_cm:
+    if bottom is None or camera is None or not 0 < height_cm < camera.height_cm:
         return None
     foot = np.array(camera.foot_cm)
     return foot + (bottom - foot) / (1 - height_cm / camera.height_cm)

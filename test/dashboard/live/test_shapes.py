@@ -78,6 +78,15 @@ def test_without_the_place_of_the_camera_or_the_robot_there_is_a_box_alone():
     assert shapes_data(None, Geometry(unknown, {})) == shapes_data(frame, None) == []
 
 
+def test_round_object_whose_silhouette_has_not_come_has_a_size_alone():
+    frame, _ = seen(6.0)
+    frame.boxes[0] = frame.boxes[0]._replace(length=2.0, width=1.98)
+    frame.silhouettes = []
+    shape, = shapes_data(frame, Geometry(CAMERA, TRANSFORM))
+    assert shape['size_cm'] == [2.0, 2.0, 6.0]
+    assert not any([*shape['picture'].values(), *shape['map'].values()])
+
+
 def test_what_is_turned_is_drawn_turned():
     frame, _ = seen(0.0)
     pose = Pose(10.0, 12.0, 0.0, math.radians(30))
