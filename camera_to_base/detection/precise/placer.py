@@ -9,6 +9,7 @@
 
 """Places what was found: plain objects by the short way, regions by the long way."""
 
+from dataclasses import replace
 from typing import Callable, List, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
@@ -56,7 +57,8 @@ class Placer:
     ) -> List[Detection]:
         """Give the objects in a region of a frame; none where all of it may be light."""
         if region.is_thing:
-            return self._thing(frame, region, reference)
+            return [replace(one, doubt=region.doubt)
+                    for one in self._thing(frame, region, reference)]
         is_at_edge = touches_edge(region.box, frame)
         if is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return unplaced(region.outline, frame)

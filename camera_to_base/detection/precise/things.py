@@ -15,7 +15,7 @@ and the long way decides, see `own_shadow`. Where the frame's detail follows the
 the light changes without an edge, it is light.
 """
 
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
@@ -26,7 +26,7 @@ from camera_to_base.detection.precise.piece import (
     chosen, enclosed, enlarged, find_highlight, make_piece, outline_of, outlines_in, quantile,
     square)
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
-from camera_to_base.detection.precise.segments import parted
+from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure
 from camera_to_base.detection.touching import cut_at_gaps, table_between
 import cv2
 import numpy as np
@@ -65,7 +65,7 @@ _FAINT = 16
 _COARSEST = 4
 _MOST_AT_FULL_SIZE = 30_000
 # All of a region may be light, as well as a thing.
-_UNCLEAR: List[np.ndarray] = []
+_UNCLEAR: List[Tuple[np.ndarray, float]] = []
 
 
 class Work(NamedTuple):
@@ -111,11 +111,12 @@ def things_in(
         # Where the table has a texture or a print, that tells better than edges.
         is_plain = not reference.has_edges(slices(window))
         return [region._replace(may_be_light=True)] if is_plain else None
-    outlines = [outline_of(enlarged(mask, scale, frame[slices(window)]), window) for mask in masks]
+    outlines = [outline_of(enlarged(mask, scale, frame[slices(window)]), window)
+                for mask, _ in masks]
     boxes = [Box(*cv2.boundingRect(outline)) for outline in outlines]
     return [Region(outline, box, int(cv2.contourArea(outline)), box, is_thing=True,
-                   neighbours=(*outlines[:index], *outlines[index + 1:]))
-            for index, (outline, box) in enumerate(zip(outlines, boxes))]
+                   neighbours=(*outlines[:index], *outlines[index + 1:]), doubt=scale * doubt)
+            for index, (outline, box, (_, doubt)) in enumerate(zip(outlines, boxes, masks))]
 
 
 def seen_closely(region: Region, frame: np.ndarray) -> Box:
@@ -137,8 +138,8 @@ def work(box: Box) -> Work:
 def _masks(
     frame: np.ndarray, background: np.ndarray, changed: np.ndarray, found: Evidence,
     min_area: float, do_edges_tell: bool,
-) -> Optional[List[np.ndarray]]:
-    """Give each thing's mask; None where it is not clear."""
+) -> Optional[List[Tuple[np.ndarray, float]]]:
+    """Give each thing's mask and its doubt; None where it is not clear."""
     things = _smooth(found) & cv2.dilate(changed, square(3))
     # Between two colours of a thing, pixels show neither; on a strip of 2 px they show the table.
     things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
@@ -153,11 +154,12 @@ def _masks(
         return []
     by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
-    if by_edges is not None and not by_edges.any():
+    if by_edges is not None and not by_edges.things.any():
         # Its edges are soft in part, and nothing is sharp all around to compare them with.
         return _UNCLEAR
+    unsure: Sequence[Unsure] = ()
     if by_edges is not None:
-        things = by_edges
+        things, unsure = by_edges.things, by_edges.unsure
     elif solid is None or not solid.any():
         return None
     else:
@@ -166,13 +168,14 @@ def _masks(
                 things, changed, found, has_highlight, min_area):
             return None
     # Where a thing was seen, parts that are too small do not make it light.
-    return cut_at_gaps(things, frame, background, min_area) or None
+    return [(thing, doubt_of(thing, unsure))
+            for thing in cut_at_gaps(things, frame, background, min_area)] or None
 
 
 def _by_segments(
     frame: np.ndarray, background: np.ndarray, changed: np.ndarray, by_pixels: np.ndarray,
     found: Evidence, min_area: float,
-) -> Optional[np.ndarray]:
+) -> Optional[Parted]:
     logs = tuple(cv2.LUT(picture, log_levels()) for picture in (frame, background))
     result = parted(frame, changed, logs, found, min_area)
     if result is None:
@@ -182,7 +185,7 @@ def _by_segments(
     if cv2.countNonZero(narrow) > min_area / 2:
         return None
     # Segments touch at their common border.
-    return cv2.morphologyEx(result.things, cv2.MORPH_CLOSE, square(3))
+    return result._replace(things=cv2.morphologyEx(result.things, cv2.MORPH_CLOSE, square(3)))
 
 
 def _smooth(found: Evidence) -> np.ndarray:
