@@ -20,11 +20,11 @@ class SlowLine:
     Passes connections on to another port of this machine, with a limit for all together.
 
     :param target: The other port.
-    :param bytes_per_s: In the direction to the client; the other one is fast.
+    :param bytes_per_s: In the direction to the client, may be changed; the other one is fast.
     """
 
     def __init__(self, target, bytes_per_s):
-        self._target, self._pause_s = target, CHUNK / bytes_per_s
+        self._target, self.bytes_per_s = target, bytes_per_s
         self._loop = asyncio.new_event_loop()
         self._turn = asyncio.Lock()
         threading.Thread(target=self._loop.run_forever, daemon=True).start()
@@ -41,15 +41,15 @@ class SlowLine:
         # Small buffers: what waits, waits at the server.
         far_reader, far_writer = await asyncio.open_connection(
             'localhost', self._target, limit=4 * CHUNK)
-        await asyncio.gather(self._pass(reader, far_writer, 0.0),
-                             self._pass(far_reader, writer, self._pause_s),
+        await asyncio.gather(self._pass(reader, far_writer, False),
+                             self._pass(far_reader, writer, True),
                              return_exceptions=True)
 
-    async def _pass(self, reader, writer, pause_s):
+    async def _pass(self, reader, writer, is_slow):
         while content := await reader.read(CHUNK):
-            if pause_s:
+            if is_slow:
                 async with self._turn:
-                    await asyncio.sleep(pause_s * len(content) / CHUNK)
+                    await asyncio.sleep(len(content) / self.bytes_per_s)
             writer.write(content)
             await writer.drain()
         writer.close()

@@ -8,6 +8,7 @@
 # the License.
 """The steps of a calibration as a page asks for them, with real nodes."""
 
+import asyncio
 import errno
 import os
 
@@ -18,6 +19,7 @@ import cv2
 import numpy as np
 import pytest
 from rcl_interfaces.msg import SetParametersResult
+from tornado.httpclient import AsyncHTTPClient, HTTPRequest
 
 SIMULATED = ('-p', 'source:=simulated', '-p', 'simulated.frame_rate:=30.0')
 
@@ -101,6 +103,17 @@ def test_the_sheet_and_the_file_are_given(page):
     assert page.fetch('/api/sheet?cell=/', {}, Origin=None)[0] == 403
     status, _, content = page.fetch('/api/file?cell=/')
     assert status == 200 and b'ros__parameters' in content
+
+
+def test_sheets_are_drawn_one_at_a_time(page):
+    async def fetch_three():
+        client = AsyncHTTPClient()
+        return await asyncio.gather(*(client.fetch(HTTPRequest(
+            f'{page.origin}/api/sheet?cell=/', method='POST', headers=page.headers, body='{}'),
+            raise_error=False) for _ in range(3)))
+
+    answers = page.run(fetch_three())
+    assert sorted(answer.code for answer in answers) == [200, 503, 503]
 
 
 def test_a_full_disk_is_told_and_the_old_file_stays(page, tmp_path, monkeypatch):

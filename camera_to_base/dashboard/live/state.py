@@ -210,7 +210,8 @@ def _uncalibrated(facts: Facts) -> Optional[CellState]:
         return None
     return CellState('base_not_calibrated', 'warn', (
         'The base frame is not calibrated: positions in the base frame are wrong, those in the '
-        'camera frame are right. Measure with the robot where it stands.'))
+        'camera frame are right. Measure with the robot where it stands, or start '
+        'robot_base_publisher with the file that has it.'))
 
 
 def _doubt(report: Optional[Report]) -> Optional[CellState]:

@@ -148,6 +148,7 @@ class CellWatch:
         self._snapshots = [one for one in self._snapshots if not one.check()]
         if self._beats % _BEATS_PER_S == 0:
             self._look_at_graph()
+            self._tell('beat', self._beats)
             self._tell('health', self._status.health_data())
         if self._beats % (_BEATS_PER_S // 2) == 0:
             self._tell('log', self._log.data)

@@ -126,8 +126,11 @@ class CellValues:
         """Take the values of 'camera' or 'transform'; None where it does not run."""
         setattr(self, node, dict(values) if values else None)
         self._settings = None
-        is_known = self.camera is not None and self.transform is not None
-        self.parts = parts_of(self.given) if is_known else None
+        self.parts = None
+        if self.camera is not None and self.transform is not None:
+            # The base frame is the transform node's; the camera node only shows it.
+            has_base = BASE in parts_of(_given('transform', self.transform))
+            self.parts = [part for part in parts_of(self.given) if part != BASE or has_base]
 
     @property
     def settings(self) -> CameraSettings:
@@ -166,7 +169,6 @@ class CellValues:
     @property
     def given(self) -> Dict[str, Any]:
         """The values that differ from their defaults, of both nodes."""
-        # The base frame is the transform node's; the camera node only shows it.
         return {**_given('camera', self.camera), **_given('transform', self.transform)}
 
     def with_part(self, new: Values, part: str) -> CellChanges:

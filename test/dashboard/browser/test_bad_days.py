@@ -9,14 +9,19 @@
 
 """Bad days: what a person reads on the page when something is broken, and what is lost."""
 
+import os
+import re
 import resource
+import signal
 import time
+from types import SimpleNamespace
 
 from dashboard_page import wait_until
 from mjpeg_server import MjpegServer
 import numpy as np
 import pytest
 from ros_helpers import assert_in_time
+from slow_line import SlowLine
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +35,9 @@ def test_dead_camera_node_is_told_and_its_return(page, cell):
     wait_until(lambda: not {'Camera', 'Background'} & set(page.run(
         "return [...document.querySelectorAll('.steps .done a')].map((one) => one.textContent)")),
         lambda: page.read('.steps'))
-    page.go_to('watch')
+    for part in ('calibrate', 'robot', 'prove', 'save', 'watch'):
+        page.go_to(part)
+        assert page.serious_problems() == [], part
     cell.start('camera_publisher')
     page.wait_for('published', '#banner')
 
@@ -38,6 +45,9 @@ def test_dead_camera_node_is_told_and_its_return(page, cell):
 def test_dead_transform_node_is_told_and_its_return(page, cell):
     cell.kill('robot_base_publisher')
     page.wait_for('robot_base_publisher', '#banner')
+    for part in ('watch', 'prove', 'save', 'health'):
+        page.go_to(part)
+        assert page.serious_problems() == [], part
     cell.start('robot_base_publisher')
     wait_until(lambda: 'robot_base_publisher' not in page.read('#banner'),
                lambda: page.read('#banner'))
@@ -62,10 +72,14 @@ def test_nudge_in_the_middle_of_a_calibration_is_told_and_not_called_normal(page
     page.click('Bump', '#simulated')
     page.wait_for('nudged', '#banner')
     assert 'normal' not in page.read('#banner')
+    for part in ('save', 'watch'):
+        page.go_to(part)
+        assert page.serious_problems() == [], part
     page.click('Put back', '#simulated')
     page.go_to('calibrate')
     page.click('Board', '#simulated')
     page.wait_for('This is normal', '#banner')
+    assert page.serious_problems() == []
     page.click('Stop, and drop the placements', '#part-calibrate')
     page.click('Moving objects', '#simulated')
     page.wait_for('published', '#banner')
@@ -82,6 +96,45 @@ def test_dead_dashboard_is_told_and_its_return(page, cell):
     cell.start('dashboard')
     page.wait_for('Connected', '#connection')
     page.wait_for('published', '#banner')
+
+
+def test_dashboard_that_hangs_is_told_and_its_return(page, cell):
+    # Nothing is closed, as on a network that is cut.
+    os.kill(cell.pid('dashboard'), signal.SIGSTOP)
+    try:
+        page.wait_for('The dashboard does not answer', '#banner')
+        assert 'published' not in page.read('#banner')
+        assert 'now' not in page.read('#part-watch .figures')
+    finally:
+        os.kill(cell.pid('dashboard'), signal.SIGCONT)
+    page.wait_for('published', '#banner')
+
+
+def test_picture_that_comes_late_is_told_with_its_age(cell, open_page):
+    line = SlowLine(cell.port, 200_000)
+    try:
+        page = open_page(SimpleNamespace(url=cell.url.replace(str(cell.port), str(line.port))))
+        wait_until(lambda: not page.elements('#part-watch .picture.empty'), lambda: 'no picture')
+        assert 'was taken' not in page.read('#part-watch .picture')
+        line.bytes_per_s = 2_000
+        page.wait_for('This picture was taken', '#part-watch .picture')
+        # It grows older while no other one comes.
+        line.bytes_per_s = 20
+        wait_until(lambda: re.search(r'taken ([5-9]|\d\d) s', page.read('#part-watch .picture')),
+                   lambda: page.read('#part-watch .picture'))
+    finally:
+        line.close()
+
+
+def test_nothing_is_drawn_where_no_picture_has_come(start_cell, open_page):
+    cell = start_cell('-p', 'source:=/dev/video99', namespace='/none')
+    page = open_page(cell)
+    page.wait_for('/dev/video99', '#banner')
+    page.wait_for('Waiting for a picture', '#part-watch .picture')
+    wait_until(lambda: page.elements('#part-watch .frame-grid text'), lambda: 'no grid')
+    assert not page.element('#part-watch .picture > svg').is_displayed()
+    assert page.serious_problems() == []
+    cell.close()
 
 
 OLD = '/**: {ros__parameters: {source: simulated, reach_cm: 55.5}}\n'
@@ -134,6 +187,7 @@ def test_camera_that_is_unplugged_is_told_and_its_return(cell, start_cell, open_
         wait_until(lambda: 'error' in page.element('#banner').get_attribute('class'),
                    lambda: page.read('#banner'))
         page.wait_for(str(camera.port), '#banner')
+        assert page.serious_problems() == []
         camera.start()
         page.wait_for('The surface is not calibrated', '#banner')
         other.close()
@@ -161,7 +215,7 @@ def test_killed_dashboard_loses_no_placement_and_a_stop_is_undone(
     path.write_text(OLD)
     cell = start_cell(params_file=str(path), namespace='/kept')
     page = open_page(cell)
-    page.wait_for('/kept', '#cell-choice')
+    page.wait_for('The surface is not calibrated', '#banner')
     keep_a_placement(page)
     wait_until((tmp_path / '.cell.yaml.steps').exists, lambda: 'nothing is kept')
     cell.kill('dashboard')
@@ -180,7 +234,7 @@ def test_full_disk_is_told_on_save_and_the_old_file_stays(start_cell, open_page,
     path.write_text(OLD)
     cell = start_cell(params_file=str(path), namespace='/disk')
     page = open_page(cell)
-    page.wait_for('/disk', '#cell-choice')
+    page.wait_for('The surface is not calibrated', '#banner')
     page.go_to('save')
     page.wait_for(str(path), '#part-save')
     number = cell.pid('dashboard')

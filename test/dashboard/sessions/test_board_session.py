@@ -270,7 +270,9 @@ def test_lens_of_the_driver_makes_flat_placements_enough(cell):
         if number:
             cell.board.lay(*cell.board.free_place(number))
         assert cell.take()['error'] is None
+    # It says one thing: where it says to fit, no further place is suggested.
     assert 'camera_info tells the lens' in cell.state('board')['hint']
+    assert cell.state('board')['suggestion'] is None
     assert cell.fit()['error'] is None
     cell.do('board', 'accept')
     assert cell.values['camera']['surface.model'] == 'pinhole'

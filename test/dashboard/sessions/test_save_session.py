@@ -12,11 +12,12 @@
 import os
 from pathlib import Path
 
-from camera_to_base.calibration import file_status
+from camera_to_base.calibration import BASE, file_status, SURFACE
 from camera_to_base.dashboard.sessions.all_sessions import AllSessions
 from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.errors import CameraToBaseError
-from camera_to_base.parameters import read_node_parameters, read_parameter_file
+from camera_to_base.parameters import (
+    default_values, read_node_parameters, read_parameter_file, TRANSFORM_SPECS)
 from camera_to_base.settings import read_node_settings
 import numpy as np
 import pytest
@@ -214,6 +215,14 @@ def test_the_base_frame_of_a_former_surface_goes_with_its_covariance_once_that_i
     assert state['question'] is None and state['saved']
     held = read_parameter_file(str(path)).values
     assert not {'rotation_deg', 'displacement_cm', 'base_covariance', 'calibration.base'} & {*held}
+
+
+def test_a_robot_node_that_was_started_without_the_file_has_no_base_frame(calibrated):
+    cell = set_up(calibrated, '')
+    assert cell.sessions.setup.parts == [SURFACE, BASE]
+    cell.values['transform'] = default_values(TRANSFORM_SPECS)
+    cell.tell()
+    assert cell.sessions.setup.parts == [SURFACE]
 
 
 def test_a_base_frame_that_is_the_default_is_written_with_its_covariance(tmp_path):

@@ -18,6 +18,8 @@ const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 4000;
 // A socket that is closed and opened again within this time is not worth a word.
 const PATIENCE_MS = 2000;
+// The node behind the page tells of itself each second: on a line that is cut, nothing is closed.
+const SILENT_MS = 5000;
 
 /** The newest data of each part; who listens to a part is called with what came, and at once. */
 export class Store {
@@ -62,11 +64,21 @@ export function socket(path, query) {
 export function connect(store) {
   let wait = FIRST_WAIT_MS;
   let lost = null;
+  let silent = null;
   const open = () => {
     const line = socket('/ws/state', {confirms: 'yes'});
+    const waitOn = () => {
+      clearTimeout(silent);
+      silent = setTimeout(() => {
+        store.set('connection', 'lost');
+        line.close();
+      }, SILENT_MS);
+    };
+    line.onopen = waitOn;
     line.onmessage = (message) => {
       wait = FIRST_WAIT_MS;
       line.send('got');
+      waitOn();
       clearTimeout(lost);
       lost = null;
       store.set('connection', 'open');
@@ -74,6 +86,7 @@ export function connect(store) {
       store.set(part, data);
     };
     line.onclose = (event) => {
+      clearTimeout(silent);
       if (event.code === 1008 && event.reason) {
         clearTimeout(lost);
         store.set('connection', event.reason);

@@ -79,14 +79,14 @@ export function createWatch(store) {
       (node, object) => fillObject(node, object, selection.is(object), sizes.get(object.number)));
     show(empty, !watch.objects.length);
     show(list.node, watch.objects.length);
-    figures.update(watch);
+    figures.update(store.get('connection') === 'open' ? watch : {objects: watch.objects});
     leftOut.update(watch.left_out ?? [], watch.cameras ? BASE_XY : CAMERA_XY);
     map.update(watch, selection, store.get('shapes') ?? []);
     ring(picture, rings, selection.current);
     scatter.update(watch, selection.current);
   };
   selection.onchange = draw;
-  store.on('watch', draw);
+  ['connection', 'watch'].forEach((part) => store.on(part, draw));
   // Objects move during a press: where it began counts.
   let pressed = null;
   picture.node.addEventListener('pointerdown', (event) => {
@@ -203,7 +203,7 @@ function createFigures() {
     const items = [['Objects', String(objects.length)],
       ['Rate', rate ? `${fixed(rate, 1)} Hz` : '–', TOO[pace?.rate]],
       ['Latency', latency ? `${fixed(latency, 0)} ms` : '–', TOO[pace?.latency]],
-      ['Last frame', age !== null && age < AGE_AFTER_S ? 'now' : ago(age)]];
+      ['Last frame', age === undefined ? '–' : age !== null && age < AGE_AFTER_S ? 'now' : ago(age)]];
     sync(node, items, ([name]) => name,
       ([name]) => element('div', {}, element('dt', {}, name), element('dd')),
       (item, [, text, [word, cure] = []]) => {

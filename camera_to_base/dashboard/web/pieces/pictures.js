@@ -36,7 +36,8 @@ export class LivePicture {
   #sentSize = null;
   #age = null;
   #old = element('p', {class: 'age', hidden: true});
-  #oldTimer = null;
+  #shownAt = 0;
+  #timer = null;
 
   /** `kind` is what the server sends; `text` says what can be seen; `cell` is the chosen one if it is not given. */
   constructor(kind, text, cell = chosenCell()) {
@@ -71,6 +72,7 @@ export class LivePicture {
   /** Ask for no more; the last picture stays. */
   stop() {
     this.#isWanted = false;
+    clearTimeout(this.#timer);
     this.#line?.close();
     this.#line = null;
   }
@@ -132,13 +134,22 @@ export class LivePicture {
       width: this.#image.naturalWidth, height: this.#image.naturalHeight};
     if (before.width !== this.size.width || before.height !== this.size.height) this.onsize();
     setAttribute(this.overlay, 'viewBox', `-0.5 -0.5 ${this.size.width} ${this.size.height}`);
-    this.node.classList.remove('empty', 'old');
+    this.node.classList.remove('empty');
     show(this.#waiting, false);
-    show(this.#old, this.#age > LATE_MS);
-    if (this.#age > LATE_MS) setText(this.#old, `This picture was taken ${ago(this.#age / 1000)}.`);
-    clearTimeout(this.#oldTimer);
-    this.#oldTimer = setTimeout(() => this.node.classList.add('old'), OLD_AFTER_MS);
+    this.#shownAt = performance.now();
+    this.#tellAge();
     this.#askNext();
+  }
+
+  /** It grows older while no other one comes. */
+  #tellAge() {
+    const shownFor = performance.now() - this.#shownAt;
+    const age = this.#age === null ? 0 : this.#age + shownFor;
+    show(this.#old, age > LATE_MS);
+    if (age > LATE_MS) setText(this.#old, `This picture was taken ${ago(age / 1000)}.`);
+    this.node.classList.toggle('old', shownFor > OLD_AFTER_MS);
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#tellAge(), LATE_MS);
   }
 
   #askNext() {
