@@ -9,6 +9,7 @@
 """What a page shows of a cell whose objects come from `camera_fusion`."""
 
 from camera_to_base.nodes.camera_fusion import CameraFusion
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fake_camera import BOX, DISC, FakeCamera, show_until
 import pytest
 from two_cameras import PAIRS
@@ -47,6 +48,19 @@ def test_fused_cell_has_heights_its_cameras_and_the_reasons_of_its_node(ros, das
     assert len(shapes[0]['map']['box']) == 4 and shapes[1]['map']['box'] is None
     show_until(ros, lambda: page.parts['watch']['state']['reason'] == 'ok',
                (left, (BOX, DISC)), (right, (BOX, DISC)))
+
+    # A camera that is nudged is not called well, though all is fused.
+    talk = ros.node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+
+    def tells_nudge():
+        talk.publish(DiagnosticArray(status=[DiagnosticStatus(
+            name='/left/camera_publisher', level=DiagnosticStatus.WARN,
+            message='the camera was nudged',
+            values=[KeyValue(key='reason', value='view_corrected')])]))
+        state = page.parts['watch']['state']
+        return state['sentence'] == 'In /left, the camera was nudged' and state['level'] == 'warn'
+
+    show_until(ros, tells_nudge, (left, (BOX, DISC)), (right, (BOX, DISC)))
 
     def tells(reason):
         return lambda: page.parts['watch']['state']['reason'] == reason

@@ -84,6 +84,7 @@ def test_what_is_left_out_is_shown_with_its_reason(ros, dashboard, cell):
     assert left_out['reason'] == 'too_small'
     assert 'detector.min_area_cm2' in left_out['sentence']
     assert watch['objects'] == [] and watch['state']['level'] != 'error'
+    assert 'empty' not in watch['state']['sentence']
 
 
 def test_two_pages_see_what_one_of_them_changes(ros, dashboard, cell):

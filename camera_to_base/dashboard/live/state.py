@@ -14,7 +14,8 @@ The banner, each part of the page and Health show this one value; none of them m
 """
 
 import time
-from typing import Any, Collection, Dict, NamedTuple, Optional, Tuple
+from types import MappingProxyType
+from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from camera_to_base.calibration import BASE, SURFACE
 from camera_to_base.dashboard.live.cells import CAMERA, FUSION, GraphCell, TRANSFORM
@@ -77,10 +78,12 @@ class Facts(NamedTuple):
     :param camera: The camera node's last report; None if there was none.
     :param transform: The transform node's.
     :param fusion: Of camera_fusion, in a fused cell.
+    :param cameras: Of the camera nodes of a fused cell, by the cells' names.
     :param parts: What is calibrated: SURFACE, MARKERS, BASE; None while it is not known.
     :param sees_board: Whether a board is looked for, and seen now.
     :param has_new_surface: Whether a new surface is used whose background is not taken yet.
     :param object_count: Number of objects in the newest frame.
+    :param has_left_out: Whether something was left out of it, or of one shortly before.
     :param solid: How many of the objects that count as flat look solid, and of how many; None
         where that is no reason to ask.
     :param not_kept: Why what people have measured is not on the disk; None if it is.
@@ -93,10 +96,12 @@ class Facts(NamedTuple):
     camera: Optional[Report] = None
     transform: Optional[Report] = None
     fusion: Optional[Report] = None
+    cameras: Mapping[str, Optional[Report]] = MappingProxyType({})
     parts: Optional[Collection[str]] = None
     sees_board: bool = False
     has_new_surface: bool = False
     object_count: int = 0
+    has_left_out: bool = False
     solid: Optional[Tuple[int, int]] = None
     not_kept: Optional[str] = None
 
@@ -134,18 +139,26 @@ def cell_state(facts: Facts) -> CellState:
     doubts = list(filter(None, (
         _without_base(facts), _uncalibrated(facts), _doubt(facts.camera),
         _doubt(facts.transform), _solid(facts.solid), _not_kept(facts.not_kept))))
+    return _worst(doubts) or CellState('ok', 'ok', _published(facts))
+
+
+def _worst(doubts: List[CellState]) -> Optional[CellState]:
+    """Return the first doubt, with the sentences of the others; None for none."""
     if not doubts:
-        return CellState('ok', 'ok', _published(facts.object_count))
+        return None
     first, *others = doubts
     return first._replace(also=tuple(one.sentence for one in others
                                      if one.sentence not in first.sentence))
 
 
 def _fused(facts: Facts) -> CellState:
-    # Its cameras have states of their own.
-    doubt = _doubt(facts.fusion)
+    # A camera that is nudged, or sees nothing, is its own cell's matter, and this one's.
+    of_cameras = [doubt._replace(kind='camera_doubt', sentence=f'In {name}, {doubt.sentence}')
+                  for name, doubt in zip(facts.cameras, map(_doubt, facts.cameras.values()))
+                  if doubt is not None]
+    doubt = _worst([one for one in (_doubt(facts.fusion), *of_cameras) if one is not None])
     if facts.silent_s <= SILENT_S:
-        return doubt or CellState('ok', 'ok', _published(facts.object_count))
+        return doubt or CellState('ok', 'ok', _published(facts))
     return _no_node(FUSION, facts.cell.fusion, facts.fusion, facts) or doubt or CellState(
         'waiting', 'warn', 'waiting for the first positions of camera_fusion')
 
@@ -248,8 +261,11 @@ def look_solid(report: Optional[Report]) -> Optional[Tuple[int, int]]:
     return (solid, count) if solid and 2 * solid >= count else None
 
 
-def _published(count: int) -> str:
+def _published(facts: Facts) -> str:
     # No rate: a screen reader would read out each change of it.
+    count = facts.object_count
+    if not count and facts.has_left_out:
+        return 'No object is published: Watch lists what is left out, with the reason.'
     if not count:
         return 'The surface is empty: an empty list of objects is published.'
     return '1 object is published.' if count == 1 else f'{count} objects are published.'

@@ -36,6 +36,7 @@ _LEAST_HZ, _LONGEST_MS = 5.0, 300.0
 # An object's last ellipse is held for so long, while it moves at most so far.
 _HELD_S, _HELD_CM = 2.0, 3.0
 _HELD_SOLID_S = 5.0
+_HELD_LEFT_OUT_S = 1.0
 
 
 class HeldEllipses:
@@ -172,6 +173,7 @@ class CellStatus:
         self._charts, self._held = Charts(), HeldEllipses()
         self._was_seen = False
         self._was_solid: Tuple[float, Optional[Tuple[int, int]]] = (-math.inf, None)
+        self._left_out_at = -math.inf
         self._old_surface: Any = None
         self._state: Dict[str, Any] = {}
 
@@ -240,10 +242,17 @@ class CellStatus:
         return Facts(
             cell, self._was_seen, self._positions.silent_s, self._positions.owed_s,
             *map(self._health.report, (self._camera, self._transform, self._fusion)),
+            {name: self._health.report(full_name(name, CAMERA)) for name in self.cameras(cell)},
             setup.parts, setup.sees_board,
             setup.new_surface is not None and setup.new_surface is not self._old_surface,
-            len(shown.camera or []) if shown else 0,
+            len(shown.camera or []) if shown else 0, self._has_left_out(shown),
             None if setup.are_flat else self._solid, setup.not_kept)
+
+    def _has_left_out(self, shown: Optional[SeenFrame]) -> bool:
+        # Held: it comes after the objects of its frame.
+        if shown is not None and shown.left_out:
+            self._left_out_at = time.monotonic()
+        return time.monotonic() - self._left_out_at < _HELD_LEFT_OUT_S
 
     @property
     def _solid(self) -> Optional[Tuple[int, int]]:

@@ -51,6 +51,8 @@ def test_all_is_well_only_if_nothing_is_known_that_is_not():
     assert state() == ('ok', 'ok', '2 objects are published.', ())
     assert state(object_count=1).sentence == '1 object is published.'
     assert 'empty' in state(object_count=0).sentence
+    left_out = state(object_count=0, has_left_out=True).sentence
+    assert 'left out' in left_out and 'empty' not in left_out
 
 
 @pytest.mark.parametrize('sees_board', [False, True])
@@ -97,6 +99,9 @@ def test_a_camera_node_that_is_gone_is_told_within_three_seconds():
 def test_a_fused_cell_is_told_by_camera_fusion_and_lacks_no_camera_node():
     running = GraphCell('/', None, None, '/camera_fusion', True)
     assert cell_state(Facts(running, fusion=said(), object_count=2)).kind == 'ok'
+    one = cell_state(Facts(running, fusion=said(), cameras={'/left': nudged(), '/right': said()}))
+    assert (one.level, one.sentence) == ('warn', 'In /left, the camera was nudged by 7.4 px')
+    assert one.data['way'] == 'health'
     lone = said('one_camera', 'warn', 'left alone sees an object')
     assert cell_state(Facts(running, fusion=lone)).sentence == lone.sentence
     assert cell_state(Facts(running, silent_s=2.6, fusion=said(age_s=2.6))).kind == 'node_hangs'
