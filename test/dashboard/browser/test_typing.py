@@ -9,6 +9,8 @@
 
 """What a person types is never overwritten, and a press of any length is a click."""
 
+import os
+import signal
 import time
 
 from dashboard_page import Page, wait_until
@@ -112,3 +114,35 @@ def test_a_press_of_any_length_on_the_map_chooses_the_object(page: Page, press_m
         wait_until(lambda index=index: [one.get_attribute('data-key') for one in page.elements(
             '.map .object.chosen')] == [str(index + 1)], lambda: page.read('#part-watch'), 3.0)
     page.click('Moving objects', '#simulated')
+
+
+def test_chosen_object_is_still_chosen_after_frames_without_it(page, cell):
+    page.lay_objects()
+    chosen = '#part-watch [aria-pressed=true].number'
+    page.click('Object 2: show it in the picture', '#part-watch')
+    wait_until(lambda: page.elements(chosen), lambda: 'not chosen')
+    os.kill(cell.pid('camera_publisher'), signal.SIGSTOP)
+    try:
+        page.wait_for('No object.', '#part-watch')
+    finally:
+        os.kill(cell.pid('camera_publisher'), signal.SIGCONT)
+    wait_until(lambda: [one.text for one in page.elements(chosen)] == ['2'],
+               lambda: page.read('#part-watch'))
+    page.click('Moving objects', '#simulated')
+
+
+def test_what_stays_in_a_list_is_not_moved_when_something_before_it_goes(page):
+    moved = page.run("""
+        return import('/web/base/dom.js').then(({sync}) => {
+          const parent = document.createElement('div');
+          const show = (...keys) => sync(parent, keys, (key) => key,
+            () => document.createElement('p'), () => {});
+          show('a', 'b', 'c');
+          const observer = new MutationObserver(() => {});
+          observer.observe(parent, {childList: true});
+          show('b', 'c', 'd');
+          return observer.takeRecords().flatMap(
+            ({addedNodes, removedNodes}) => [...addedNodes, ...removedNodes])
+            .map((node) => node.dataset.key);
+        })""")
+    assert moved == ['a', 'd']

@@ -60,19 +60,21 @@ export function show(node, isShown) {
  * `keyOf(item)` names an item; `make(item)` makes its node; `update(node, item)` fills it.
  */
 export function sync(parent, items, keyOf, make, update) {
+  const keys = items.map((item, index) => String(keyOf(item, index)));
   const old = new Map([...parent.children].map((node) => [node.dataset.key, node]));
+  // First, so that what stays is not moved: a press on a node that is moved is no click.
+  old.forEach((node, key) => keys.includes(key) || node.remove());
   items.forEach((item, index) => {
-    const key = String(keyOf(item, index));
-    let node = old.get(key);
-    if (node) old.delete(key);
+    let node = old.get(keys[index]);
+    if (node) old.delete(keys[index]);
     else {
       node = make(item, index);
-      node.dataset.key = key;
+      node.dataset.key = keys[index];
     }
     update(node, item, index);
     if (parent.children[index] !== node) parent.insertBefore(node, parent.children[index] ?? null);
   });
-  old.forEach((node) => node.remove());
+  while (parent.children.length > items.length) parent.lastChild.remove();
 }
 
 /** Make a table row of as many cells; the first one heads the row. */

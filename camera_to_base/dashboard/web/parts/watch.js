@@ -111,11 +111,13 @@ export function createWatch(store) {
 /** The object that a person has chosen; it is followed by its place, for numbers change. */
 class Selection {
   current = null;
+  #kept = null;
   #objects = [];
   onchange = () => {};
 
   choose(object) {
-    this.current = object && this.same(object) ? null : object;
+    this.#kept = object && this.same(object) ? null : object;
+    this.current = this.#kept;
     this.onchange();
   }
 
@@ -124,7 +126,7 @@ class Selection {
   }
 
   same(object) {
-    return this.current && apart(object, this.current) < SAME_OBJECT_CM;
+    return this.#kept && apart(object, this.#kept) < SAME_OBJECT_CM;
   }
 
   numbered(number) {
@@ -133,10 +135,11 @@ class Selection {
 
   follow(objects) {
     this.#objects = objects;
-    if (!this.current) return;
+    if (!this.#kept) return;
     const near = objects.filter((object) => this.same(object));
-    this.current = near.sort((one, other) =>
-      apart(one, this.current) - apart(other, this.current))[0] ?? null;
+    this.current = near.sort((one, other) => apart(one, this.#kept) - apart(other, this.#kept))[0] ?? null;
+    // One that is covered for a while is chosen again where it was.
+    this.#kept = this.current ?? this.#kept;
   }
 }
 

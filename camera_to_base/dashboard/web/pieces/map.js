@@ -33,7 +33,11 @@ export function createMap(choose) {
     const number = event.target.closest('.object')?.dataset.key;
     pressed = objects.find((object) => String(object.number) === number) ?? null;
   });
-  drawing.addEventListener('click', () => pressed && choose(pressed));
+  // No click comes where the pressed node was taken away meanwhile, as in a frame without the object.
+  drawing.addEventListener('pointerup', () => {
+    if (pressed) choose(pressed);
+    pressed = null;
+  });
   const update = (watch, selection, shapes) => {
     const box = frame(watch);
     objects = watch.objects.filter((object) => object.base);
