@@ -146,3 +146,24 @@ def test_what_stays_in_a_list_is_not_moved_when_something_before_it_goes(page):
             .map((node) => node.dataset.key);
         })""")
     assert moved == ['a', 'd']
+
+
+def test_map_stays_where_it_is_when_the_sizes_of_the_objects_come(page):
+    before, after = page.run("""
+        return Promise.all([import('/web/parts/watch.js'), import('/web/base/state.js')]).then(
+          ([{createWatch}, {Store}]) => {
+            const store = new Store();
+            const {node} = createWatch(store);
+            document.body.append(node);
+            const place = {x: 1, y: 2, yaw_deg: null};
+            store.set('watch', {left_out: [], objects: [
+              {number: 1, pixel: null, camera: place, base: place, ellipse: null}]});
+            const top = () => node.querySelector('.map').getBoundingClientRect().top;
+            const before = top();
+            store.set('shapes', [{number: 1, size_cm: [3, 2, 0], picture: {}, map: {}}]);
+            store.set('watch', store.get('watch'));
+            const found = [before, top()];
+            node.remove();
+            return found;
+          })""")
+    assert before == after

@@ -192,7 +192,8 @@ function fillObject(node, object, isChosen, size) {
   // A fused cell has no camera frame, and measures heights.
   setText(camera, object.camera ? point(object.camera) : fixed(size?.at(-1), 2));
   setText(turned.firstChild, yaw === null || yaw === undefined ? 'none' : `${fixed(yaw, 0)}°`);
-  setText(turned.lastChild, size ? size.filter(Boolean).map((side) => fixed(side, 1)).join(' × ') : '');
+  // Sizes come later than places: their line is kept free, so that the map below stays where it is.
+  setText(turned.lastChild, size ? size.filter(Boolean).map((side) => fixed(side, 1)).join(' × ') : '\u00a0');
   setText(uncertain, object.ellipse ? fixed(object.ellipse.major_mm, 1) : '–');
 }
 
