@@ -45,6 +45,8 @@ from visualization_msgs.msg import MarkerArray
 OBJECTS = 'objects_in_robot_base_frame'
 # Markers of one frame, of the boxes and of the ellipses, that arrive within so many messages.
 MOST_WAITING = 20
+# After how many times rest_s it is said that nothing is picked because something is not at rest.
+RESTLESS = 5
 
 
 class Seen(NamedTuple):
@@ -220,6 +222,7 @@ class PickAndPlace(Node):
 
     def _next_object(self) -> Seen:
         """Wait until an object can be picked: the largest one that does not move."""
+        restless_since = None
         while True:
             look = self._next_look(self._look.stamp)
             # What is laid there later is another object.
@@ -228,6 +231,13 @@ class PickAndPlace(Node):
             for target in look.objects:
                 if self._may_be_picked(target, look):
                     return target
+            restless = [seen for seen in look.objects if self._rested(seen, look) < self._rest_s]
+            restless_since = (restless_since or look.stamp) if restless else None
+            if restless and look.stamp - restless_since > RESTLESS * self._rest_s:
+                self.get_logger().warning(
+                    f'the object at ({restless[0].x:.3f}, {restless[0].y:.3f}) m is not picked: '
+                    f'it moves, or its position jumps, by {1000 * self._rest_m:.1f} mm or more '
+                    f'within {self._rest_s} s', throttle_duration_sec=5.0)
 
     def _may_be_picked(self, target: Seen, look: Look) -> bool:
         if self._rested(target, look) < self._rest_s or any(

@@ -189,11 +189,12 @@ def test_object_that_is_not_known_well_enough_waits(ros, arm):
 @pytest.mark.slow
 def test_moving_object_is_picked_when_it_rests(ros, arm):
     table = Table(ros, box(0.10, 0.10), speed=0.01)
-    arm()
+    output = arm()
     ros.spin_for(3.0)
     assert table.joints == []
     table.speed = 0.0
     assert ros.spin_until(lambda: table.happened('caught'))
+    assert 'is not picked: it moves, or its position jumps, by 2.0 mm or more' in output()
 
 
 @pytest.mark.slow

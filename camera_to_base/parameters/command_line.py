@@ -92,7 +92,7 @@ def given_warnings(
     :param own: Names of the node's own parameters.
     :param others: Names of the parameters of other nodes that share its files; None if unknown.
         Then an unknown name in a section for several nodes gives a warning only if it resembles
-        one of the node's own.
+        one of the node's own, and has no group: groups such as `surface` have many nodes' names.
     """
     files = given_arguments(arguments).files
     shared = set()
@@ -108,7 +108,8 @@ def given_warnings(
         *(warning for path in files for warning in file_warnings(path, node)),
         *name_warnings([name for name in given if name not in shared], known),
         *(unknown_name_text(name, meant_name(name, own))
-          for name in unknown_names(shared & set(given), own) if meant_name(name, own))]
+          for name in unknown_names(shared & set(given), own)
+          if '.' not in name and meant_name(name, own))]
 
 
 def file_warnings(path: str, node: str) -> List[str]:

@@ -7,8 +7,10 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
+from camera_to_base.parameters import all_names, TRANSFORM_SPECS
 from camera_to_base.parameters.command_line import (
     file_warnings, given_arguments, given_warnings, GivenArguments)
+from camera_to_base.settings import CAMERA_SPECS
 import pytest
 
 NODE = '/cell/robot_base_publisher'
@@ -60,6 +62,14 @@ def test_what_a_file_says_to_all_nodes_is_told_only_where_it_looks_like_ones_own
         "there is no parameter 'bar', it is left out",
         "there is no parameter 'baz', it is left out",
         "there is no parameter 'reach', it is left out: did you mean 'reach_cm'?"]
+
+
+def test_what_the_camera_node_reads_is_not_told_by_the_transform_node(file):
+    # ros2 run camera_to_base robot_base_publisher --ros-args --params-file cell.yaml
+    names = all_names(CAMERA_SPECS)
+    path = file(section('/**', ', '.join(f'{name}: 1' for name in names)))
+    arguments = ['node', '--ros-args', '--params-file', path]
+    assert given_warnings(NODE, names, arguments, all_names(TRANSFORM_SPECS), None) == []
 
 
 @pytest.mark.parametrize('text', ['', '# nothing', '/**:\n', '/**:\n  ros__parameters: {}\n'])
