@@ -148,7 +148,8 @@ class PickAndPlace(Node):
                              f'({self._place[0]}, {self._place[1]}) m')
         self._news, self._look = threading.Condition(), Look(-math.inf, [])
         self._waiting = {'boxes': {}, 'ellipses': {}}
-        # Since when each object has been where it is; places at which a pick failed or cannot be.
+        # Since when each object has been where it is; places at which a pick failed or cannot be,
+        # and when an object was last seen there.
         self._resting, self._given_up = [], []
         for kind in self._waiting:
             self.create_subscription(
@@ -225,9 +226,7 @@ class PickAndPlace(Node):
         restless_since = None
         while True:
             look = self._next_look(self._look.stamp)
-            # What is laid there later is another object.
-            self._given_up = [place for place in self._given_up if any(
-                place.away(seen) < self._rest_m for seen in look.objects)]
+            self._forget_given_up(look)
             for target in look.objects:
                 if self._may_be_picked(target, look):
                     return target
@@ -241,7 +240,7 @@ class PickAndPlace(Node):
 
     def _may_be_picked(self, target: Seen, look: Look) -> bool:
         if self._rested(target, look) < self._rest_s or any(
-                target.away(other) < self._rest_m for other in self._given_up):
+                target.away(other) < self._rest_m for other, _ in self._given_up):
             return False
         if target.width + 2 * self._tolerance > self._opening:
             self._give_up(target, f'it is {target.width:.3f} m wide, and the gripper opens '
@@ -257,9 +256,18 @@ class PickAndPlace(Node):
             return True
         return False
 
+    def _forget_given_up(self, look: Look) -> None:
+        # What is laid there later is another object; what is not seen on a few frames is the same.
+        seen_at = [(place, look.stamp if any(
+            place.away(seen) < self._rest_m for seen in look.objects) else stamp)
+            for place, stamp in self._given_up]
+        self._given_up = [
+            (place, stamp) for place, stamp in seen_at if look.stamp - stamp <= self._rest_s]
+
     def _give_up(self, target: Seen, why: str) -> None:
-        self._given_up = [other for other in self._given_up if other.away(target) > self._rest_m]
-        self._given_up.append(target)
+        self._given_up = [
+            one for one in self._given_up if one[0].away(target) > self._rest_m]
+        self._given_up.append((target, self._look.stamp))
         self.get_logger().warning(
             f'the object at ({target.x:.3f}, {target.y:.3f}) m stays there: {why}')
 

@@ -144,6 +144,12 @@ def test_after_two_retries_an_object_is_left_where_it_is(ros, arm):
     assert ros.spin_until(lambda: len(table.events) == 3)
     ros.spin_for(3.0)
     assert [event for event, _ in table.events] == ['slipped'] * 3
+    # It is still the same one after a frame on which it was left out.
+    thing = table.objects.pop(1)
+    ros.spin_for(0.1)
+    table.objects[1] = thing
+    ros.spin_for(2.0)
+    assert [event for event, _ in table.events] == ['slipped'] * 3
     # Another object at the same place is another matter.
     thing, table.slips = table.objects.pop(1), 0
     ros.spin_for(0.5)
