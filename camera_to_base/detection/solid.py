@@ -27,8 +27,11 @@ _SIMPLER_PX = 0.5
 LEAST_FIT = 0.9
 # With less than this, where it stands is not known to a few mm.
 _NO_FIT = 0.85
-# Of several heights, one that fits has the first, and one that does not has less than the second.
-_GOOD_FIT, _BAD_FIT = 0.97, 0.955
+# Of several heights, one that fits has the first, and one that does not has less than the second. A
+# height is told inexactly: the first is asked of a height that is smaller by this share of the gap.
+# Of boxes and cylinders 2 or 5 cm high, rendered below a camera tilted by 31 degrees, 175 of 195
+# take their own height so, 6 another one and 14 none; 156, 14 and 25 without the share.
+_GOOD_FIT, _BAD_FIT, _INEXACT = 0.97, 0.955, 0.25
 # A flat disc has no chord on 0.06 of its width that is 0.7 of its radius long; what is swept by a
 # height has long ones up to its sides.
 _LONG_CHORD, _SWEPT = 0.7, 0.965
@@ -180,38 +183,36 @@ def solid_of(
     """
     corners = surface.locate(outline)
     rayed = RayedSilhouette(corners, camera.foot_cm)
-    found = [rayed.footprint(height / camera.height_cm) for height in heights_cm]
-    best = max((index for index, footprint in enumerate(found) if footprint.fit >= _GOOD_FIT),
-               default=0)
-    other = None if len(found) == 1 else _not_clear(rayed, camera, heights_cm, found, best)
-    if other is not None:
-        return Reason('height_unclear', Level.WARN, (
-            f'its outline fits a height of {heights_cm[best]:g} and of {other:g} cm: tilt the '
-            'camera more, or list fewer object_heights_cm'), is_passing=True)
-    height_cm, footprint = heights_cm[best], found[best]
+    told = heights_cm[0] if len(heights_cm) == 1 else _told_height(rayed, camera, heights_cm)
+    height_cm = heights_cm[0] if told is None else told
+    footprint = rayed.footprint(height_cm / camera.height_cm)
     if footprint.fit < _NO_FIT or not footprint.outline.area > 0:
         return Reason('other_height', Level.WARN, (
             f'its outline is that of no upright object {height_cm:g} cm high (fit '
             f'{footprint.fit:.2f}): set object_height_cm to its height'), is_passing=True)
+    if told is None:
+        return Reason('height_unclear', Level.WARN, (
+            'its outline does not tell which of object_heights_cm it has: tilt the camera more, or '
+            'list fewer heights'), is_passing=True)
     if footprint.fit >= LEAST_FIT:
         return Solid(footprint.outline, height_cm, 0.0, surface)
     outline, misfit_cm = _at_half_the_height(corners, camera, height_cm, footprint)
     return Solid(outline, height_cm, misfit_cm, surface)
 
 
-def _not_clear(
-    rayed: RayedSilhouette, camera: CameraPlace, heights_cm: Sequence[float],
-    found: Sequence[Footprint], best: int,
+def _told_height(
+    rayed: RayedSilhouette, camera: CameraPlace, heights_cm: Sequence[float]
 ) -> Optional[float]:
-    """Return the height that the outline may have as well; None for none."""
-    # Every smaller height fits as well. The largest one that fits is meant only if the outline is
-    # just as long as that height needs: a larger one, listed or not, does not fit.
-    if best + 1 < len(found) and found[best + 1].fit > _BAD_FIT:
-        return heights_cm[best + 1]
-    if best > 0:
-        unlisted = 2 * heights_cm[best] - heights_cm[best - 1]
-        if rayed.footprint(min(unlisted / camera.height_cm, 0.99)).fit > _BAD_FIT:
-            return heights_cm[best - 1]
+    """Return the height that the outline is just as long for; None where that is none of them."""
+    # Every smaller height fits as well. A height is meant only if the outline is just as long as it
+    # needs: the next larger one, listed or not, does not fit.
+    def fit(height_cm: float) -> float:
+        return rayed.footprint(min(height_cm / camera.height_cm, 0.99)).fit
+
+    gaps = np.diff([0.0, *heights_cm]).tolist()
+    for height_cm, below, above in zip(heights_cm, gaps, [*gaps[1:], gaps[-1]]):
+        if fit(height_cm - _INEXACT * below) >= _GOOD_FIT and fit(height_cm + above) <= _BAD_FIT:
+            return height_cm
     return None
 
 

@@ -109,6 +109,13 @@ def test_each_object_takes_the_height_that_its_outline_fits():
         (-12, 1.0), (0, 2.0), (12, 5.0)]
 
 
+@pytest.mark.parametrize('height, told', [(1.7, 2.0), (2.2, 2.0), (4.6, 5.0), (5.2, 5.0)])
+def test_height_need_not_be_exact_to_be_told_from_another(height, told):
+    thing = prism(np.array([9.0, -6.0]), 4.0, 3.0, 0.4)
+    found, = find(camera(35), [2.0, 5.0], (thing, height)).objects
+    assert found.solid.height_cm == told
+
+
 def test_straight_camera_cannot_tell_heights_apart():
     found = find(camera(0), [1.0, 5.0], (prism(np.zeros(2), 5.0, 3.0, 0.4), 5.0))
     assert not found.objects
