@@ -27,8 +27,8 @@ _SIMPLER_PX = 0.5
 LEAST_FIT = 0.9
 # With less than this, where it stands is not known to a few mm.
 _NO_FIT = 0.85
-# Of several heights, one that fits has the first, and one that does not has less than the second. A
-# height is told inexactly: the first is asked of a height that is smaller by this share of the gap.
+# Of several heights, one that fits has the first, and one that does not has less than the second.
+# Heights are told inexactly: the first is asked of one that is smaller by this share of the gap.
 # Of boxes and cylinders 2 or 5 cm high, rendered below a camera tilted by 31 degrees, 175 of 195
 # take their own height so, 6 another one and 14 none; 156, 14 and 25 without the share.
 _GOOD_FIT, _BAD_FIT, _INEXACT = 0.97, 0.955, 0.25
@@ -192,8 +192,8 @@ def solid_of(
             f'{footprint.fit:.2f}): set object_height_cm to its height'), is_passing=True)
     if told is None:
         return Reason('height_unclear', Level.WARN, (
-            'its outline does not tell which of object_heights_cm it has: tilt the camera more, or '
-            'list fewer heights'), is_passing=True)
+            'its outline does not tell which of object_heights_cm it has: tilt the camera more, '
+            'or list fewer heights'), is_passing=True)
     if footprint.fit >= LEAST_FIT:
         return Solid(footprint.outline, height_cm, 0.0, surface)
     outline, misfit_cm = _at_half_the_height(corners, camera, height_cm, footprint)
@@ -204,8 +204,8 @@ def _told_height(
     rayed: RayedSilhouette, camera: CameraPlace, heights_cm: Sequence[float]
 ) -> Optional[float]:
     """Return the height that the outline is just as long for; None where that is none of them."""
-    # Every smaller height fits as well. A height is meant only if the outline is just as long as it
-    # needs: the next larger one, listed or not, does not fit.
+    # Every smaller height fits as well. A height is meant only if the outline is just as long as
+    # it needs: the next larger one, listed or not, does not fit.
     def fit(height_cm: float) -> float:
         return rayed.footprint(min(height_cm / camera.height_cm, 0.99)).fit
 
