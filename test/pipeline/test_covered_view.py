@@ -9,8 +9,12 @@
 
 """What the pipeline does while something covers most of the view."""
 
+import itertools
+
 from camera_to_base.detection import DetectorSettings
 from camera_to_base.pipeline import ViewCheck
+from camera_to_base.pipeline.view import view_stage
+from camera_to_base.pipeline.view.view_stage import Pace
 from nudged_table import nudge
 import numpy as np
 import pytest
@@ -59,7 +63,9 @@ COVERS = [board, sheet, lights_out]
 
 
 @pytest.fixture
-def watched():
+def watched(monkeypatch):
+    # A comparison takes 50 ms, however busy the machine is.
+    monkeypatch.setattr(view_stage, 'Pace', lambda: Pace(itertools.count(step=0.05).__next__))
     return Covered()
 
 

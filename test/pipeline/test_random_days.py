@@ -43,6 +43,9 @@ SMALL_DAYS = {
         Event('put', 0.5, 573268), Event('put', 1.99, 611848), Event('bump', 2.56, 454637),
         Event('hand', 2.64, 21916), Event('put', 2.95, 464545), Event('bump', 4.48, 747188),
         Event('move', 5.5, 701363))),
+    'patch of sun that saturates has no edge to a white sheet': Day(417, (
+        Event('put', 0.5, 952808), Event('light', 6.17, 854125), Event('patch', 10.72, 223882),
+        Event('sheet', 12.79, 286085))),
 }
 
 

@@ -54,7 +54,7 @@ _PRIOR, _OWN = 12.0, 3.5
 # Logarithm of the ratio: a sixth of the light.
 _DARKEST = float(np.log(1 / 6))
 # What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
-_SATURATED, _UNKNOWN = 250, 0.1
+SATURATED, _UNKNOWN = 250, 0.1
 # What is cut off does not drift: the largest variance that does.
 _MOST_DRIFT = 0.01
 # Logarithm of the ratio: sun is 2.5 times as bright as shade. What is brighter is a thing, where
@@ -63,6 +63,10 @@ _BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 # Chi-square of the light, over its degrees of freedom: from here on it is none.
 WORST_LIGHT = 3.0
 _LEAST_LIGHT = 1e-3
+# How much of the table's detail is seen where only the light has changed; how many deviations of
+# chance tell that; how much of a variance is the background's noise, and what may be left.
+_LEAST_SLOPE, _MOST_SLOPE, LEAST_LIKENESS = 0.5, 1.6, 8.0
+OWN_NOISE, _MOST_LEFT = 0.4, 2.5
 
 
 @lru_cache(maxsize=1)
@@ -138,7 +142,7 @@ def evidence(
     :param tint: See :func:`measure_tint`.
     """
     variances = np.float32((noise ** 2 + _LEAST_VARIANCE) * _slopes() ** 2)[:, None]
-    variances[_SATURATED:] = _UNKNOWN
+    variances[SATURATED:] = _UNKNOWN
     seen, usual = (_on_axes(picture, log_levels(), _AXES) for picture in (frame, background))
     seen_variance, usual_variance = (
         _on_axes(picture, variances, _AXES ** 2) for picture in (frame, background))
@@ -233,3 +237,37 @@ def _off_plane(level: np.ndarray, mean: np.ndarray, size: int) -> np.ndarray:
 def gradient(values: np.ndarray) -> np.ndarray:
     return (cv2.Sobel(values, -1, 1, 0, scale=1 / 8) ** 2
             + cv2.Sobel(values, -1, 0, 1, scale=1 / 8) ** 2)
+
+
+class Detail(NamedTuple):
+    """
+    How the detail of a frame follows the background's.
+
+    :param likeness: How many deviations of chance they have in common.
+    :param slope: How much of the background's is seen.
+    :param left: The variance of the rest, over the noise.
+    """
+
+    likeness: float
+    slope: float
+    left: float
+
+    @property
+    def is_table(self) -> bool:
+        """Whether the table is seen, so that light alone has changed."""
+        return (self.likeness > LEAST_LIKENESS
+                and _LEAST_SLOPE < self.slope < _MOST_SLOPE
+                and self.left < _MOST_LEFT)
+
+
+def detail_of(found: Evidence, part: np.ndarray) -> Detail:
+    inside = cv2.erode(part, square(_SIZE))
+    own, seen = (level - box_mean(level, _SIZE) for level in (found.usual, found.seen))
+    both, own, seen = (cv2.mean(product / found.variance, inside)[0]
+                       for product in (own * seen, own * own, seen * seen))
+    if both <= 0:
+        return Detail(0.0, 0.0, seen)
+    # The noise of the background alone makes the slope less steep.
+    slope = both / max(own - OWN_NOISE, own / 4)
+    likeness = both * np.sqrt(cv2.countNonZero(inside) / (own * seen))
+    return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4))

@@ -24,6 +24,7 @@ surface nothing but this is asked.
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.evidence import SATURATED
 from camera_to_base.detection.precise.piece import channel_extremes, disc, largest_part, square
 from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 import cv2
@@ -37,8 +38,8 @@ _SHARE, _WHOLE = 0.9, 0.8
 _TOLERANCE, _LEAST_TOLERANCE = 0.4, 6.0
 # The background's edges at a ghost's rim are at least this strong, beside the frame's.
 _LEAST_EDGES = 0.7
-# From this level on a picture saturates, and which part of a region may, beside the background.
-_SATURATED, _MOST_SATURATED = 250, 0.1
+# Which part of a region may be saturated, beside the background.
+_MOST_SATURATED = 0.1
 # An object that has moved is as large as it was.
 _SAME_SIZE = 0.7, 1.4
 
@@ -107,7 +108,7 @@ def _has_edges(frame: np.ndarray, background: np.ndarray, region: Region) -> boo
 def _is_saturated(frame: np.ndarray, background: np.ndarray, region: Region) -> bool:
     # What saturates looks alike, and goes on wherever the picture does.
     part = slices(region.box)
-    now, before = (cv2.inRange(picture[part], 0, (_SATURATED,) * 3) == 0
+    now, before = (cv2.inRange(picture[part], 0, (SATURATED,) * 3) == 0
                    for picture in (frame, background))
     inside = filled(region.outline, region.box) > 0
     return bool((now & ~before)[inside].mean() > _MOST_SATURATED)

@@ -18,7 +18,7 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection.precise.evidence import Evidence
+from camera_to_base.detection.precise.evidence import detail_of, Evidence, SATURATED
 from camera_to_base.detection.precise.piece import (
     channel_extremes, disc, largest_part, quantile, square)
 import cv2
@@ -39,8 +39,8 @@ _SOFT, _SHARPEST = 0.7, 0.8
 _NO_PENUMBRA, _PENUMBRA, _MOST_LIGHT, _MOST_THING = 27.0, 68.0, -30.0, 60.0
 _FEW = 8
 # Without light that was joined to it, a coloured thing's segment has this median, nats, and this
-# part of it is one.
-_COLOURED, _SINGLE = 60.0, 0.85
+# part of it is one. The sensor has cut off this part of a segment, and this part of it is a thing.
+_COLOURED, _SINGLE, _MUCH = 60.0, 0.85, 0.3
 # So many of a segment's nats make one of its odds: of the segments above, 8 of 28 within 6 nats
 # are mistaken, 12 of the 13 mistakes lie within 15. What has a smaller deviation is sure.
 _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
@@ -77,6 +77,25 @@ class Parted(NamedTuple):
     unsure: List[Unsure]
 
 
+class _Segment(NamedTuple):
+    """
+    A segment of a region.
+
+    :param mask: Shape (h, w), uint8, 1 inside.
+    :param nats: The median of what speaks for a thing.
+    :param softness: See :func:`_softness`.
+    """
+
+    mask: np.ndarray
+    nats: float
+    softness: Optional[float]
+
+    @property
+    def is_soft(self) -> Optional[bool]:
+        """Whether its rim is a penumbra; None where it has none."""
+        return None if self.softness is None else self.softness > _NO_PENUMBRA / _PENUMBRA
+
+
 class _Steps(NamedTuple):
     """Where a frame has steps between segments, and which of them are soft; (h, w), uint8."""
 
@@ -107,24 +126,25 @@ def parted(
     sure = found.nats > _SURELY, (found.nats < 0) & (found.is_dark == 0)
     thing, light = (cv2.morphologyEx(pixels.view(np.uint8), cv2.MORPH_OPEN, square(5))
                     for pixels in sure)
+    cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
     surest, penumbra = 0.0, 0
     result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
-    for number in range(2, count):
-        segment = (labels == number).view(np.uint8)
-        if not segment.any():
-            continue
-        softness = _softness(segment, at_table, steps)
-        colour = float(quantile(found.nats[segment > 0]))
-        nats = _nats(segment, colour, softness, found)
+    segments = [_look(one, at_table, steps, found) for one in (
+        (labels == number).view(np.uint8) for number in range(2, count)) if one.any()]
+    # Where the table goes on below it, light without a penumbra is seen: patches of sun.
+    is_sharp = any(one.nats < 0 and one.is_soft is False and detail_of(found, one.mask).is_table
+                   for one in segments)
+    for one in segments:
+        nats = _nats(one, is_sharp, found)
         # Compression may hide its edge to its shade.
-        whole, segment = segment, _without(segment, light, found)
-        result.light[whole > segment] = 1
+        segment = _without(one.mask, light, cut_off, found)
+        result.light[one.mask > segment] = 1
         result[nats < 0][segment > 0] = 1
         deviation = 0.5 / math.cosh(nats / _NATS_OF_ODDS / 2)
         if deviation > _LEAST_DEVIATION:
             result.unsure.append(Unsure(segment, deviation))
         surest = max(surest, nats)
-        if softness is not None and softness > _NO_PENUMBRA / _PENUMBRA:
+        if one.is_soft:
             penumbra += cv2.countNonZero(segment)
     area = cv2.countNonZero(result.things)
     # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
@@ -161,25 +181,45 @@ def _centre(mask: np.ndarray) -> Tuple[float, float]:
     return moments['m10'] / moments['m00'], moments['m01'] / moments['m00']
 
 
-def _without(segment: np.ndarray, light: np.ndarray, found: Evidence) -> np.ndarray:
-    """Give a coloured segment without light beside it; all of it where that is not one part."""
+def _without(
+    segment: np.ndarray, light: np.ndarray, cut_off: np.ndarray, found: Evidence
+) -> np.ndarray:
+    """
+    Give a segment without the light that was joined to it; all of it where that is not clear.
+
+    Light and a thing that the sensor has cut off have no edge between them.
+    """
     if not cv2.countNonZero(segment & light):
         return segment
     rest = segment & (1 - light)
+    if min(cv2.countNonZero(segment & cut_off),
+           cv2.countNonZero(rest)) > _MUCH * cv2.countNonZero(segment):
+        return rest
     kept = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
     is_coloured = (cv2.countNonZero(kept) > _SINGLE * cv2.countNonZero(rest)
                    and quantile(found.nats[kept > 0]) > _COLOURED)
     return kept if is_coloured else segment
 
 
-def _nats(
-    segment: np.ndarray, colour: float, softness: Optional[float], found: Evidence
-) -> float:
-    """Tell what speaks for a segment to be a thing: its colour, by the median, and its rim."""
-    if 2 * cv2.countNonZero(found.is_dark & segment) > cv2.countNonZero(segment):
+def _look(
+    mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
+) -> _Segment:
+    return _Segment(
+        mask, float(quantile(found.nats[mask > 0])), _softness(mask, at_table, steps))
+
+
+def _nats(segment: _Segment, is_sharp: bool, found: Evidence) -> float:
+    """
+    Tell what speaks for a segment to be a thing: its colour, by the median, and its rim.
+
+    :param is_sharp: Whether there is light without a penumbra, so that no rim tells anything.
+    """
+    if 2 * cv2.countNonZero(found.is_dark & segment.mask) > cv2.countNonZero(segment.mask):
         return _MOST_THING
-    nats = min(max(colour, _MOST_LIGHT), _MOST_THING)
-    return nats if softness is None else nats + _NO_PENUMBRA - _PENUMBRA * softness
+    nats = min(max(segment.nats, _MOST_LIGHT), _MOST_THING)
+    if segment.softness is None or is_sharp:
+        return nats
+    return nats + _NO_PENUMBRA - _PENUMBRA * segment.softness
 
 
 def _softness(segment: np.ndarray, at_table: np.ndarray, steps: _Steps) -> Optional[float]:

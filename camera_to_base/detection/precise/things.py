@@ -19,7 +19,8 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
-    box_mean, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
+    box_mean, detail_of, Evidence, evidence, gradient, LEAST_LIKENESS, log_levels, OWN_NOISE,
+    WORST_LIGHT)
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
@@ -43,11 +44,8 @@ _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE = 0.1, 0.6, 0.3, 0.75, 0.35
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
 _PRINT, _JPEG = 0.1, 9
-# How much of the table's detail is seen where only the light has changed; how many deviations tell
-# that, or that it is not by chance; how much of a variance the background has, and what may be
-# left of the detail.
-_LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.5, 1.6, 8.0, 4.0
-_OWN_NOISE, _MOST_LEFT = 0.4, 2.5
+# So many deviations of chance tell that the table's detail is seen.
+_SOME_LIKENESS = 4.0
 # Faint texture is told in windows of this size, px, by so many nats in each.
 _WIDE, _LEAST_NATS, _LEAST_OWN, _EDGE = 15, 2.0, 0.25, 4.0
 # Light without an edge changes less per px; logarithm of the level.
@@ -205,7 +203,7 @@ def _solid(
     for outline in outlines_in(things):
         area = enclosed(outline)
         inside = filled(outline, Box(0, 0, *things.shape[::-1]))
-        if _detail(found, inside & things).is_table:
+        if detail_of(found, inside & things).is_table:
             continue
         if area >= min_area and cv2.countNonZero(core & inside) >= _LEAST_CORE * area:
             solid += area
@@ -280,7 +278,7 @@ def _is_clear(
     bad = cv2.countNonZero(rest & (found.light > WORST_LIGHT).view(np.uint8))
     if bad > _MOST_BAD * count and sure < _SURE * count:
         return False
-    detail, sure = _detail(found, rest), sure > _MOSTLY * count
+    detail, sure = detail_of(found, rest), sure > _MOSTLY * count
     if (detail.is_table or sure and detail.likeness > _SOME_LIKENESS
             or _is_smooth(found, near, min_area)
             or things.any() and _ends_softly(found, changed, things)):
@@ -301,44 +299,10 @@ def _is_dark_alone(things: np.ndarray, found: Evidence, is_rest_sure: bool) -> b
     return cv2.countNonZero(dark) > _MOSTLY * cv2.countNonZero(things)
 
 
-class _Detail(NamedTuple):
-    """
-    How the detail of a frame follows the background's.
-
-    :param likeness: How many deviations of chance they have in common.
-    :param slope: How much of the background's is seen.
-    :param left: The variance of the rest, over the noise.
-    """
-
-    likeness: float
-    slope: float
-    left: float
-
-    @property
-    def is_table(self) -> bool:
-        """Whether the table is seen, so that light alone has changed."""
-        return (self.likeness > _LEAST_LIKENESS
-                and _LEAST_SLOPE < self.slope < _MOST_SLOPE
-                and self.left < _MOST_LEFT)
-
-
-def _detail(found: Evidence, part: np.ndarray) -> _Detail:
-    inside = cv2.erode(part, square(_SIZE))
-    own, seen = (level - box_mean(level, _SIZE) for level in (found.usual, found.seen))
-    both, own, seen = (cv2.mean(product / found.variance, inside)[0]
-                       for product in (own * seen, own * own, seen * seen))
-    if both <= 0:
-        return _Detail(0.0, 0.0, seen)
-    # The noise of the background alone makes the slope less steep.
-    slope = both / max(own - _OWN_NOISE, own / 4)
-    likeness = both * np.sqrt(cv2.countNonZero(inside) / (own * seen))
-    return _Detail(likeness, slope, (seen - slope * both) / (1 + own / 4))
-
-
 def _keeps_texture(found: Evidence, changed: np.ndarray) -> bool:
     """Tell whether the table's texture is seen all over a region, however faint it is."""
     inside = cv2.erode(changed, square(_SIZE))
-    if _detail(found, changed).likeness < _LEAST_LIKENESS:
+    if detail_of(found, changed).likeness < LEAST_LIKENESS:
         return False
     own, seen = (level - box_mean(level, _SIZE) for level in (found.usual, found.seen))
     # What a thing's edge adds is no texture.
@@ -346,7 +310,7 @@ def _keeps_texture(found: Evidence, changed: np.ndarray) -> bool:
                  for detail in (own, seen))
     power = cv2.mean(own * own, inside)[0]
     # The background's noise makes the slope less steep.
-    slope = np.float32(max(1 - _OWN_NOISE / max(power, 1e-6), _LEAST_OWN))
+    slope = np.float32(max(1 - OWN_NOISE / max(power, 1e-6), _LEAST_OWN))
     nats = slope * own * (seen - slope / 2 * own)
     if cv2.mean(nats, inside)[0] * cv2.countNonZero(inside) < _CLEAR:
         return False
