@@ -84,10 +84,14 @@ class CellWatch:
 
         :param node: 'camera' or 'transform'.
         :returns: The future of the new values.
-        :raises InvalidValueError: If the node does not run.
+        :raises InvalidValueError: If the node does not run, or has just begun to.
         :raises RefusedError: If there is no such parameter; the future may raise it, too.
         """
-        parameters = self.camera if node == 'camera' else self.transform
+        parameters, running = (self.camera, self._cell.camera) if node == 'camera' else (
+            self.transform, self._cell.transform)
+        if not parameters.is_known and running:
+            raise InvalidValueError(f'{running} has not told its parameters yet, so nothing was '
+                                    'set: try again in a second')
         if not parameters.is_known:
             raise InvalidValueError(
                 f'{parameters.remote} does not run, so nothing was set: start it')

@@ -30,6 +30,9 @@ def test_the_offer_appears_after_a_nudge_and_a_click_writes_the_file(
                     '      table: wood\n      shows: still_objects\n')
     page = open_page(start_cell(params_file=str(path)))
     page.wait_for('not calibrated', '#banner')
+    # Nothing can be set before the node has told its parameters.
+    page.go_to('detect')
+    page.wait_for('detector.method', '#part-detect')
     page.go_to('save')
     page.wait_for('Nothing has changed', '#part-save')
     assert 'nudged' not in page.read('#part-save')
