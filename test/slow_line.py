@@ -48,9 +48,12 @@ class SlowLine:
         # Small buffers: what waits, waits at the server.
         far_reader, far_writer = await asyncio.open_connection(
             'localhost', self._target, limit=4 * CHUNK)
-        await asyncio.gather(self._pass(reader, far_writer, False),
-                             self._pass(far_reader, writer, True),
-                             return_exceptions=True)
+        try:
+            await asyncio.gather(self._pass(reader, far_writer, False),
+                                 self._pass(far_reader, writer, True),
+                                 return_exceptions=True)
+        except asyncio.CancelledError:
+            pass  # The line is closed.
 
     async def _pass(self, reader, writer, is_slow):
         while content := await reader.read(CHUNK):

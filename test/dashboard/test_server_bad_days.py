@@ -223,3 +223,17 @@ def test_the_size_of_pictures_follows_the_network(monkeypatch):
         now[0] += took_s
         line.arrived()
     assert sizes == [160, 320, 640, 640, 320, 160, 160]
+
+
+def test_a_size_that_was_too_slow_is_tried_again_after_a_while_only(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, 'monotonic', lambda: now[0])
+    jpeg = cv2.imencode('.jpg', np.zeros((480, 640, 3), np.uint8))[1].tobytes()
+    line, sizes = Line(), []
+    for _ in range(70):
+        content, _ = line.sent(Picture(1, jpeg))
+        sizes.append(cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR).shape[1])
+        now[0] += 3.0 if sizes[-1] == 640 else 0.2
+        line.arrived()
+    assert sizes[:4] == [160, 320, 640, 320]
+    assert 640 not in sizes[3:50] and sizes[50:].count(640) == 1

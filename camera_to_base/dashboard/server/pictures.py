@@ -22,6 +22,8 @@ _SCALES = (1.0, 0.5, 0.25, 0.125)
 _QUALITY = 70
 # A page asks for the next picture 0.07 s after it has shown one.
 _SLOW_S, _FAST_S = 0.8, 0.3
+# Otherwise every second picture is one that is too large.
+_BARRED_S = 10.0
 
 
 class Picture(NamedTuple):
@@ -114,6 +116,8 @@ class Line:
         self._level = 2
         self._sent_at: Optional[float] = None
         self._took_s = 0.0
+        # The last size that was too slow, and until when it is not tried again.
+        self._barred: Tuple[int, float] = -1, 0.0
 
     def sent(self, picture: Picture) -> Tuple[bytes, Dict[str, Any]]:
         """
@@ -140,9 +144,12 @@ class Line:
         """Take note that the page has shown the last picture."""
         if self._sent_at is None:
             return
-        self._took_s = time.monotonic() - self._sent_at
+        now = time.monotonic()
+        self._took_s = now - self._sent_at
         self._sent_at = None
+        barred, until = self._barred
         if self._took_s > _SLOW_S:
+            self._barred = self._level, now + _BARRED_S
             self._level = min(self._level + 1, len(_SCALES) - 1)
-        elif self._took_s < _FAST_S:
+        elif self._took_s < _FAST_S and (self._level - 1 != barred or now > until):
             self._level = max(self._level - 1, 0)
