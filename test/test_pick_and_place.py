@@ -47,6 +47,10 @@ class Table:
         ros.node.create_subscription(JointState, 'joint_states', self._on_joints, 100)
         self._timer = ros.node.create_timer(0.04, self._publish)
 
+    @property
+    def is_watched(self):
+        return all(publisher.get_subscription_count() for publisher in self._publishers)
+
     def happened(self, what):
         return [number for event, number in self.events if event == what]
 
@@ -146,7 +150,7 @@ def test_after_two_retries_an_object_is_left_where_it_is(ros, arm):
     assert [event for event, _ in table.events] == ['slipped'] * 3
     # It is still the same one after a frame on which it was left out.
     thing = table.objects.pop(1)
-    ros.spin_for(0.1)
+    ros.spin_for(0.05)
     table.objects[1] = thing
     ros.spin_for(2.0)
     assert [event for event, _ in table.events] == ['slipped'] * 3
@@ -196,6 +200,7 @@ def test_object_that_is_not_known_well_enough_waits(ros, arm):
 def test_moving_object_is_picked_when_it_rests(ros, arm):
     table = Table(ros, box(0.10, 0.10), speed=0.01)
     output = arm()
+    assert ros.spin_until(lambda: table.is_watched)
     ros.spin_for(3.0)
     assert table.joints == []
     table.speed = 0.0

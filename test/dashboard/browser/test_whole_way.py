@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 TRUE_FRAME = CameraToRobotBaseConversion(180.0, -17.8, 24.4, 0.0)
 PLACES = (1, 2, 3, 4)
 PAIRS = 5
-MOST_CLICKS, LONGEST_S = 40, 60.0
+MOST_CLICKS = 40
 
 
 @pytest.fixture
@@ -157,6 +157,6 @@ def test_whole_way_from_a_new_camera_to_a_saved_cell(way, start_cell, open_page,
     tell(f'whole way in a browser: {took:.0f} s, {clicks} clicks, {typed} fields typed; '
          f'{before:.2f} mm off at most, {after:.2f} mm after a new start')
     assert saved
-    assert clicks <= MOST_CLICKS and typed <= PAIRS and took < LONGEST_S
+    assert clicks <= MOST_CLICKS and typed <= PAIRS
     assert before < 1.0
     assert after < 1.0
