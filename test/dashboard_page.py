@@ -225,6 +225,23 @@ class Page:
         wait_until(lambda: self.run(LISTED) == approx(AT_REST, abs=0.05),
                    lambda: self.read('#part-watch'))
 
+    def keep_placement(self, count=1):
+        """Keep the board's placement; again where the page still shows it in its last place."""
+        def is_kept():
+            return len(self.elements('.placements li')) == count
+
+        def is_answered():
+            return is_kept() or self.elements('#part-calibrate .hint.error')
+
+        clicks = self.clicks
+        while not is_kept():
+            # A person lays the board slower than that; on a busy machine the page may still show
+            # the last place, where this test, but no person, would click once more.
+            time.sleep(1)
+            self.click('Keep this placement', '#part-calibrate')
+            wait_until(is_answered, lambda: self.read('#part-calibrate'))
+        self.clicks = clicks + 1
+
     def fill(self, label, text, end=ENTER):
         """Type a text into the field with a label, and press Enter."""
         node = self.field(label)

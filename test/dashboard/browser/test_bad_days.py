@@ -197,7 +197,7 @@ def keep_a_placement(page):
     page.go_to('calibrate')
     page.click('Board', '#simulated')
     page.click('Start', '#part-calibrate')
-    page.click('Keep this placement', '#part-calibrate')
+    page.keep_placement()
     page.wait_for('54 corners', '#part-calibrate .placements')
 
 

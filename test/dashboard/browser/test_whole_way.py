@@ -49,28 +49,10 @@ def calibrate_board(page):
     page.click('Start', '#part-calibrate')
     for place in PLACES:
         place_board(page, place)
-        keep_placement(page, place)
+        page.keep_placement(place)
     page.click('Fit', '#part-calibrate')
     page.click('Accept: use it now', '#part-calibrate')
     page.wait_for('Next: clear the table', '#part-calibrate')
-
-
-def keep_placement(page, count):
-    """Keep the placement; again where the page still showed the board in its last place."""
-    def is_kept():
-        return len(page.elements('.placements li')) == count
-
-    def is_answered():
-        return is_kept() or page.elements('#part-calibrate .hint.error')
-
-    clicks = page.clicks
-    while not is_kept():
-        # A person lays the board slower than that; on a busy machine the page may still show the
-        # last place, where this test, but no person, would click once more.
-        time.sleep(1)
-        page.click('Keep this placement', '#part-calibrate')
-        wait_until(is_answered, lambda: page.read('#part-calibrate'))
-    page.clicks = clicks + 1
 
 
 def take_background(page):
