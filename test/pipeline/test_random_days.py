@@ -46,6 +46,8 @@ SMALL_DAYS = {
     'patch of sun that saturates has no edge to a white sheet': Day(417, (
         Event('put', 0.5, 952808), Event('light', 6.17, 854125), Event('patch', 10.72, 223882),
         Event('sheet', 12.79, 286085))),
+    'dark half of an object at the edge of a patch of sun was taken for shade': Day(16, (
+        Event('put', 0.5, 566916), Event('put', 1.26, 754417), Event('patch', 5.18, 955669))),
 }
 
 

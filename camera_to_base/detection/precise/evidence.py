@@ -67,6 +67,9 @@ _LEAST_LIGHT = 1e-3
 # chance tell that; how much of a variance is the background's noise, and what may be left.
 _LEAST_SLOPE, _MOST_SLOPE, LEAST_LIKENESS = 0.5, 1.6, 8.0
 OWN_NOISE, _MOST_LEFT = 0.4, 2.5
+# How many pixels tell as much of a texture as one whose noise is its own: demosaicing and JPEG
+# spread noise.
+_SPREAD = 3
 
 
 @lru_cache(maxsize=1)
@@ -246,11 +249,14 @@ class Detail(NamedTuple):
     :param likeness: How many deviations of chance they have in common.
     :param slope: How much of the background's is seen.
     :param left: The variance of the rest, over the noise.
+    :param nats: How much more likely it is that none of it is seen than that all of it is; 0
+        where the background has none.
     """
 
     likeness: float
     slope: float
     left: float
+    nats: float
 
     @property
     def is_table(self) -> bool:
@@ -265,9 +271,12 @@ def detail_of(found: Evidence, part: np.ndarray) -> Detail:
     own, seen = (level - box_mean(level, _SIZE) for level in (found.usual, found.seen))
     both, own, seen = (cv2.mean(product / found.variance, inside)[0]
                        for product in (own * seen, own * own, seen * seen))
-    if both <= 0:
-        return Detail(0.0, 0.0, seen)
+    count = cv2.countNonZero(inside)
     # The noise of the background alone makes the slope less steep.
+    texture = max(1 - OWN_NOISE / max(own, OWN_NOISE), 0.0)
+    nats = count / _SPREAD * texture * (texture / 2 * own - both)
+    if both <= 0:
+        return Detail(0.0, 0.0, seen, nats)
     slope = both / max(own - OWN_NOISE, own / 4)
-    likeness = both * np.sqrt(cv2.countNonZero(inside) / (own * seen))
-    return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4))
+    likeness = both * np.sqrt(count / (own * seen))
+    return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4), nats)

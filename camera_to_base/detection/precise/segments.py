@@ -18,7 +18,8 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection.precise.evidence import detail_of, Evidence, SATURATED
+from camera_to_base.detection.precise.evidence import (
+    Detail, detail_of, Evidence, SATURATED)
 from camera_to_base.detection.precise.piece import (
     channel_extremes, disc, largest_part, quantile, square)
 import cv2
@@ -35,8 +36,9 @@ _FAR, _LEAST_STEP, _STEP_NOISE, _SAME_STEP = 9, 0.1, 5.0, 0.5
 _SOFT, _SHARPEST = 0.7, 0.8
 # Fitted to 1,225 segments of rendered scenes with two soft lamps, noise and JPEG; 13 pale faces
 # are taken for light. Nats for a rim without a penumbra, and less for one that is all penumbra;
-# how much the colour and the texture may count for light and for a thing.
+# how much the colour may count for light and for a thing, and the table's texture for either.
 _NO_PENUMBRA, _PENUMBRA, _MOST_LIGHT, _MOST_THING = 27.0, 68.0, -30.0, 60.0
+_MOST_TEXTURE = 30.0
 _FEW = 8
 # Without light that was joined to it, a coloured thing's segment has this median, nats, and this
 # part of it is one. The sensor has cut off this part of a segment, and this part of it is a thing.
@@ -84,11 +86,13 @@ class _Segment(NamedTuple):
     :param mask: Shape (h, w), uint8, 1 inside.
     :param nats: The median of what speaks for a thing.
     :param softness: See :func:`_softness`.
+    :param detail: Whether the table's texture is seen in it.
     """
 
     mask: np.ndarray
     nats: float
     softness: Optional[float]
+    detail: Detail
 
     @property
     def is_soft(self) -> Optional[bool]:
@@ -132,7 +136,7 @@ def parted(
     segments = [_look(one, at_table, steps, found) for one in (
         (labels == number).view(np.uint8) for number in range(2, count)) if one.any()]
     # Where the table goes on below it, light without a penumbra is seen: patches of sun.
-    is_sharp = any(one.nats < 0 and one.is_soft is False and detail_of(found, one.mask).is_table
+    is_sharp = any(one.nats < 0 and one.is_soft is False and one.detail.is_table
                    for one in segments)
     for one in segments:
         nats = _nats(one, is_sharp, found)
@@ -204,19 +208,20 @@ def _without(
 def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
-    return _Segment(
-        mask, float(quantile(found.nats[mask > 0])), _softness(mask, at_table, steps))
+    return _Segment(mask, float(quantile(found.nats[mask > 0])),
+                    _softness(mask, at_table, steps), detail_of(found, mask))
 
 
 def _nats(segment: _Segment, is_sharp: bool, found: Evidence) -> float:
     """
-    Tell what speaks for a segment to be a thing: its colour, by the median, and its rim.
+    Tell what speaks for a segment to be a thing: its colour, by the median, texture, and rim.
 
     :param is_sharp: Whether there is light without a penumbra, so that no rim tells anything.
     """
     if 2 * cv2.countNonZero(found.is_dark & segment.mask) > cv2.countNonZero(segment.mask):
         return _MOST_THING
-    nats = min(max(segment.nats, _MOST_LIGHT), _MOST_THING)
+    nats = min(max(segment.nats, _MOST_LIGHT), _MOST_THING) + min(
+        max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE)
     if segment.softness is None or is_sharp:
         return nats
     return nats + _NO_PENUMBRA - _PENUMBRA * segment.softness
