@@ -135,6 +135,20 @@ def test_object_that_fits_badly_is_located_with_its_misfit():
     assert math.dist(found.point, place) < 2 * found.solid.misfit_cm
 
 
+def test_two_objects_that_are_seen_as_one_are_as_uncertain_as_that_is_wrong():
+    places = np.array([[9.0, -6.0], [12.0, -9.5]])
+    solids = [(prism(place, 3.0, 3.0, 0.0), 5.0) for place in places]
+    found, = find(camera(35), [5.0], *solids).objects
+    error = min(math.dist(found.point, place) for place in places)
+    assert error > 1.0
+    assert error < 2 * found.solid.misfit_cm
+
+
+def test_outline_without_a_notch_is_not_less_certain():
+    found, = find(camera(35), [5.0], (prism(np.array([9.0, -6.0]), 5.0, 3.0, 0.4), 5.0)).objects
+    assert found.solid.misfit_cm == 0
+
+
 def test_limits_of_the_area_hold_for_the_footprint():
     surface, place = camera(35), np.array([9.0, -6.0])
     solid = prism(place, 4.0, 4.0, 0.0), 5.0
