@@ -26,8 +26,8 @@ away from the picture's middle. Such a pair stays together.
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, find_highlight, in_clearest_colour, largest_part, Look, look_at, outline_of,
-    Piece, quantile, square, surrounds)
+    centre_of, channel_extremes, find_highlight, in_clearest_colour, largest_part, Look, look_at,
+    outline_of, Piece, quantile, square, surrounds)
 import cv2
 import numpy as np
 
@@ -186,10 +186,13 @@ class Thing(NamedTuple):
 
     :param mask: Shape (h, w), uint8, 1 inside.
     :param is_light: Whether it is much lighter than the table, so that `mask` is all of it.
+    :param is_sure: Whether it has what shade cannot have. Else what was split off may be its
+        lighter face, or it is a face of what was split off.
     """
 
     mask: np.ndarray
     is_light: bool
+    is_sure: bool = True
 
 
 def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Optional[Thing]:
@@ -312,7 +315,8 @@ def _darker_thing(
         if _is_wall(thing, rest, outward):
             return None
         thing = darker = rest
-    return Thing(thing, False) if is_thing_and_shade(thing, darker, piece, look) else None
+    is_thing = is_thing_and_shade(thing, darker, piece, look)
+    return Thing(thing, False, is_sure=False) if is_thing else None
 
 
 def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -323,15 +327,9 @@ def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def _is_wall(dark: np.ndarray, rest: np.ndarray, outward: Tuple[float, float]) -> bool:
-    away = np.subtract(_centroid(dark), _centroid(rest))
+    away = np.subtract(centre_of(dark), centre_of(rest))
     length = np.hypot(*away) * np.hypot(*outward)
     return bool(length == 0 or away @ outward >= _OUTWARD * length)
-
-
-def _centroid(mask: np.ndarray) -> Tuple[float, float]:
-    moments = cv2.moments(mask, binaryImage=True)
-    area = max(moments['m00'], 1.0)
-    return moments['m10'] / area, moments['m01'] / area
 
 
 def _solidity(mask: np.ndarray) -> float:

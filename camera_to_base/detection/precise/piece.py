@@ -174,6 +174,13 @@ def largest_part(mask: np.ndarray) -> np.ndarray:
     return kept if outline is None else cv2.drawContours(kept, [outline], 0, 1, cv2.FILLED)
 
 
+def centre_of(mask: np.ndarray) -> Tuple[float, float]:
+    """Give the centroid of a mask, u and v in its own px; (0, 0) of an empty one."""
+    moments = cv2.moments(mask, binaryImage=True)
+    area = max(moments['m00'], 1.0)
+    return moments['m10'] / area, moments['m01'] / area
+
+
 def outlines_in(mask: np.ndarray, window: Box = _AT_ORIGIN) -> Sequence[np.ndarray]:
     """
     Find the outer outlines in a mask.

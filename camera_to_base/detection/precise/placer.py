@@ -10,14 +10,15 @@
 """Places what was found: plain objects by the short way, regions by the long way."""
 
 from dataclasses import replace
+import math
 from typing import Callable, List, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
-    close_around_highlights, enclosed, enlarged, make_piece, outline_of, outlines_in, Piece,
-    reduced)
+    centre_of, close_around_highlights, enclosed, enlarged, make_piece, outline_of, outlines_in,
+    Piece, reduced)
 from camera_to_base.detection.precise.plain import place_plain, Plain
 from camera_to_base.detection.precise.regions import (
     filled, find_shaded, grown, places_to_look, Region, slices)
@@ -33,6 +34,9 @@ _MOST_TO_TELL, _MOST_TO_PLACE = 60_000, 80_000
 # What reaches in from the edge may be a hand, which a soft shadow must not be split off from: it
 # is looked at in full, or not at all.
 _MOST_AT_EDGE = 150_000
+# Where a darker part is told from a lighter one alone, what was split off is the object's in 2 of
+# 21 cases (rendered cells): the deviation, by how far that moves its centre.
+_OF_SHADE = 0.3
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
 
@@ -109,7 +113,11 @@ class Placer:
             return []
         if touches_edge(Box(*cv2.boundingRect(outline)), window.frame):
             return unplaced(outline, window.frame)
-        return self._at(window, mask, place_whole if is_whole else place)
+        found = self._at(window, mask, place_whole if is_whole else place)
+        if thing is None or thing.is_sure:
+            return found
+        doubt = _OF_SHADE * scale * math.dist(centre_of(thing.mask), centre_of(coarse.mask))
+        return [replace(one, doubt=doubt) for one in found]
 
     def _in_shade_of(self, window: '_Window') -> List[Detection]:
         return [detection for part in self._parts_in_shade(window)

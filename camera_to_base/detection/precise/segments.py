@@ -21,7 +21,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.precise.evidence import (
     Detail, detail_of, Evidence, SATURATED)
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, disc, largest_part, quantile, square)
+    centre_of, channel_extremes, disc, largest_part, quantile, square)
 import cv2
 import numpy as np
 
@@ -175,14 +175,9 @@ def doubt_of(thing: np.ndarray, unsure: Sequence[Unsure]) -> float:
         rest = thing & (1 - segment)
         # That there is a thing is decided already.
         if cv2.countNonZero(segment & near) and rest.any():
-            shift = math.dist(_centre(thing | segment), _centre(rest))
+            shift = math.dist(centre_of(thing | segment), centre_of(rest))
             variance += (deviation * shift) ** 2
     return math.sqrt(variance)
-
-
-def _centre(mask: np.ndarray) -> Tuple[float, float]:
-    moments = cv2.moments(mask, binaryImage=True)
-    return moments['m10'] / moments['m00'], moments['m01'] / moments['m00']
 
 
 def _without(

@@ -54,6 +54,13 @@ def test_object_is_found_once_and_placed(conditions, most_px):
     assert max(errors(conditions)) < most_px
 
 
+def test_thing_that_is_only_darker_than_its_hard_shade_may_be_a_part_of_what_is_seen():
+    camera = Photographer(Conditions(thickness=12, lamp=Lamp(radius=5)), 11, SMALL)
+    detector = PreciseDifferenceDetector(camera.background())
+    found, = detector.detect(camera.frame()[0])
+    assert 0.5 < found.doubt < 3
+
+
 @pytest.mark.parametrize('conditions', [
     Conditions(shade=0.5), Conditions(shade=0.1), Conditions(flicker=0.2),
     Conditions(pattern='grain', tremble=1)])
