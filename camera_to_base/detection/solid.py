@@ -33,9 +33,9 @@ _NO_FIT = 0.85
 # used to find the rule, 116 take their own height, none another one, and 13 none.
 _GOOD_FIT, _BAD_FIT, _INEXACT = 0.97, 0.955, 0.25
 # The silhouette of a convex object has no notch but what the picture's pixels make, in px. A
-# deeper one was bitten out by light, or lies between two objects that hide one another. In rendered
-# cells (785 solid objects, three views) a place is off by half of what a notch is deeper, or less;
-# two objects that were seen as one are notched by 0.15 of their silhouette's width and more.
+# deeper one was bitten out by light, or lies between two objects that hide one another. In
+# rendered cells (785 solid objects, three views) a place is off by half of what a notch is deeper,
+# or less; two objects seen as one are notched by 0.15 of their silhouette's width and more.
 _PIXEL_NOTCH, _OF_NOTCH, _NOTCH_OF_TWO = 3.5, 0.5, 0.14
 # A flat disc has no chord on 0.06 of its width that is 0.7 of its radius long; what is swept by a
 # height has long ones up to its sides.
