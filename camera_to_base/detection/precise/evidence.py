@@ -62,7 +62,8 @@ _MOST_DRIFT = 0.01
 _BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 # Chi-square of the light, over its degrees of freedom: from here on it is none.
 WORST_LIGHT = 3.0
-_LEAST_LIGHT = 1e-3
+# Below a grey level of 10, JPEG and the sensor's black tell neither colour nor darkness.
+_LEAST_LIGHT = 3e-3
 # How much of the table's detail is seen where only the light has changed; how many deviations of
 # chance tell that; how much of a variance is the background's noise, and what may be left.
 _LEAST_SLOPE, _MOST_SLOPE, LEAST_LIKENESS = 0.5, 1.6, 8.0

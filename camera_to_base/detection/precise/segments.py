@@ -118,7 +118,8 @@ def parted(
     :param changed: The region, shape (h, w), uint8, 1 inside.
     :param logs: Logarithms of the frame's light and the background's, each of shape (h, w, 3).
     :param min_area: Smaller segments do not count, in px².
-    :returns: None where all is one, or has the same edges.
+    :returns: No things where there is soft shade and nothing that is surely a thing; None where
+        all is one, or has the same edges.
     """
     noise = cv2.sqrt(found.variance / 2)
     labels, count = _segments(frame, changed, logs[0], noise)
@@ -151,13 +152,12 @@ def parted(
         if one.is_soft:
             penumbra += cv2.countNonZero(segment)
     area = cv2.countNonZero(result.things)
-    # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
-    least = _SURE_BESIDE_SHADE if penumbra > _LEAST_PENUMBRA * area else _SURE
-    is_clear = surest > least and area >= min_area or penumbra and not area
-    if not is_clear or cv2.countNonZero(result.light) < min_area:
+    if cv2.countNonZero(result.light) < min_area:
         return None
-    if not area:
-        return result
+    # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
+    is_soft = penumbra > _LEAST_PENUMBRA * area
+    if area < min_area or surest <= (_SURE_BESIDE_SHADE if is_soft else _SURE):
+        return result._replace(things=np.zeros_like(changed)) if is_soft else None
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
     return Parted(things, result.light & (1 - things), result.unsure)
