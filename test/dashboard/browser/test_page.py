@@ -136,8 +136,9 @@ def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
              'URL.createObjectURL = (content) => {'
              'window.saved.push(content); return make(content); };')
     page.click('Object 2: show it in the picture', '#part-watch')
-    wait_until(lambda: len(page.elements('.scatter circle')) >= 8,
+    wait_until(lambda: int(re.search(r'(\d+) frames|$', page.read('.scatter'))[1] or 0) >= 8,
                lambda: page.read('#part-watch'))
+    assert len(page.elements('.scatter .chart canvas')) == 3
     said = page.read('#part-watch')
     count, x = re.search(r'(\d+) frames in .* x (−?[\d.]+) cm ±', said).groups()
     page.click('Download as CSV', '#part-watch')
@@ -147,6 +148,31 @@ def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
     stamps = [float(row.split(',')[0]) for row in rows]
     assert stamps == sorted(set(stamps))
     page.click('Moving objects', '#simulated')
+
+
+# Whether the line of a chart has a colour.
+HAS_LINE = """const canvas = document.querySelector('#part-health .chart canvas');
+const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+const isWanted = (at) => arguments[0].every((one, index) => Math.abs(data[at + index] - one) < 9);
+for (let at = 0; at < data.length; at += 4) if (data[at + 3] > 200 && isWanted(at)) return true;
+return false"""
+
+
+def test_charts_are_drawn_in_place_in_the_colours_of_light_and_dark(page):
+    page.go_to('health')
+    wait_until(lambda: page.elements('#part-health .chart canvas'), lambda: 'no chart')
+    drawn = page.run("window.canvas = document.querySelector('#part-health .chart canvas');"
+                     'return canvas.toDataURL()')
+    wait_until(lambda: page.run('return canvas.isConnected && canvas.toDataURL()') != drawn,
+               lambda: 'it is not drawn anew')
+    assert page.run('return canvas.isConnected')
+    wait_until(lambda: page.run(HAS_LINE, [11, 105, 133]), lambda: 'no line in light')
+    page.resize(390, 844, 'dark')
+    wait_until(lambda: page.run(HAS_LINE, [98, 197, 223]), lambda: 'no line in dark')
+    wait_until(lambda: page.element('#part-health .chart .uplot').rect['width'] <= 366,
+               lambda: page.element('#part-health .chart .uplot').rect)
+    page.click('10 min', '#part-health')
+    assert 'Hz in the last 10 minutes' in page.read('#part-health .chart-box')
 
 
 def test_new_place_is_proved_by_touching_it(page):

@@ -100,7 +100,7 @@ export function createWatch(store) {
       card('Picture', own, fused.node, figures.node, capture)),
     element('div', {},
       card('Objects', list.node, empty, createHeights(store).node, leftOut.node),
-      card('Seen from above', map.node), scatter.node)));
+      card('Seen from above', map.node)), scatter.node));
   const turn = (isOn) => {
     isShown = isOn;
     play(store.get('watch')?.cameras);
