@@ -12,14 +12,12 @@
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from camera_to_base.calibration import (
-    calibrate_placements, Calibration, part_values, Placement, PrintedBoard, SURFACE)
-from camera_to_base.dashboard.sessions.board_report import (
-    placement_errors, report_data, tilted_errors)
+    calibrate_placements, Calibration, part_values, Placement, SURFACE)
+from camera_to_base.dashboard.sessions.board_watch import BoardOptions, BoardWatch, PictureTaker
 from camera_to_base.dashboard.sessions.kept import History
 from camera_to_base.dashboard.sessions.placements import (
-    BoardOptions, BoardWatch, found_again, PictureTaker, PlacementList)
-from camera_to_base.dashboard.sessions.tilted import (
-    tilted_picture, TiltedList, TiltedPicture, WANTED)
+    found_again, placement_errors, PlacementList, report_data, tilted_errors, TiltedList,
+    TiltedPicture, WANTED)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
@@ -82,7 +80,7 @@ class BoardSession:
             self._reading, self._tilted_before = images, int(kept.get('tilted', 0))
             self._begin('Reading the placements from before …')
             self._worker.run(
-                lambda: _found_again(options.board, images, self._tilted_before),
+                lambda: found_again(options.board, images, self._tilted_before),
                 self._take_again)
 
     @property
@@ -371,14 +369,6 @@ class BoardSession:
         self._is_tilting = False
         self.calibration = self._accepted = self._busy = None
         self._taker.cancel()
-
-
-def _found_again(board: PrintedBoard, images: List[np.ndarray], tilted_count: int) -> Tuple[
-        List[Placement], List[TiltedPicture]]:
-    count = len(images) - tilted_count
-    flat = found_again(board, images[:count])
-    return flat, [tilted_picture(board, image, number, flat)
-                  for number, image in enumerate(images[count:])]
 
 
 def _with_errors(data: List[Dict[str, Any]], name: str, errors: List[float]) -> List[Dict]:

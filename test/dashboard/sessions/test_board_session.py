@@ -144,7 +144,7 @@ def test_what_cannot_be_done_is_one_sentence_and_changes_nothing(cell, name, bod
 
 def test_a_camera_that_gives_no_frames_ends_the_taking(cell, monkeypatch):
     monkeypatch.setattr(
-        'camera_to_base.dashboard.sessions.placements._LONGEST_WAIT_S', 0.05)
+        'camera_to_base.dashboard.sessions.board_watch._LONGEST_WAIT_S', 0.05)
     cell.do('board', 'start')
     cell.do('board', 'take')
     while cell.state('board')['busy']:
