@@ -171,6 +171,7 @@ class CellSessions:
     def see_published(self, stamp_s: Optional[float], objects: List[Dict[str, Any]]) -> None:
         """Take the published objects of the newest frame, as the page shows them."""
         with self._lock:
+            self._board.see_published(stamp_s)
             self._prove.see_published(stamp_s, objects)
 
     def see_background(self, mark: Any) -> None:
