@@ -137,7 +137,7 @@ def test_nothing_is_drawn_where_no_picture_has_come(start_cell, open_page):
     page.wait_for('Waiting for a picture', '#part-watch .picture')
     wait_until(lambda: page.elements('#part-watch .frame-grid text'), lambda: 'no grid')
     assert not page.element('#part-watch .picture > svg').is_displayed()
-    assert page.serious_problems_by_part() == {}
+    assert page.serious_problems() == []
     cell.close()
 
 

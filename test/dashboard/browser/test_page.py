@@ -31,9 +31,9 @@ def has_picture(page, selector):
 @pytest.mark.parametrize('width, scheme', [(1280, 'light'), (390, 'dark')])
 def test_no_part_has_a_serious_accessibility_problem(page, width, scheme):
     page.resize(width, 844, scheme)
-    for part in PARTS:
-        page.go_to(part)
-        assert page.serious_problems() == [], part
+    assert page.serious_problems_by_part() == {}
+    assert [one.text for one in page.elements('#tabs button')] == [
+        part.capitalize() for part in PARTS]
 
 
 def test_no_part_is_wider_than_a_small_phone(page):
@@ -53,6 +53,24 @@ def test_a_long_namespace_does_not_widen_the_page(open_page, start_cell):
         assert page.run('return document.documentElement.scrollWidth') <= 390, part
         assert page.element('#content').rect['width'] >= 380, part
     cell.close()
+
+
+def test_long_sentence_leaves_room_on_a_phone_and_can_be_read_on(page):
+    page.click('Bump', '#simulated')
+    page.wait_for('nudged', '#banner')
+    assert not page.button('Read on', '#banner')
+    page.resize(390, 844)
+    wait_until(lambda: page.button('Read on', '#banner'), lambda: page.read('#banner'))
+    short = page.element('#banner').rect['height']
+    page.click('Read on', '#banner')
+    wait_until(lambda: page.element('#banner').rect['height'] > 1.3 * short,
+               lambda: page.element('#banner').rect)
+    assert page.serious_problems() == []
+    page.click('Less', '#banner')
+    wait_until(lambda: page.element('#banner').rect['height'] == short,
+               lambda: page.element('#banner').rect)
+    page.resize(1280, 900)
+    page.click('Put back', '#simulated')
 
 
 def test_objects_are_in_the_picture_in_the_list_and_on_the_map(page):

@@ -26,7 +26,9 @@ const TIME_STEPS_S = [5, 10, 15, 30, 60, 120, 180];
 const HEIGHT = 110;
 // The same room beside both axes of a plane: a millimetre is as long upwards as sideways.
 const [WIDE, HIGH, MARGIN] = [52, 30, 14];
-const FONT = '12px system-ui, sans-serif';
+const FONT_REM = 0.75;
+// Ticks of time are wider than others.
+const TIME_SPACE = 64;
 const DARK = matchMedia('(prefers-color-scheme: dark)');
 let loading = null;
 
@@ -70,7 +72,7 @@ export function createTimeChart(title, unit, {decimals = 1, range}) {
   const plot = new Plot(box, () => HEIGHT, () => ({
     scales: {x: {time: false, range: () => [-shown.span, 0]}, y: {range: (_, low, high) => range(low, high)}},
     series: [{}, {stroke: () => colour('--accent'), width: 2, points: {show: false}}],
-    axes: [axis({size: HIGH, incrs: TIME_STEPS_S, values: (_, ticks) =>
+    axes: [axis({size: HIGH, space: TIME_SPACE, incrs: TIME_STEPS_S, values: (_, ticks) =>
       ticks.map((seconds) => tickOf(seconds, shown.span))}), axis({size: WIDE, space: 24})],
     cursor: {drag: {x: false, y: false}, y: false},
     hooks: {setCursor: [({cursor}) => say(cursor.idx ?? null)]},
@@ -150,8 +152,9 @@ class Plot {
 }
 
 function axis(options) {
-  return {font: FONT, stroke: () => colour('--quiet'), grid: {stroke: () => colour('--line'), width: 1},
-    ticks: {show: false}, gap: 6, values: (_, ticks) => ticks.map((one) => String(one).replace('-', '−')),
+  const size = FONT_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
+  return {font: `${size}px system-ui, sans-serif`, stroke: () => colour('--quiet'),
+    grid: {stroke: () => colour('--line'), width: 1}, ticks: {show: false}, gap: 6, values: (_, ticks) => ticks.map((one) => String(one).replace('-', '−')),
     ...options};
 }
 
