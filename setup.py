@@ -32,7 +32,8 @@ setup(
     ],
     package_data={f'{package_name}.dashboard': [
         os.path.relpath(path, f'{package_name}/dashboard')
-        for path in glob(f'{package_name}/dashboard/web/**/*.*', recursive=True)]},
+        for path in glob(f'{package_name}/dashboard/web/**', recursive=True)
+        if os.path.isfile(path)]},
     python_requires='>=3.10',
     install_requires=[
         'matplotlib', 'numpy', 'opencv-python-headless', 'PyYAML', 'scipy', 'tornado', 'tqdm'],

@@ -70,6 +70,15 @@ def free_port():
         return one.getsockname()[1]
 
 
+def answers(url):
+    """Tell whether a server answers."""
+    try:
+        with urlopen(url, timeout=2):
+            return True
+    except (URLError, OSError):
+        return False
+
+
 class Cell:
     """
     Both nodes and the dashboard as processes.
@@ -91,7 +100,7 @@ class Cell:
         self.processes = {}
         for name in ('robot_base_publisher', 'camera_publisher', 'dashboard'):
             self.start(name)
-        wait_until(self._answers, lambda: 'the dashboard does not answer')
+        wait_until(lambda: answers(self.url), lambda: 'the dashboard does not answer')
 
     @property
     def url(self):
@@ -120,13 +129,6 @@ class Cell:
             if process.is_running:
                 process.end(signal.SIGTERM, 15.0)
         self.processes = {}
-
-    def _answers(self):
-        try:
-            with urlopen(self.url, timeout=2):
-                return True
-        except (URLError, OSError):
-            return False
 
 
 def start_browser():
@@ -257,14 +259,27 @@ class Page:
 
     def serious_problems(self):
         """Return what axe-core says of the page: serious and critical violations."""
-        import axe_core_python
-        path = os.path.join(os.path.dirname(axe_core_python.__file__), 'axe.min.js')
-        with open(path, encoding='utf-8') as file:
-            self.run(file.read())
+        if not self.run('return Boolean(window.axe)'):
+            import axe_core_python
+            path = os.path.join(os.path.dirname(axe_core_python.__file__), 'axe.min.js')
+            with open(path, encoding='utf-8') as file:
+                self.run(file.read())
         found = self.driver.execute_async_script(
-            'const done = arguments[0]; axe.run().then((result) => done(result.violations))')
+            'const done = arguments[0];'
+            "axe.run({resultTypes: ['violations']}).then((result) => done(result.violations))")
         return [(one['id'], [node['html'] for node in one['nodes']][:3]) for one in found
                 if one['impact'] in ('serious', 'critical')]
+
+    def serious_problems_by_part(self):
+        """Open each part, and return what axe-core says of those with serious problems."""
+        parts = [tab.get_attribute('id').removeprefix('tab-')
+                 for tab in self.elements('#tabs button') if tab.is_displayed()]
+        assert 'watch' in parts and 'health' in parts
+        found = {}
+        for part in parts:
+            self.go_to(part)
+            found[part] = self.serious_problems()
+        return {part: problems for part, problems in found.items() if problems}
 
     def errors(self):
         """Return the errors on the browser's console since the last call."""

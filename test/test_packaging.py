@@ -164,6 +164,16 @@ def test_wheel_holds_each_module_and_what_ros_looks_for(wheel):
 
 
 @needs_wheel
+def test_licences_of_what_others_wrote_are_there_and_in_package_xml(wheel):
+    manifest = (ROOT / 'package.xml').read_text()
+    folders = list((ROOT / 'camera_to_base/dashboard/web/vendor').iterdir())
+    assert folders
+    for folder in folders:
+        licence = str((folder / 'LICENSE').relative_to(ROOT))
+        assert licence in wheel.namelist() and f'file="{licence}"' in manifest
+
+
+@needs_wheel
 def test_wheel_has_all_executables_for_pip_to_make(wheel):
     parser = ConfigParser()
     parser.read_string(content(wheel, 'entry_points.txt'))

@@ -54,6 +54,9 @@ _LEFT_OUT_COLOUR = (160, 160, 160)
 # So many labels leave a picture of 640 x 480 px readable.
 _MOST_LABELS = 10
 
+# The problem, which a sentence begins with; the cure is in the log and on the page.
+_MOST_NOTE_LINES = 2
+
 Label = Callable[[Point], str]
 
 _OUTLINE_COLOUR = (216, 160, 32)
@@ -316,10 +319,11 @@ def draw_objects(
 
 
 def draw_note(picture: np.ndarray, note: str) -> None:
-    """Write a text into a picture's top-left corner, with line breaks."""
+    """Write a text into a picture's top-left corner; the rest of a long one is left out."""
     style, top = TextStyle.of(picture), 2
     letter_width = style.size('n' * 10)[0] / 10
-    for line in textwrap.wrap(note, max(10, int((picture.shape[1] - 4) / letter_width))):
+    letters = max(10, int((picture.shape[1] - 4) / letter_width))
+    for line in textwrap.wrap(note, letters, max_lines=_MOST_NOTE_LINES, placeholder=' ...'):
         width, height = style.size(line)
         style.write(picture, line, Box(2, top, width, height))
         top += height

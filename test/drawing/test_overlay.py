@@ -178,6 +178,13 @@ def test_long_note_is_written_in_lines_that_fit(texts):
     assert all(above[2] + above[4] <= below[2] for above, below in zip(texts, texts[1:]))
 
 
+def test_note_of_any_length_leaves_the_objects_in_sight(texts):
+    draw_note(grey_frame(), 'the camera was nudged by 7.4 px: ' + 'keep the correction, ' * 20)
+    assert texts[0][0].startswith('the camera was nudged by 7.4 px')
+    assert texts[-1][0].endswith(' ...')
+    assert max(y + height for _, _, y, _, height in texts) < 480 / 8
+
+
 def decoded(content):
     return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
 

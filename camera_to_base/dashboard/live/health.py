@@ -36,16 +36,19 @@ class Charts:
     def __init__(self) -> None:
         self._rates: Deque[float] = deque(maxlen=_SECONDS)
         self._latencies: Deque[Optional[float]] = deque(maxlen=_SECONDS)
+        self._count = 0
 
     def add(self, rate_hz: float, latency_ms: Optional[float]) -> None:
         """Add the numbers of a second; None where no frame came."""
+        self._count += 1
         self._rates.append(rate_hz)
         self._latencies.append(latency_ms)
 
     @property
     def data(self) -> Dict[str, Any]:
-        """The numbers as JSON, the oldest first."""
-        return {'rate_hz': list(self._rates), 'latency_ms': list(self._latencies)}
+        """The numbers as JSON, the oldest first; `count` is how many there have been."""
+        return {'count': self._count, 'rate_hz': list(self._rates),
+                'latency_ms': list(self._latencies)}
 
 
 def no_lines() -> Lines:

@@ -18,8 +18,7 @@ from camera_to_base.dashboard.live.health import CellHealth, Lines, LogLines, no
 from camera_to_base.dashboard.live.parameters import RemoteParameters
 from camera_to_base.dashboard.live.positions import CellPositions
 from camera_to_base.dashboard.live.status import CellStatus
-from camera_to_base.dashboard.sessions.all_sessions import AllSessions
-from camera_to_base.dashboard.sessions.cell_sessions import CellSessions
+from camera_to_base.dashboard.sessions.cell_sessions import AllSessions, CellSessions
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import TRANSFORM_SPECS, Values
 from camera_to_base.ros import real_time_timer

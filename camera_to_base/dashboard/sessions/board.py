@@ -9,17 +9,16 @@
 
 """The surface from a board that a person lays on the table, one placement after the other."""
 
+import time
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from camera_to_base.calibration import (
-    calibrate_placements, Calibration, part_values, Placement, PrintedBoard, SURFACE)
-from camera_to_base.dashboard.sessions.board_report import (
-    placement_errors, report_data, tilted_errors)
+    calibrate_placements, Calibration, part_values, Placement, SURFACE)
+from camera_to_base.dashboard.sessions.board_watch import BoardOptions, BoardWatch, PictureTaker
 from camera_to_base.dashboard.sessions.kept import History
 from camera_to_base.dashboard.sessions.placements import (
-    BoardOptions, BoardWatch, found_again, PictureTaker, PlacementList)
-from camera_to_base.dashboard.sessions.tilted import (
-    tilted_picture, TiltedList, TiltedPicture, WANTED)
+    found_again, placement_errors, PlacementList, report_data, tilted_errors, TiltedList,
+    TiltedPicture, WANTED)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, sentence_of, Worker
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.sources import AUTO, kind_of, lasting_name
@@ -56,6 +55,9 @@ class BoardSession:
         self.calibration: Optional[Calibration] = None
         self._judged: Tuple[Any, Tuple[List[float], List[float]]] = None, ([], [])
         self._accepted: Optional[Dict[str, Any]] = None
+        self._accepted_at = 0.0
+        # The accepted surface whose background was taken, too.
+        self._in_use: Any = None
         self.accepted_calibration: Optional[Calibration] = None
         self._history = History()
         self._reading: List[np.ndarray] = []
@@ -82,7 +84,7 @@ class BoardSession:
             self._reading, self._tilted_before = images, int(kept.get('tilted', 0))
             self._begin('Reading the placements from before …')
             self._worker.run(
-                lambda: _found_again(options.board, images, self._tilted_before),
+                lambda: found_again(options.board, images, self._tilted_before),
                 self._take_again)
 
     @property
@@ -117,7 +119,8 @@ class BoardSession:
             'suggestion': self._suggestion,
             'busy': self._busy, 'error': self._error,
             'report': self.calibration and report_data(self.calibration, len(self._placements)),
-            'would_drop': self._values.dropped_by(SURFACE), 'accepted': self._accepted,
+            'would_drop': self._values.dropped_by(SURFACE),
+            'accepted': self._accepted and {**self._accepted, 'has_background': self._is_in_use},
             'undo': self._history.sentence, 'tilting': self._is_tilting,
             'tilted': _with_errors(self._tilted.data, 'error_px', self._errors[1]),
             'wanted': _GOOD_PLACEMENTS, 'wanted_tilted': WANTED,
@@ -163,6 +166,12 @@ class BoardSession:
         """Take the lens that the driver knows; None where it knows none."""
         self._lens = lens
         self._on_change()
+
+    def see_published(self, stamp_s: Optional[float]) -> None:
+        """Take the time of a published frame: one after the new surface has its background."""
+        if self._accepted and not self._is_in_use and (stamp_s or 0.0) > self._accepted_at:
+            self._in_use = self._accepted
+            self._on_change()
 
     def take(self) -> None:
         """
@@ -252,14 +261,17 @@ class BoardSession:
 
     def set_accepted(self, changes: CellChanges) -> None:
         """Remember that the nodes use the fit."""
-        self.accepted_calibration = self.calibration
-        sentence = ('The running camera node uses the new surface. Take the board away, and take '
-                    'the background of the empty surface.')
+        self.accepted_calibration, self._accepted_at = self.calibration, time.time()
+        sentence = 'The running camera node uses the new surface.'
         if changes.dropped:
             sentence += (f' No longer valid: {", ".join(changes.dropped)}; it was made for the '
                          'former surface.')
         self._accepted = {'sentence': sentence, 'dropped': changes.dropped}
         self._on_change()
+
+    @property
+    def _is_in_use(self) -> bool:
+        return self._accepted is not None and self._accepted is self._in_use
 
     @property
     def _errors(self) -> Tuple[List[float], List[float]]:
@@ -291,6 +303,8 @@ class BoardSession:
         if self._is_tilting:
             return (f'{len(self._tilted)} of {WANTED} tilted pictures are taken. '
                     + self._tilted.suggestion)
+        if self._is_in_use:
+            return 'The surface is calibrated, its background is taken: see the next step above.'
         if self._accepted:
             return 'Take the board away, and take the background of the empty surface.'
         if self.calibration:
@@ -371,14 +385,6 @@ class BoardSession:
         self._is_tilting = False
         self.calibration = self._accepted = self._busy = None
         self._taker.cancel()
-
-
-def _found_again(board: PrintedBoard, images: List[np.ndarray], tilted_count: int) -> Tuple[
-        List[Placement], List[TiltedPicture]]:
-    count = len(images) - tilted_count
-    flat = found_again(board, images[:count])
-    return flat, [tilted_picture(board, image, number, flat)
-                  for number, image in enumerate(images[count:])]
 
 
 def _with_errors(data: List[Dict[str, Any]], name: str, errors: List[float]) -> List[Dict]:

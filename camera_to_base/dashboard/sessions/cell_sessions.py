@@ -7,23 +7,26 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""The sessions of one cell: whichever thread acts, and whoever is told."""
+"""The sessions of each cell: whichever thread acts, and whoever is told."""
 
+import os
 import threading
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+import time
+import traceback
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from camera_to_base.calibration import (
     lens_of_camera_info, marker_sheet_content, OfferedCorrection)
 from camera_to_base.dashboard.sessions.board import BoardSession
-from camera_to_base.dashboard.sessions.board_report import report_part
+from camera_to_base.dashboard.sessions.cell_file import CellFiles
 from camera_to_base.dashboard.sessions.kept import KeptSteps, Steps
-from camera_to_base.dashboard.sessions.markers import MarkerSession
+from camera_to_base.dashboard.sessions.placements import report_part
 from camera_to_base.dashboard.sessions.prove import ProveSession
 from camera_to_base.dashboard.sessions.record import RecordSession
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save import SaveSession
 from camera_to_base.dashboard.sessions.table import (
-    area_changes, areas_data, FlatObjects, show, simulated_data, TOOL_TOPIC, touch)
+    area_changes, areas_data, FlatObjects, MarkerSession, show, simulated_data, TOOL_TOPIC, touch)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, Setup, Worker
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import Values
@@ -33,7 +36,10 @@ import numpy as np
 _MARKER_MM = 40.0
 PARTS = (
     'board', 'markers', 'robot', 'prove', 'record', 'save', 'objects', 'areas', 'simulated')
+# A session may change several times for one frame.
+_PAUSE_S = 0.05
 Action = Callable[[Mapping[str, Any]], Optional[CellChanges]]
+OnState = Callable[[str, str, Any], None]
 
 
 class CellSessions:
@@ -165,6 +171,7 @@ class CellSessions:
     def see_published(self, stamp_s: Optional[float], objects: List[Dict[str, Any]]) -> None:
         """Take the published objects of the newest frame, as the page shows them."""
         with self._lock:
+            self._board.see_published(stamp_s)
             self._prove.see_published(stamp_s, objects)
 
     def see_background(self, mark: Any) -> None:
@@ -295,28 +302,97 @@ class CellSessions:
         self._is_restored = True
 
     def _list_actions(self) -> Dict[Tuple[str, str], Action]:
-        board, markers, robot, values = (
-            self._board, self._markers, self._robot, self._values)
+        board, values = self._board, self._values
+        parts = {'markers': self._markers, 'robot': self._robot, 'prove': self._prove,
+                 'record': self._record, 'save': self._save}
         return {
             ('board', 'start'): board.start, ('board', 'take'): lambda body: board.take(),
             ('board', 'remove'): board.remove, ('board', 'fit'): lambda body: board.fit(),
             ('board', 'tilt'): board.tilt, ('board', 'undo'): lambda body: board.undo(),
             ('board', 'accept'): lambda body: board.acceptance(),
             ('board', 'cancel'): lambda body: board.cancel(),
-            ('markers', 'start'): markers.start, ('markers', 'learn'): markers.learn,
-            ('markers', 'cancel'): markers.cancel,
-            ('robot', 'start'): robot.start, ('robot', 'see'): robot.see,
-            ('robot', 'marker'): robot.marker,
-            ('robot', 'touch'): robot.touch, ('robot', 'from_topic'): robot.from_topic,
-            ('robot', 'again'): robot.again, ('robot', 'remove'): robot.remove,
-            ('robot', 'base_z'): robot.set_base_z,
-            ('robot', 'accept'): lambda body: robot.acceptance(),
-            ('robot', 'undo'): robot.undo, ('robot', 'cancel'): robot.cancel,
-            ('save', 'save'): self._save.save, ('save', 'cancel'): self._save.cancel,
-            ('save', 'load'): self._save.load, ('save', 'undo'): self._save.undo,
             ('objects', 'tell'): self._objects.tell,
             ('areas', 'set'): lambda body: area_changes(values, body),
             ('simulated', 'show'): lambda body: show(values, body),
-            ('simulated', 'touch'): lambda body: touch(values, robot.object_number(body)),
-            **{('prove', name): action for name, action in self._prove.actions.items()},
-            **{('record', name): action for name, action in self._record.actions.items()}}
+            ('simulated', 'touch'): lambda body: touch(values, self._robot.object_number(body)),
+            **{(part, name): action for part, session in parts.items()
+               for name, action in session.actions.items()}}
+
+
+class AllSessions:
+    """
+    Makes a cell's sessions when somebody first looks at it, and keeps them.
+
+    :param files: Which file belongs to which cell.
+    :param on_state: Called with a cell, a part and its state, some time after it has changed, by
+        a thread of its own.
+    :param on_picture: Called with a cell and a JPEG of the board.
+    """
+
+    def __init__(
+        self, files: CellFiles, on_state: OnState, on_picture: Callable[[str, bytes], None]
+    ) -> None:
+        self._files = files
+        self._on_state, self._on_picture = on_state, on_picture
+        self._lock = threading.Lock()
+        self._sessions: Dict[str, CellSessions] = {}
+        self._changed: Set[Tuple[str, str]] = set()
+        self._has_changed = threading.Event()
+        self._is_closed = False
+        self._thread = threading.Thread(target=self._tell, name='states', daemon=True)
+        self._thread.start()
+
+    def of(self, cell: str) -> CellSessions:
+        """Return a cell's sessions."""
+        with self._lock:
+            if cell not in self._sessions:
+                self._sessions[cell] = CellSessions(
+                    self._files.of(cell), lambda part: self._mark(cell, part),
+                    lambda jpeg: self._on_picture(cell, jpeg),
+                    lambda path: self._owner_of(path, cell))
+            return self._sessions[cell]
+
+    def forget_invented(self, cell: str) -> None:
+        """Forget the sessions of a cell whose nodes nobody has ever seen."""
+        with self._lock:
+            if cell in self._sessions and not self._sessions[cell].was_running:
+                self._sessions.pop(cell).close()
+
+    def show(self, cell: str) -> None:
+        """Tell all states of a cell."""
+        for part in PARTS:
+            self._mark(cell, part)
+
+    def close(self) -> None:
+        """End all sessions."""
+        self._is_closed = True
+        self._has_changed.set()
+        for sessions in self._sessions.values():
+            sessions.close()
+
+    def _owner_of(self, path: str, cell: str) -> Optional[str]:
+        others = {name: one for name, one in list(self._sessions.items()) if name != cell}
+        return next((name for name, one in others.items() if one.is_running and os.path.realpath(
+            one.file_path) == os.path.realpath(path)), None)
+
+    def _mark(self, cell: str, part: str) -> None:
+        self._changed.add((cell, part))
+        self._has_changed.set()
+
+    def _tell(self) -> None:
+        while not self._is_closed:
+            self._has_changed.wait()
+            self._has_changed.clear()
+            while self._changed and not self._is_closed:
+                cell, part = self._changed.pop()
+                self._tell_one(cell, part)
+            time.sleep(_PAUSE_S)
+
+    def _tell_one(self, cell: str, part: str) -> None:
+        sessions = self._sessions.get(cell)
+        if sessions is None:
+            return  # forgotten meanwhile
+        try:
+            self._on_state(cell, part, sessions.state(part))
+        except Exception:
+            traceback.print_exc()  # a defect of one state does not stop the others

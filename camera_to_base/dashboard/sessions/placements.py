@@ -7,106 +7,31 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""The placements of a board: the board that is searched for, its pictures, and their list."""
+"""The pictures of a board that were taken, flat and tilted, and the report of their fit."""
 
-import math
-import time
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.calibration import (
-    BoardLook, covered_shares, look_for, make_placement, NINTHS, PAPERS, Placement, PrintedBoard,
-    refuse_unlike, renumbered, shares_of, sheet_content, uncovered)
-from camera_to_base.checks import finite_number, whole_number
-from camera_to_base.dashboard.sessions.values import sentence_of, Worker
-from camera_to_base.errors import FrameSourceError, InvalidValueError
+    Calibration, held_tilt, HeldTilt, make_placement, missing_side, NINTHS, Placement,
+    PrintedBoard, refuse_unlike, renumbered, report_lines, rough_surface, shares_of,
+    tilt_suggestion, tilt_trouble, uncovered)
+from camera_to_base.errors import CalibrationError, InvalidValueError
+from camera_to_base.parameters import checked_values, default_values
+from camera_to_base.settings import camera_settings, CAMERA_SPECS
+from camera_to_base.surface import Surface
 import cv2
 import numpy as np
 
-# Their median is the picture, as in `sources.median_frame`; slow machines give 2 frames a second.
-_FRAMES = 5
-_LONGEST_WAIT_S = 5.0
-# A board that was not found for so long, in no picture, is not there.
-_SEEN_S = 2.0
-_NO_FRAMES = ('no pictures come from the camera node: is it running, and the camera plugged in? '
-              'Then take the placement again')
-_OTHER_SIZE = 'the picture has changed its size: take it again'
+# As in the command: a hand that holds a board still moves its corners by 1 to 2 px.
+_STILL_PX, _STILL_WIDTH, _STILL_LOOKS = 2.0, 640, 3
+# The board must be moved by so much before the next picture, in shares of the picture's width.
+_MOVED = 0.008
+WANTED = 4
 
-# A board of 40 x 40 takes a second to draw, one of 100 x 100 sixteen.
-_MOST_CORNERS = 40
+# Of the panels of a report picture, in their order.
+PANEL_NAMES: List[str] = ['fit', 'above', 'errors', 'raised']
 
-# Blue, green, red.
-_CORNER, _RIM, _TAKEN = (80, 220, 60), (0, 0, 0), (255, 170, 0)
-# Larger pictures are made smaller for the page.
-_WIDTH = 960
-_QUALITY = 85
-
-
-class BoardOptions(NamedTuple):
-    """
-    What is printed.
-
-    :param corners: Inner corners along a row and along a column.
-    :param square_mm: A square's edge as printed.
-    :param charuco: Whether it has markers.
-    :param paper: What it is printed on.
-    """
-
-    corners: Tuple[int, int] = (9, 6)
-    square_mm: float = 25.0
-    charuco: bool = False
-    paper: str = 'A4'
-
-    @property
-    def board(self) -> PrintedBoard:
-        """The board."""
-        return PrintedBoard(self.corners, self.square_mm, self.charuco)
-
-    @property
-    def data(self) -> Dict[str, Any]:
-        """The options as JSON."""
-        return {**self._asdict(), 'corners': list(self.corners)}
-
-    def changed(self, body: Mapping[str, Any]) -> 'BoardOptions':
-        """
-        Return the options with some changed.
-
-        :param body: As a page sends it; names as those of the fields.
-        :raises InvalidValueError: If one cannot be used.
-        """
-        wanted = {**self._asdict(), **{name: body[name] for name in self._fields if name in body}}
-        corners = wanted['corners']
-        if not isinstance(corners, (list, tuple)) or len(corners) != 2:
-            raise InvalidValueError(f'corners must be two counts as in 9 x 6, got {corners!r:.80}')
-        if wanted['paper'] not in list(PAPERS):
-            raise InvalidValueError(
-                f'paper must be one of {", ".join(PAPERS)}, got {wanted["paper"]!r:.80}')
-        return BoardOptions(
-            tuple(whole_number('the count of inner corners', count, 3, _MOST_CORNERS)
-                  for count in corners),
-            finite_number('square_mm', wanted['square_mm'], 1, 1000), bool(wanted['charuco']),
-            wanted['paper'])
-
-    def sheet(self) -> bytes:
-        """
-        Draw the board, as `calibrate sheet` does.
-
-        :returns: A PDF.
-        :raises InvalidValueError: If it does not fit on the paper.
-        """
-        return sheet_content(self.paper, *self.corners, self.square_mm, 'pdf',
-                             with_markers=self.charuco)
-
-
-def look_data(image: np.ndarray, look: BoardLook) -> Dict[str, Any]:
-    """Describe what the newest picture shows."""
-    height, width = image.shape[:2]
-    covered = 0.0
-    if look.is_found:
-        covered = float(covered_shares([_outline(look.corners)], (width, height)).mean())
-    return {'found': look.is_found, 'sentence': look.sentence,
-            'corners': np.round(look.corners, 1).tolist(), 'covered': round(covered, 2),
-            'sharp_px': None if look.edge_px is None else round(look.edge_px, 1),
-            'sharpness': look.sharpness}
+_MM_PER_CM = 10.0
 
 
 def placement_data(number: int, placement: Placement) -> Dict[str, Any]:
@@ -133,22 +58,6 @@ def suggestion(placements: Sequence[Placement]) -> Optional[Dict[str, Any]]:
     return {'sentence': f'Lay the board elsewhere, best {" or ".join(missing[:2])}, without '
                         'moving the camera; turn it a little.',
             'pixel': [(column + 0.5) * width / 3, (row + 0.5) * height / 3]}
-
-
-def _outline(corners: np.ndarray) -> np.ndarray:
-    import cv2
-    return cv2.convexHull(corners.astype(np.float32)).reshape(-1, 2)
-
-
-def found_again(board: PrintedBoard, images: Sequence[np.ndarray]) -> List[Placement]:
-    """
-    Make the placements of pictures that were kept.
-
-    :param images: Each of shape (h, w, 3), uint8, BGR.
-    :raises CalibrationError: If one shows no such board.
-    """
-    return [make_placement(board, image, f'placement {number + 1}', number)
-            for number, image in enumerate(images)]
 
 
 class PlacementList:
@@ -239,142 +148,201 @@ class PlacementList:
         return suggestion(self._placements)
 
 
-class PictureTaker:
-    """
-    Collects frames, and ends where none come.
+class TiltedPicture(NamedTuple):
+    """A picture of the board, and how it was held."""
 
-    :param worker: Tells when it has waited for too long.
-    """
+    placement: Placement
+    held: HeldTilt
 
-    def __init__(self, worker: Worker) -> None:
-        self._worker = worker
-        self._frames: Optional[List[np.ndarray]] = None
-        self._then: Callable[[Any], None] = lambda result: None
+
+class TiltedList:
+    """Keeps the pictures of the tilted board, and tells when the next one can be taken."""
+
+    def __init__(self) -> None:
+        self.all: List[TiltedPicture] = []
+        self._last: Optional[np.ndarray] = None
+        self._refused: Optional[np.ndarray] = None
+        self._still_count = 0
+
+    def __len__(self) -> int:
+        return len(self.all)
 
     @property
-    def is_taking(self) -> bool:
-        """Whether it waits for frames."""
-        return self._frames is not None
+    def placements(self) -> List[Placement]:
+        """The pictures, as placements."""
+        return [one.placement for one in self.all]
 
-    def start(self, then: Callable[[Any], None]) -> None:
+    @property
+    def images(self) -> List[np.ndarray]:
+        """The picture of each, of shape (h, w, 3), uint8, BGR."""
+        return [one.placement.image for one in self.all]
+
+    @property
+    def side(self) -> Optional[str]:
+        """The side of the picture to raise the board at; None when there are enough."""
+        return missing_side(self._held) if len(self) < WANTED else None
+
+    @property
+    def suggestion(self) -> str:
+        """How to hold the board next; '' when there are enough."""
+        said = tilt_suggestion(self._held, WANTED)
+        return said and f'{said[:1].upper()}{said[1:]}. Keep it still: the picture is taken by ' \
+                        'itself.'
+
+    @property
+    def data(self) -> List[Dict[str, Any]]:
+        """The pictures as JSON."""
+        return [{**placement_data(number, one.placement), 'side': one.held.side,
+                 'degrees': round(one.held.degrees)} for number, one in enumerate(self.all, 1)]
+
+    def see(self, corners: np.ndarray, width: int) -> bool:
         """
-        Take the next frames.
+        Take the corners of the newest picture.
 
-        :param then: Called with a list of frames of one size, or with an error.
+        :param corners: Shape (n, 2), in px; none if no board was found.
+        :param width: Of the picture.
+        :returns: Whether the board is still, and elsewhere than in the picture before.
         """
-        self._frames, self._then = [], then
-        self._give_up_later()
+        last, self._last = self._last, corners if len(corners) else None
+        taken = [one.placement.matched.pixels for one in self.all[-1:]]
+        before = [*taken, *([] if self._refused is None else [self._refused])]
+        is_still = (
+            last is not None and self._last is not None
+            and _moved_px(corners, last) <= _STILL_PX * width / _STILL_WIDTH
+            and all(_moved_px(corners, one) > _MOVED * width for one in before))
+        self._still_count = self._still_count + 1 if is_still else 0
+        return self._still_count >= _STILL_LOOKS
 
-    def cancel(self) -> None:
-        """Take no more frames."""
-        self._frames = None
+    def maker(
+        self, board: PrintedBoard, frames: Sequence[np.ndarray], flat: Sequence[Placement]
+    ) -> Callable[[], TiltedPicture]:
+        """
+        Return a function that makes the next picture; it may run in another thread.
 
-    def see(self, image: np.ndarray) -> None:
-        """Take a frame, shape (h, w, 3), uint8, BGR."""
-        self._frames.append(image)
-        if len({frame.shape for frame in self._frames}) > 1:
-            self._end(FrameSourceError(_OTHER_SIZE))
-        elif len(self._frames) == _FRAMES:
-            self._end(self._frames)
+        The function raises a CameraToBaseError if the picture cannot be used.
 
-    def _end(self, result: Any) -> None:
-        self._frames = None
-        self._then(result)
+        :param frames: Each of shape (h, w, 3), uint8, BGR.
+        :param flat: The placements on the table.
+        """
+        before, self._refused, self._still_count = self.placements, self._last, 0
 
-    def _give_up_later(self) -> None:
-        frames, count = self._frames, len(self._frames)
-        self._worker.later(_LONGEST_WAIT_S, lambda: self._give_up(frames, count))
+        def make() -> TiltedPicture:
+            image = np.median(frames, axis=0).astype(np.uint8)
+            found = tilted_picture(board, image, len(before), flat)
+            refuse_unlike([*flat, *before, found.placement])
+            trouble = tilt_trouble(found.held)
+            if trouble:
+                raise CalibrationError(trouble)
+            return found
+        return make
 
-    def _give_up(self, frames: List[np.ndarray], count: int) -> None:
-        """End if no frame has come since there were `count`."""
-        if self._frames is not frames:
-            return  # that picture has been taken
-        if len(frames) > count:
-            self._give_up_later()
-        else:
-            self._end(FrameSourceError(_NO_FRAMES))
+    def add(self, picture: TiltedPicture) -> None:
+        """Add a picture."""
+        self.all, self._refused = [*self.all, picture], None
+
+    def put_back(self, pictures: Sequence[TiltedPicture]) -> None:
+        """Take pictures in place of the present ones."""
+        self.all, self._refused, self._still_count = list(pictures), None, 0
+
+    @property
+    def _held(self) -> List[HeldTilt]:
+        return [one.held for one in self.all]
 
 
-def board_picture(
-    image: np.ndarray, corners: np.ndarray, taken: Sequence[np.ndarray] = ()
-) -> bytes:
+def tilted_picture(
+    board: PrintedBoard, image: np.ndarray, number: int, flat: Sequence[Placement]
+) -> TiltedPicture:
     """
-    Draw what is found.
+    Find the board in a picture, and how it is held.
 
     :param image: Shape (h, w, 3), uint8, BGR.
-    :param corners: Shape (n, 2), u and v, in px.
-    :param taken: The outlines of the placements that were taken, each of shape (m, 2), in px.
-    :returns: A JPEG.
+    :param number: How many tilted pictures there are before.
+    :param flat: The placements on the table.
+    :raises CalibrationError: If the picture shows no such board.
     """
-    scale = min(1.0, _WIDTH / image.shape[1])
-    drawn = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    for outline in taken:
-        cv2.polylines(drawn, [np.round(outline * scale).astype(np.int32)], True, _TAKEN, 2,
-                      cv2.LINE_AA)
-    for u, v in np.round(corners * scale).astype(int).tolist():
-        cv2.circle(drawn, (u, v), 6, _RIM, 3, cv2.LINE_AA)
-        cv2.circle(drawn, (u, v), 6, _CORNER, 2, cv2.LINE_AA)
-    return cv2.imencode('.jpg', drawn, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])[1].tobytes()
+    # A number above 0: its points are in the board's own coordinates.
+    placement = make_placement(
+        board, image, f'tilted picture {number + 1}', len(flat) + number, says_name=False)
+    surface = rough_surface([one.matched for one in flat], image.shape[1::-1])
+    held = HeldTilt(30.0, 'left') if surface is None else held_tilt(placement.matched, surface)
+    return TiltedPicture(placement, held)
 
 
-class BoardWatch:
+def _moved_px(corners: np.ndarray, others: np.ndarray) -> float:
+    """Return how far corners are from the nearest ones of another look, on average."""
+    offsets = corners[:, None] - others[None]
+    return float(np.linalg.norm(offsets, axis=2).min(axis=1).mean())
+
+
+def found_again(
+    board: PrintedBoard, images: Sequence[np.ndarray], tilted_count: int
+) -> Tuple[List[Placement], List[TiltedPicture]]:
     """
-    Looks at the newest frame; those that come while it looks are left out.
+    Make the placements of pictures that were kept, and the tilted pictures, which are the last.
 
-    `data` is what the newest one shows, as JSON; None before the first one.
-
-    :param worker: Looks.
-    :param on_change: Called when another thing is seen.
-    :param on_picture: Called with each frame as JPEG, the found corners drawn into it.
-    :param on_look: Called with the corners of each look, and the picture's width.
+    :param images: Each of shape (h, w, 3), uint8, BGR.
+    :raises CalibrationError: If one shows no such board.
     """
+    count = len(images) - tilted_count
+    flat = [make_placement(board, image, f'placement {number + 1}', number)
+            for number, image in enumerate(images[:count])]
+    return flat, [tilted_picture(board, image, number, flat)
+                  for number, image in enumerate(images[count:])]
 
-    def __init__(
-        self, worker: Worker, on_change: Callable[[], None], on_picture: Callable[[bytes], None],
-        on_look: Callable[[np.ndarray, int], None],
-    ) -> None:
-        self._worker, self._on_change, self._on_picture = worker, on_change, on_picture
-        self._on_look = on_look
-        self._board: Optional[PrintedBoard] = None
-        self._is_looking, self._seen_at = False, -math.inf
-        self.data: Any = None
 
-    @property
-    def sees_board(self) -> bool:
-        """Whether the board was seen within the last seconds."""
-        return time.monotonic() - self._seen_at < _SEEN_S
+def report_data(calibration: Calibration, placement_count: int) -> Dict[str, Any]:
+    """Describe a fit; its pictures are named as the server serves them."""
+    report = calibration.report
+    return {
+        'held_out_mm': report['leave_one_out_rms_mm'], 'rms_mm': report['rms_mm'],
+        'largest_mm': report['max_mm'], 'points': report['points'],
+        'placements': placement_count, 'covered': report['coverage'],
+        'lines': [line for line in report_lines(report) if not line.startswith('warning: ')],
+        'warnings': list(report['warnings']), 'error_map_mm': report['error_map_mm'],
+        'pictures': [{'title': panel.title, 'url': f'/api/report/{name}.png?{report["date"]}'}
+                     for name, panel in zip(PANEL_NAMES, calibration.panels)],
+        'text_url': f'/api/report/board.txt?{report["date"]}'}
 
-    def start(self, board: Optional[PrintedBoard]) -> None:
-        """Look for a board from now on; None ends it."""
-        self._board, self.data, self._seen_at = board, None, -math.inf
 
-    def see(self, image: np.ndarray, taken: Sequence[np.ndarray]) -> None:
-        """
-        Look at a frame, unless the one before is still looked at.
+def report_part(calibration: Optional[Calibration], name: str) -> bytes:
+    """
+    Return a part of the report: a picture of PANEL_NAMES, 'fit.png', or 'board.txt'.
 
-        :param image: Shape (h, w, 3), uint8, BGR.
-        :param taken: Outlines to draw, each of shape (n, 2), in px.
-        """
-        if self._is_looking:
-            return
-        self._is_looking, board = True, self._board
+    :raises InvalidValueError: If there is none.
+    """
+    stem, _, ending = name.partition('.')
+    if calibration is not None and name == 'board.txt':
+        return '\n'.join([*report_lines(calibration.report), '']).encode()
+    if calibration is None or stem not in PANEL_NAMES or ending != 'png':
+        raise InvalidValueError(f'there is no report {name:.40}')
+    picture = calibration.panels[PANEL_NAMES.index(stem)].picture
+    return cv2.imencode('.png', picture)[1].tobytes()
 
-        def look() -> BoardLook:
-            found = look_for(board, image)
-            self._on_picture(board_picture(image, found.corners, taken))
-            return found
-        self._worker.run(look, lambda found: self._take(board, image, found))
 
-    def _take(self, board: PrintedBoard, image: np.ndarray, found: Any) -> None:
-        self._is_looking = False
-        if board != self._board:
-            return  # it has ended, or another board is looked for
-        if isinstance(found, Exception):
-            found = BoardLook(False, sentence_of(found), np.empty((0, 2)))
-        if found.is_found:
-            self._seen_at = time.monotonic()
-        self._on_look(found.corners, image.shape[1])
-        data = look_data(image, found)
-        if data != self.data:
-            self.data = data
-            self._on_change()
+def placement_errors(calibration: Calibration, flat: Sequence[Placement]) -> List[float]:
+    """
+    Return how well the corners of each placement on the table fit its printed board.
+
+    The calibrated surface tells where the corners lie; the board is laid over them as well as
+    it can be, and what is left is the error.
+
+    :param flat: The placements that were fitted.
+    :returns: Of each, the rms in mm.
+    """
+    settings = camera_settings(checked_values(
+        CAMERA_SPECS, {**default_values(CAMERA_SPECS), **calibration.values}))
+    return [round(_MM_PER_CM * shape_error_cm(settings.surface, one), 3) for one in flat]
+
+
+def tilted_errors(calibration: Calibration) -> List[float]:
+    """Return how well each tilted picture fits, in px rms; none without tilted pictures."""
+    return [one['rms_px'] for one in calibration.report.get('pictures', ()) if one['is_tilted']]
+
+
+def shape_error_cm(surface: Surface, placement: Placement) -> float:
+    """Return the rms distance of a placement's corners from the board that fits them best."""
+    seen = surface.locate(placement.matched.pixels)
+    printed = np.asarray(placement.matched.points, float)
+    seen, printed = seen - seen.mean(axis=0), printed - printed.mean(axis=0)
+    left, _, right = np.linalg.svd(printed.T @ seen)
+    return float(np.sqrt(np.mean(np.sum((printed @ left @ right - seen) ** 2, axis=1))))

@@ -97,6 +97,14 @@ class RobotSession:
         self._base_z = 'down' if kept['base_z'] == 'down' else 'up'
 
     @property
+    def actions(self) -> Dict[str, Callable[[Mapping[str, Any]], Any]]:
+        """What a page can ask for, by name."""
+        return {'start': self.start, 'see': self.see, 'marker': self.marker, 'touch': self.touch,
+                'from_topic': self.from_topic, 'again': self.again, 'remove': self.remove,
+                'base_z': self.set_base_z, 'accept': lambda body: self.acceptance(),
+                'undo': self.undo, 'cancel': self.cancel}
+
+    @property
     def wants_objects(self) -> bool:
         """Whether it measures pairs."""
         return self._is_on

@@ -62,6 +62,11 @@ class SaveSession:
         return self._file.folder, stem or 'cell'
 
     @property
+    def actions(self) -> Dict[str, Callable[[Mapping[str, Any]], Any]]:
+        """What a page can ask for, by name."""
+        return {'save': self.save, 'cancel': self.cancel, 'load': self.load, 'undo': self.undo}
+
+    @property
     def state(self) -> Dict[str, Any]:
         """The state as JSON."""
         old = self._file.values

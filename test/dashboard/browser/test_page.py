@@ -31,9 +31,9 @@ def has_picture(page, selector):
 @pytest.mark.parametrize('width, scheme', [(1280, 'light'), (390, 'dark')])
 def test_no_part_has_a_serious_accessibility_problem(page, width, scheme):
     page.resize(width, 844, scheme)
-    for part in PARTS:
-        page.go_to(part)
-        assert page.serious_problems() == [], part
+    assert page.serious_problems_by_part() == {}
+    assert [one.text for one in page.elements('#tabs button')] == [
+        part.capitalize() for part in PARTS]
 
 
 def test_no_part_is_wider_than_a_small_phone(page):
@@ -53,6 +53,24 @@ def test_a_long_namespace_does_not_widen_the_page(open_page, start_cell):
         assert page.run('return document.documentElement.scrollWidth') <= 390, part
         assert page.element('#content').rect['width'] >= 380, part
     cell.close()
+
+
+def test_long_sentence_leaves_room_on_a_phone_and_can_be_read_on(page):
+    page.click('Bump', '#simulated')
+    page.wait_for('nudged', '#banner')
+    assert not page.button('Read on', '#banner')
+    page.resize(390, 844)
+    wait_until(lambda: page.button('Read on', '#banner'), lambda: page.read('#banner'))
+    short = page.element('#banner').rect['height']
+    page.click('Read on', '#banner')
+    wait_until(lambda: page.element('#banner').rect['height'] > 1.3 * short,
+               lambda: page.element('#banner').rect)
+    assert page.serious_problems() == []
+    page.click('Less', '#banner')
+    wait_until(lambda: page.element('#banner').rect['height'] == short,
+               lambda: page.element('#banner').rect)
+    page.resize(1280, 900)
+    page.click('Put back', '#simulated')
 
 
 def test_objects_are_in_the_picture_in_the_list_and_on_the_map(page):
@@ -136,8 +154,9 @@ def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
              'URL.createObjectURL = (content) => {'
              'window.saved.push(content); return make(content); };')
     page.click('Object 2: show it in the picture', '#part-watch')
-    wait_until(lambda: len(page.elements('.scatter circle')) >= 8,
+    wait_until(lambda: int(re.search(r'(\d+) frames|$', page.read('.scatter'))[1] or 0) >= 8,
                lambda: page.read('#part-watch'))
+    assert len(page.elements('.scatter .chart canvas')) == 3
     said = page.read('#part-watch')
     count, x = re.search(r'(\d+) frames in .* x (−?[\d.]+) cm ±', said).groups()
     page.click('Download as CSV', '#part-watch')
@@ -147,6 +166,31 @@ def test_scatter_of_the_chosen_object_is_measured_and_saved_as_csv(page):
     stamps = [float(row.split(',')[0]) for row in rows]
     assert stamps == sorted(set(stamps))
     page.click('Moving objects', '#simulated')
+
+
+# Whether the line of a chart has a colour.
+HAS_LINE = """const canvas = document.querySelector('#part-health .chart canvas');
+const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+const isWanted = (at) => arguments[0].every((one, index) => Math.abs(data[at + index] - one) < 9);
+for (let at = 0; at < data.length; at += 4) if (data[at + 3] > 200 && isWanted(at)) return true;
+return false"""
+
+
+def test_charts_are_drawn_in_place_in_the_colours_of_light_and_dark(page):
+    page.go_to('health')
+    wait_until(lambda: page.elements('#part-health .chart canvas'), lambda: 'no chart')
+    drawn = page.run("window.canvas = document.querySelector('#part-health .chart canvas');"
+                     'return canvas.toDataURL()')
+    wait_until(lambda: page.run('return canvas.isConnected && canvas.toDataURL()') != drawn,
+               lambda: 'it is not drawn anew')
+    assert page.run('return canvas.isConnected')
+    wait_until(lambda: page.run(HAS_LINE, [11, 105, 133]), lambda: 'no line in light')
+    page.resize(390, 844, 'dark')
+    wait_until(lambda: page.run(HAS_LINE, [98, 197, 223]), lambda: 'no line in dark')
+    wait_until(lambda: page.element('#part-health .chart .uplot').rect['width'] <= 366,
+               lambda: page.element('#part-health .chart .uplot').rect)
+    page.click('10 min', '#part-health')
+    assert 'Hz in the last 10 minutes' in page.read('#part-health .chart-box')
 
 
 def test_new_place_is_proved_by_touching_it(page):

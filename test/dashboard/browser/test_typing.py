@@ -148,22 +148,29 @@ def test_what_stays_in_a_list_is_not_moved_when_something_before_it_goes(page):
     assert moved == ['a', 'd']
 
 
-def test_map_stays_where_it_is_when_the_sizes_of_the_objects_come(page):
-    before, after = page.run("""
+def test_map_stays_where_it_is_when_rows_come_and_go(page):
+    tops = page.run("""
         return Promise.all([import('/web/parts/watch.js'), import('/web/base/state.js')]).then(
           ([{createWatch}, {Store}]) => {
             const store = new Store();
             const {node} = createWatch(store);
             document.body.append(node);
             const place = {x: 1, y: 2, yaw_deg: null};
-            store.set('watch', {left_out: [], objects: [
-              {number: 1, pixel: null, camera: place, base: place, ellipse: null}]});
-            const top = () => node.querySelector('.map').getBoundingClientRect().top;
-            const before = top();
+            const tell = (count, left_out) => store.set('watch', {left_out, objects:
+              Array.from({length: count}, (_, index) => ({number: index + 1, pixel: null,
+                camera: place, base: place, ellipse: null}))});
+            const tops = [];
+            const look = () => tops.push(node.querySelector('.map').getBoundingClientRect().top);
+            tell(1, []);
+            look();
             store.set('shapes', [{number: 1, size_cm: [3, 2, 0], picture: {}, map: {}}]);
-            store.set('watch', store.get('watch'));
-            const found = [before, top()];
+            tell(1, []);
+            look();
+            tell(3, []);
+            look();
+            tell(0, [{reason: 'shade', sentence: 'shade', x: 1, y: 2, pixel: null}]);
+            look();
             node.remove();
-            return found;
+            return tops;
           })""")
-    assert before == after
+    assert len(tops) == 4 and len(set(tops)) == 1

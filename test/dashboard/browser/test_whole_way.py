@@ -133,6 +133,7 @@ def test_whole_way_from_a_new_camera_to_a_saved_cell(way, start_cell, open_page,
     for part in ('calibrate', 'robot', 'prove', 'save'):
         page.go_to(part)
         assert page.serious_problems() == [], part
+        assert 'take the background' not in page.read(f'#part-{part}'), part
     before = largest_error_mm(page, ros)
     saved = yaml.safe_load(file.read_text())
     cell.close()

@@ -125,6 +125,20 @@ def test_a_new_surface_drops_what_was_made_for_the_former_one(cell):
     assert cell.values['transform']['displacement_cm'] == [-17.8, 24.4, 0.0]
 
 
+@pytest.mark.slow
+def test_background_is_asked_for_until_positions_are_published_with_the_new_surface(cell):
+    cell.calibrate_board()
+    cell.sessions.see_published(time.time(), [])
+    state = cell.do('board', 'accept')
+    assert 'take the background' in state['hint'] and not state['accepted']['has_background']
+    # The last frame of before is still the newest one.
+    cell.sessions.see_published(time.time() - 1.0, [])
+    assert 'take the background' in cell.state('board')['hint']
+    cell.sessions.see_published(time.time() + 0.1, [])
+    state = cell.state('board')
+    assert 'its background is taken' in state['hint'] and state['accepted']['has_background']
+
+
 @pytest.mark.parametrize('name, body, said', [
     ('take', {}, 'start the search for a board first'),
     ('fit', {}, 'take a placement of the board first'),
@@ -144,7 +158,7 @@ def test_what_cannot_be_done_is_one_sentence_and_changes_nothing(cell, name, bod
 
 def test_a_camera_that_gives_no_frames_ends_the_taking(cell, monkeypatch):
     monkeypatch.setattr(
-        'camera_to_base.dashboard.sessions.placements._LONGEST_WAIT_S', 0.05)
+        'camera_to_base.dashboard.sessions.board_watch._LONGEST_WAIT_S', 0.05)
     cell.do('board', 'start')
     cell.do('board', 'take')
     while cell.state('board')['busy']:

@@ -13,8 +13,8 @@ import os
 from pathlib import Path
 
 from camera_to_base.calibration import BASE, file_status, SURFACE
-from camera_to_base.dashboard.sessions.all_sessions import AllSessions
 from camera_to_base.dashboard.sessions.cell_file import CellFiles
+from camera_to_base.dashboard.sessions.cell_sessions import AllSessions
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import (
     default_values, read_node_parameters, read_parameter_file, TRANSFORM_SPECS)

@@ -28,9 +28,10 @@ export function createBoardReport() {
   const drops = element('p', {class: 'warnings'});
   const accept = button('Accept: use it now', () => board('accept'), {class: 'primary'});
   const done = element('p', {class: 'verdict good', role: 'status'});
-  const next = element('p', {}, 'Next: clear the table and ', element('a', {href: '#detect'},
-    'take the background'), ', then ', element('a', {href: '#robot'}, 'touch objects with the robot'),
-  '.');
+  const clear = element('span', {}, 'clear the table and ', element('a', {href: '#detect'},
+    'take the background'), ', then ');
+  const next = element('p', {}, 'Next: ', clear, element('a', {href: '#robot'},
+    'touch objects with the robot'), '.');
   const after = element('div', {class: 'accepted'}, done, next);
   const body = element('div', {}, figures, warnings, pictures,
     element('details', {}, element('summary', {}, 'All figures'), lines, full), drops,
@@ -40,6 +41,7 @@ export function createBoardReport() {
     show(node, report || accepted);
     show(body, report);
     show(after, accepted);
+    show(clear, !accepted?.has_background);
     setText(done, accepted?.sentence ?? '');
     accept.disabled = Boolean(busy) || Boolean(accepted);
     setText(drops, dropped?.length && !accepted

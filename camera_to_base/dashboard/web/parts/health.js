@@ -14,9 +14,9 @@
 
 // Health: what each node says of itself, its counters, the rates, and the last messages.
 
-import {createChart} from '../pieces/charts.js';
+import {createSpans, createTimeChart, LONGEST_S} from '../pieces/charts.js';
 import {card, element, fillRow, row, setAttribute, setText, show, sync, table} from '../base/dom.js';
-import {ago, clock, sentence as asSentence} from '../base/numbers.js';
+import {ago, clock, fixed, sentence as asSentence} from '../base/numbers.js';
 
 const WORDS = {ok: 'Well', warn: 'Warning', error: 'Fault', stale: 'Silent'};
 const SEVERITY = {debug: 0, info: 1, warn: 2, error: 3, fatal: 4};
@@ -27,21 +27,19 @@ export function createHealth(store) {
     element('span', {id: 'cell-state'}));
   const nodes = element('div', {class: 'nodes'});
   const none = element('p', {}, 'No node has said anything yet.');
-  const rate = createChart('Rate', 'Hz');
-  const latency = createChart('Latency', 'ms');
+  const charts = createCharts();
   const log = createLog();
   store.on('health', (health) => {
     show(none, !health.nodes.length);
     fillState(whole, health.state);
     sync(nodes, health.nodes, (node) => node.name, makeNode, fillNode);
-    rate.update(health.charts?.rate_hz ?? []);
-    latency.update(health.charts?.latency_ms ?? []);
+    charts.update(health.charts);
   });
   store.on('log', log.update);
   return {node: element('div', {},
     card('State', whole),
     card('Nodes', none, nodes),
-    card('The last minute', element('div', {class: 'charts'}, rate.node, latency.node)),
+    card('Rate and latency', charts.node),
     card('Messages', log.node))};
 }
 
@@ -69,6 +67,45 @@ function fillNode(node, {level, sentence, reason, age_s: age, values}) {
   const pairs = Object.entries(values ?? {});
   sync(node.querySelector('tbody'), pairs, ([key]) => key, () => row(2),
     (line, [key, value]) => fillRow(line, [key.replaceAll('_', ' '), String(value)]));
+}
+
+function createCharts() {
+  const kept = {rate_hz: [], latency_ms: []};
+  let count = 0;
+  let span = 60;
+  const range = (low, high) => [0, 1.1 * high || 1];
+  const charts = {rate_hz: ['Rate', 'Hz'], latency_ms: ['Latency', 'ms']};
+  for (const [name, [title, unit]] of Object.entries(charts)) {
+    charts[name] = {unit, ...createTimeChart(title, unit, {range})};
+  }
+  const draw = () => {
+    for (const [name, {unit, update}] of Object.entries(charts)) {
+      const values = kept[name].slice(-span);
+      const known = values.filter((value) => value !== null);
+      const time = span === 60 ? 'minute' : `${span / 60} minutes`;
+      update({values, times: values.map((_, index) => index - values.length + 1), span, now: 0,
+        text: known.length ? `${fixed(Math.min(...known), 1)} to ${fixed(Math.max(...known), 1)} ${unit} ` +
+          `in the last ${time}` : `nothing in the last ${time}`});
+    }
+  };
+  /** Add what is new among the values of the last minute, one for each second, the newest last. */
+  const update = (told) => {
+    if (told.count < count) Object.values(kept).forEach((values) => values.splice(0));
+    const added = told.count < count ? told.count : told.count - count;
+    count = told.count;
+    for (const [name, values] of Object.entries(kept)) {
+      const newest = added ? told[name].slice(-added) : [];
+      values.push(...Array(added - newest.length).fill(null).slice(-LONGEST_S), ...newest);
+      values.splice(0, values.length - LONGEST_S);
+    }
+    draw();
+  };
+  const spans = createSpans((seconds) => {
+    span = seconds;
+    draw();
+  });
+  return {update, node: element('div', {}, spans, element('div', {class: 'charts'},
+    ...Object.values(charts).map(({node}) => node)))};
 }
 
 function createLog() {

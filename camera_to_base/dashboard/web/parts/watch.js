@@ -99,8 +99,9 @@ export function createWatch(store) {
     element('div', {},
       card('Picture', own, fused.node, figures.node, capture)),
     element('div', {},
-      card('Objects', list.node, empty, createHeights(store).node, leftOut.node),
-      card('Seen from above', map.node), scatter.node)));
+      // Above what comes and goes.
+      card('Seen from above', map.node),
+      card('Objects', list.node, empty, createHeights(store).node, leftOut.node)), scatter.node));
   const turn = (isOn) => {
     isShown = isOn;
     play(store.get('watch')?.cameras);

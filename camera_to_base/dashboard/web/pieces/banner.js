@@ -15,7 +15,7 @@
 // The sentence above all parts: whether positions are published, and if not, why.
 
 import {sentence as asSentence} from '../base/numbers.js';
-import {setAttribute, setText, show} from '../base/dom.js';
+import {button, setAttribute, setText, show} from '../base/dom.js';
 
 const WAYS = {
   calibrate: 'Calibrate', save: 'Keep the correction', watch: 'Say how high they are', robot: 'Measure with the robot', health: 'Look at Health',
@@ -27,12 +27,14 @@ const LOST_CURE = 'What you see is old. Check that the program "dashboard" runs 
 
 /** Keep the sentence and the mark of the connection up to date. */
 export function createBanner(store) {
+  const fold = createFold(document.getElementById('banner-more'));
   const update = () => {
     const {level, sentence, more, way} = bannerState(store);
     document.getElementById('banner').className = `banner ${level}`;
     setText(document.getElementById('banner-text'), sentence);
     setText(document.getElementById('banner-more'), more ?? '');
     fillWay(document.getElementById('banner-way'), way);
+    fold();
     leaveRoom();
     const isOpen = store.get('connection') === 'open';
     document.body.classList.toggle('offline', !isOpen);
@@ -41,6 +43,23 @@ export function createBanner(store) {
     setText(pill, isOpen ? 'Connected' : 'Not connected');
   };
   ['connection', 'watch'].forEach((part) => store.on(part, update));
+}
+
+/** On a small screen, a long cure is cut to some lines; return what keeps its button up to date. */
+function createFold(more) {
+  const read = button('', () => {
+    more.classList.toggle('whole');
+    fold();
+  }, {class: 'quiet small', 'aria-controls': more.id, hidden: true});
+  more.after(read);
+  const fold = () => {
+    const isWhole = more.classList.contains('whole');
+    if (isWhole && !more.textContent) more.classList.remove('whole');
+    show(read, isWhole || more.scrollHeight > more.clientHeight + 1);
+    setText(read, isWhole ? 'Less' : 'Read on');
+    setAttribute(read, 'aria-expanded', isWhole);
+  };
+  return fold;
 }
 
 /** Keep what is scrolled to, or sticks, below a banner that stays in sight. */
