@@ -200,8 +200,10 @@ class FusedCell:
     def _again(
         self, one: '_Remembered', members: Dict[int, int], book: '_Book', now_s: float
     ) -> '_Remembered':
-        """Solve what all its cameras see at rest, from time to time: light changes outlines."""
-        if now_s - one.solved_at > _SOLVED_AGAIN_S:
+        """Solve what all its cameras see at rest where light has changed an outline, once a second."""
+        if now_s - one.solved_at > _SOLVED_AGAIN_S and not all(
+                book.frames[camera].is_as_before(number, one.reaches[camera])
+                for camera, number in members.items()):
             solution = solve([book.outline(member) for member in members.items()])
             if is_plausible(solution, self.limits.highest_cm):
                 reaches = {camera: book.reach_of((camera, number))
