@@ -135,10 +135,7 @@ class FusedCell:
         book = _Book(frames)
         objects = self._resting(book, now_s)
         self._still_refused(book, now_s)
-        free = book.free
-        found = book.renumbered(match(
-            [[book.outline((camera, number)) for number in numbers]
-             for camera, numbers in enumerate(free)], self.limits.highest_cm), free)
+        found = book.matched(self.limits.highest_cm)
         self._refused += [_Refused(camera, book.reach_of((camera, number)), now_s)
                           for camera, number in found.disagreeing]
         bumped = book.bumped
@@ -336,9 +333,14 @@ class _Book:
             number for number in range(len(frame.seen)) if (camera, number) not in done]
             for camera, frame in enumerate(self.frames)]
 
-    @staticmethod
-    def renumbered(found: Matches, free: Sequence[Sequence[int]]) -> Matches:
-        """Give what was found among the free silhouettes by the frames' own numbers."""
+    def matched(self, highest_cm: float) -> Matches:
+        """Match the free silhouettes; the result has the frames' own numbers."""
+        free = self.free
+        if not any(free):
+            return Matches([], [], [], [])
+        found = match([[self.outline((camera, number)) for number in numbers]
+                       for camera, numbers in enumerate(free)], highest_cm)
+
         def own(members):
             return [(camera, free[camera][number]) for camera, number in members]
 

@@ -53,7 +53,7 @@ class FusedCamera:
     def __init__(self, name: str) -> None:
         self.name = name
         self.frame: Optional[CameraFrame] = None
-        self.header = Header()
+        self.told = Header()
         # The others wait for its first frame as for each later one.
         self.arrived_at = time.monotonic()
         self.surface_z_cm = 0.0
@@ -63,6 +63,13 @@ class FusedCamera:
     def is_live(self, max_silence_s: float) -> bool:
         """Tell whether it gives frames."""
         return time.monotonic() - self.arrived_at <= max_silence_s
+
+    @property
+    def header(self) -> Header:
+        """The header of its frame, as a message."""
+        stamp = self.told.stamp
+        return Header(stamp=Time(sec=stamp.sec, nanosec=stamp.nanosec),
+                      frame_id=self.told.frame_id)
 
     @property
     def up(self) -> float:
@@ -80,13 +87,12 @@ class FusedCamera:
             raise InvalidValueError('expected silhouettes, got a message without a marker')
         silhouettes = silhouettes_of_markers(message)
         if silhouettes:
-            self.surface_z_cm = float(np.mean([one.corners[0, 2] for one in silhouettes]))
+            self.surface_z_cm = float(silhouettes[0].corners[0, 2])
         pose, covariance = self.place
         viewpoint = Viewpoint(
             CameraPlace(tuple(pose[:2]), abs(pose.z - self.surface_z_cm)), covariance[:3, :3])
-        told = message.markers[0].header
-        stamp = Time(sec=told.stamp.sec, nanosec=told.stamp.nanosec)
-        self.header = Header(stamp=stamp, frame_id=told.frame_id)
+        self.told = message.markers[0].header
+        stamp = self.told.stamp
         self.frame = CameraFrame.of(stamp.sec + _NANO * stamp.nanosec, [
             SeenOutline(one.corners[:, :2], one.place.covariance[:2, :2], viewpoint,
                         OUTLINE_PX * one.pixel_cm)
@@ -261,7 +267,7 @@ class CameraFusion(Node):
             'objects': str(self._objects_last), 'messages dropped': str(self._dropped_count)})
 
     def _odd_frame(self) -> Optional[Reason]:
-        names = {one.header.frame_id: one.name for one in self._cameras
+        names = {one.told.frame_id: one.name for one in self._cameras
                  if one.frame is not None and one.is_live(self._settings.max_silence_s)}
         if len(names) < 2:
             return None

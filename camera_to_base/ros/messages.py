@@ -232,7 +232,7 @@ def _uncertain(marker: Marker) -> UncertainPose:
         raise InvalidValueError(f'expected finite scales of a marker, got {[long, short]}')
     covariance = np.zeros((6, 6))
     covariance[:2, :2] = ellipse_covariance(Ellipse(long, short, pose.yaw), SHARE)
-    return UncertainPose(pose._replace(yaw=0.0), covariance)
+    return UncertainPose(Pose(pose.x, pose.y, pose.z, 0.0), covariance)
 
 
 def _diameter(half_axis_cm: float) -> float:
