@@ -197,7 +197,7 @@ class FusedCell:
     def _again(
         self, one: '_Remembered', members: Dict[int, int], book: '_Book', now_s: float
     ) -> '_Remembered':
-        """Solve what all its cameras see at rest where light has changed an outline, once a second."""
+        """Solve what all its cameras see at rest once a second where light changes an outline."""
         if now_s - one.solved_at > _SOLVED_AGAIN_S and not all(
                 book.frames[camera].is_as_before(number, one.reaches[camera])
                 for camera, number in members.items()):

@@ -26,7 +26,7 @@ from visualization_msgs.msg import MarkerArray
 
 # The first bytes of what is serialized as plain CDR, little-endian; offsets count from behind.
 _LITTLE_ENDIAN, _HEAD = b'\x00\x01', 4
-# The pose, the scale, colour, lifetime and frame_locked, which are passed over, and how many points.
+# Pose, scale, what is passed over (colour, lifetime, frame_locked), and how many points.
 _BODY = struct.Struct('<10d16x8xx3xI')
 # What follows the points of a line or an ellipse: nothing, said in ten lengths. An empty text has
 # the length 1; the time of the texture is passed over.
@@ -61,9 +61,8 @@ def markers_of_bytes(raw: bytes) -> Any:
 
 @lru_cache(maxsize=64)
 def _start_of(first: int, second: int) -> struct.Struct:
-    """Return how a marker begins: stamp, frame_id, ns, id, type, action; texts of these lengths."""
-    return struct.Struct(
-        f'<iII{first}s{-first % 4}xI{second}s{-second % 4}x3i')
+    """Return how a marker begins: stamp, frame_id, ns of these lengths, id, type, action."""
+    return struct.Struct(f'<iII{first}s{-first % 4}xI{second}s{-second % 4}x3i')
 
 
 def _decoded(text: bytes) -> str:
