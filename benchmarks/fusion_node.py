@@ -32,6 +32,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
 from two_cameras import base_of, PAIRS, seen  # noqa: E402, I100
 
 PERIOD_S, LATER_S = 1 / 30, 0.004
+LONGEST_S = 20.0
 CORNERS, NOISE_PX, VIEWS = 32, 0.2, 30
 OBJECTS = [
     (base_of('box', 4.0, 3.0, (6.0, 2.0), 0.3), 2.0),
@@ -60,7 +61,10 @@ class Cameras:
 
     def show(self, frames):
         """Publish frames; return how long after the later stamp each answer came, in s."""
+        until = time.time() + LONGEST_S
         while not all(topics.is_wanted for topics in self._topics):
+            if time.time() > until:
+                raise RuntimeError(f'no node subscribes to {TOPIC}/silhouettes')
             self._spin_until(time.time() + 0.1)
         self._late.clear()
         start = time.time()
@@ -79,7 +83,7 @@ class Cameras:
 
     def _spin_until(self, until):
         while time.time() < until:
-            rclpy.spin_once(self._node, timeout_sec=min(until - time.time(), 0.002))
+            rclpy.spin_once(self._node, timeout_sec=min(max(until - time.time(), 0.0), 0.002))
 
     @staticmethod
     def _seen(place, random):
@@ -112,8 +116,9 @@ def fusion_costs(command, cpu_seconds, rounds, frames):
                 late = median(cameras.show(frames))
                 costs[name].append(((cpu_seconds(process.pid) - before) / frames, late))
             finally:
-                process.kill()
-                process.wait()
+                # A killed node may leave DDS's shared memory locked.
+                process.terminate()
+                process.wait(LONGEST_S)
                 node.destroy_node()
     for name, found in costs.items():
         seconds, late = (median(column) for column in zip(*found))
