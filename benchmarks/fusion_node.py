@@ -97,6 +97,16 @@ class Cameras:
         return view
 
 
+def end(process):
+    """Ask a node to end, then kill it: a bare one may wait for a message after the signal."""
+    process.terminate()
+    try:
+        process.wait(2.0)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
 def fusion_costs(command, cpu_seconds, rounds, frames):
     """
     Compare the CPU time of `camera_fusion` for two cameras' frames with a bare node's.
@@ -116,9 +126,7 @@ def fusion_costs(command, cpu_seconds, rounds, frames):
                 late = median(cameras.show(frames))
                 costs[name].append(((cpu_seconds(process.pid) - before) / frames, late))
             finally:
-                # A killed node may leave DDS's shared memory locked.
-                process.terminate()
-                process.wait(LONGEST_S)
+                end(process)
                 node.destroy_node()
     for name, found in costs.items():
         seconds, late = (median(column) for column in zip(*found))
