@@ -22,6 +22,7 @@ import sys
 import time
 
 from ament_index_python.packages import get_package_prefix
+from fusion_node import fusion_costs
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rows import print_rows
@@ -43,6 +44,8 @@ def main():
     print(f'Python {platform.python_version()}, {platform.machine()}, {os.cpu_count()} CPUs, '
           f'{rounds} rounds of {messages} messages, interleaved, medians')
     print_rows(message_costs(rounds, messages) + [
+        *fusion_costs([executable('camera_fusion')], cpu_seconds, *(
+            (1, 60) if arguments.quick else (3, 600))),
         start_up('robot_base_publisher', [], rounds),
         start_up('camera_publisher', ['--ros-args', '-p', 'source:=random'], rounds)],
         arguments.json)

@@ -7,11 +7,22 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""A node that forwards each message unchanged, to measure the cost of rclpy itself."""
+"""
+Nodes that do nothing with what they receive, to measure the cost of rclpy itself.
 
+relay.py forwards each message unchanged; relay.py silhouettes receives what `camera_fusion` does,
+and publishes as many poses.
+"""
+
+import sys
+
+from geometry_msgs.msg import Pose, PoseArray
 import rclpy
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
-from std_msgs.msg import Float64MultiArray
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import Float64MultiArray, Header
+from visualization_msgs.msg import MarkerArray
 
 
 class Relay(Node):
@@ -24,6 +35,29 @@ class Relay(Node):
             Float64MultiArray, 'pos_in_cam_frame', publisher.publish, 10)
 
 
+class SilhouettesRelay(Node):
+    """Receives bytes of two cameras, and publishes five poses for each second message."""
+
+    def __init__(self):
+        super().__init__('relay')
+        self._count, topic = 0, 'objects_in_robot_base_frame'
+        self._publisher = self.create_publisher(
+            PoseArray, topic, 10, event_callbacks=PublisherEventCallbacks(
+                use_default_callbacks=False))
+        self._poses = PoseArray(poses=[Pose() for _ in range(5)])
+        for camera in ('left', 'right'):
+            self.create_subscription(
+                MarkerArray, f'{camera}/{topic}/silhouettes', self._on_bytes, 10, raw=True,
+                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
+
+    def _on_bytes(self, raw):
+        self._count += 1
+        if self._count % 2 == 0:
+            # The first marker's header follows how many markers there are.
+            self._poses.header = deserialize_message(raw[:4] + raw[8:40], Header)
+            self._publisher.publish(self._poses)
+
+
 if __name__ == '__main__':
     rclpy.init()
-    rclpy.spin(Relay())
+    rclpy.spin(SilhouettesRelay() if sys.argv[1:] == ['silhouettes'] else Relay())

@@ -18,8 +18,8 @@ without OpenCV.
 """
 
 from camera_to_base.fusion.cell import (
-    CameraFrame, FusedCell, FusedObject, FusedSighting, FusionLimits, NotFused)
-from camera_to_base.fusion.clocks import ClockCheck, ClockError
+    FusedCell, FusedObject, FusedSighting, FusionLimits, NotFused)
+from camera_to_base.fusion.frames import CameraFrame, ClockCheck, ClockError
 from camera_to_base.fusion.matching import Group, match, Matches, Member
 from camera_to_base.fusion.shape import Extent, Moments
 from camera_to_base.fusion.solver import (

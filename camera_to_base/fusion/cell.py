@@ -12,58 +12,17 @@ from dataclasses import dataclass, replace
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from camera_to_base.errors import Level, Reason
+from camera_to_base.fusion.frames import CameraFrame, FrameHistory, HISTORY_S
 from camera_to_base.fusion.matching import Group, is_plausible, match, Matches, Member
-from camera_to_base.fusion.shape import COUNT, reach
 from camera_to_base.fusion.solver import KnownHeight, SeenOutline, Solution, solve
 import numpy as np
 
-# An outline that has moved by less is at rest: half a pixel and the noise.
-REST_CM = 0.1
 # What rests is solved anew after this time.
 _SOLVED_AGAIN_S = 1.0
 # What rests and fits nothing is tried again after this time.
 _TRIED_AGAIN_S = 0.4
 # What no camera has seen for so long is forgotten: it may be another object that comes.
 _FORGOTTEN_S = 1.0
-# A frame that is that old is no longer needed to tell what rests.
-_HISTORY_S = 1.0
-
-
-@dataclass(frozen=True)
-class CameraFrame:
-    """
-    What a camera sees at a time.
-
-    :param stamp_s: When the frame was taken.
-    :param seen: The silhouettes.
-    :param reaches: How far each reaches in each direction, shape (n, directions), in cm.
-    """
-
-    stamp_s: float
-    seen: Tuple[SeenOutline, ...]
-    reaches: np.ndarray
-
-    @classmethod
-    def of(cls, stamp_s: float, seen: Sequence[SeenOutline]) -> 'CameraFrame':
-        """Make a frame of its silhouettes."""
-        return cls(stamp_s, tuple(seen), np.array(
-            [reach(one.corners) for one in seen]).reshape(len(seen), COUNT))
-
-    def at_rest(self, reached: np.ndarray) -> Optional[int]:
-        """Return the number of the silhouette that was there before; None where none is."""
-        if not len(self.reaches):
-            return None
-        # Of what moves as a whole, the reach changes by the move times a cosine.
-        apart = self.reaches - reached
-        moved = 2 / COUNT * np.einsum('ij,ij->i', apart, apart)
-        nearest = int(moved.argmin())
-        return nearest if moved[nearest] < REST_CM ** 2 else None
-
-    def touching(self, reached: np.ndarray) -> List[int]:
-        """List the silhouettes that touch another one."""
-        meets = (self.reaches + np.roll(reached, COUNT // 2)).min(axis=1) > 0 if len(
-            self.reaches) else np.zeros(0, bool)
-        return np.flatnonzero(meets).tolist()
 
 
 class FusedObject(NamedTuple):
@@ -153,12 +112,12 @@ class FusedCell:
         self._names = tuple(names)
         self._known: List[_Remembered] = []
         self._refused: List[_Refused] = []
-        self._history: List[List[CameraFrame]] = [[] for _ in names]
+        self._history = [FrameHistory() for _ in names]
 
     def forget(self) -> None:
         """Forget all objects: a camera is at another place."""
         self._known, self._refused = [], []
-        self._history = [[] for _ in self._names]
+        self._history = [FrameHistory() for _ in self._names]
 
     def fuse(
         self, frames: Sequence[Optional[CameraFrame]], now_s: float, untrusted: bool = False
@@ -170,14 +129,13 @@ class FusedCell:
         :param now_s: On any clock that is not set while the node runs.
         :param untrusted: Whether the stamps of different cameras cannot be compared.
         """
-        self._keep(frames)
+        for history, frame in zip(self._history, frames):
+            if frame is not None:
+                history.keep(frame)
         book = _Book(frames)
         objects = self._resting(book, now_s)
         self._still_refused(book, now_s)
-        free = book.free
-        found = book.renumbered(match(
-            [[book.outline((camera, number)) for number in numbers]
-             for camera, numbers in enumerate(free)], self.limits.highest_cm), free)
+        found = book.matched(self.limits.highest_cm)
         self._refused += [_Refused(camera, book.reach_of((camera, number)), now_s)
                           for camera, number in found.disagreeing]
         bumped = book.bumped
@@ -190,13 +148,6 @@ class FusedCell:
         self._known = [one for one in self._known if now_s - one.seen_at < _FORGOTTEN_S]
         objects.sort(key=lambda one: -one.solution.moments.area)
         return FusedSighting(objects, book.left_out, self._reason(frames, objects, book))
-
-    def _keep(self, frames: Sequence[Optional[CameraFrame]]) -> None:
-        for history, frame in zip(self._history, frames):
-            if frame is not None and (not history or frame is not history[-1]):
-                history.append(frame)
-                while history[0].stamp_s < frame.stamp_s - _HISTORY_S and len(history) > 2:
-                    history.pop(0)
 
     def _resting(self, book: '_Book', now_s: float) -> List[FusedObject]:
         """Find what lies where it lay: its height is known, whoever sees it now."""
@@ -246,8 +197,10 @@ class FusedCell:
     def _again(
         self, one: '_Remembered', members: Dict[int, int], book: '_Book', now_s: float
     ) -> '_Remembered':
-        """Solve what all its cameras see at rest, from time to time: light changes outlines."""
-        if now_s - one.solved_at > _SOLVED_AGAIN_S:
+        """Solve what all its cameras see at rest once a second where light changes an outline."""
+        if now_s - one.solved_at > _SOLVED_AGAIN_S and not all(
+                book.frames[camera].is_as_before(number, one.reaches[camera])
+                for camera, number in members.items()):
             solution = solve([book.outline(member) for member in members.items()])
             if is_plausible(solution, self.limits.highest_cm):
                 reaches = {camera: book.reach_of((camera, number))
@@ -261,9 +214,9 @@ class FusedCell:
         """Give an object that was not there, unless it moves between its pictures."""
         stamps = [book.frames[camera].stamp_s for camera, _ in group.members]
         apart = max(stamps) - min(stamps)
-        since = min(stamps) - (_HISTORY_S / 2 if untrusted else 0.0)
+        since = min(stamps) - (HISTORY_S / 2 if untrusted else 0.0)
         if (untrusted or apart > self.limits.stamp_tolerance_s) and not all(
-                self._rested(camera, book.reach_of((camera, number)), since)
+                self._history[camera].rested(book.reach_of((camera, number)), since)
                 for camera, number in group.members):
             cause = 'the clocks of the cameras differ' if untrusted else (
                 f'its pictures were taken {apart * 1000:.0f} ms apart, see stamp_tolerance')
@@ -274,14 +227,6 @@ class FusedCell:
             camera: book.reach_of((camera, number)) for camera, number in group.members},
             now_s, now_s))
         return [FusedObject(group.solution, tuple(camera for camera, _ in group.members))]
-
-    def _rested(self, camera: int, reached: np.ndarray, since: float) -> bool:
-        """Tell whether a silhouette was there at a time, and since."""
-        history = self._history[camera]
-        if history[0].stamp_s > since:
-            return False
-        first = max(number for number, frame in enumerate(history) if frame.stamp_s <= since)
-        return all(frame.at_rest(reached) is not None for frame in history[first:])
 
     def _alone(self, found: Matches, book: '_Book', objects: List[FusedObject]) -> None:
         for member in found.ambiguous:
@@ -388,9 +333,14 @@ class _Book:
             number for number in range(len(frame.seen)) if (camera, number) not in done]
             for camera, frame in enumerate(self.frames)]
 
-    @staticmethod
-    def renumbered(found: Matches, free: Sequence[Sequence[int]]) -> Matches:
-        """Give what was found among the free silhouettes by the frames' own numbers."""
+    def matched(self, highest_cm: float) -> Matches:
+        """Match the free silhouettes; the result has the frames' own numbers."""
+        free = self.free
+        if not any(free):
+            return Matches([], [], [], [])
+        found = match([[self.outline((camera, number)) for number in numbers]
+                       for camera, numbers in enumerate(free)], highest_cm)
+
         def own(members):
             return [(camera, free[camera][number]) for camera, number in members]
 

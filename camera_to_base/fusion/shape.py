@@ -16,7 +16,7 @@ moved, scaled, swept and averaged by adding numbers, and nothing needs to be cut
 import math
 from typing import Callable, NamedTuple, Optional
 
-from camera_to_base.coordinate_transform import axis_angle
+from camera_to_base.coordinate_transform import axis_angle, LEAST_ELONGATION
 import numpy as np
 
 # The directions, 3 degrees apart; each has its opposite half a turn later.
@@ -25,8 +25,6 @@ _STEP = 2 * math.pi / COUNT
 ANGLES = _STEP * np.arange(COUNT)
 # Shape (COUNT, 2).
 DIRECTIONS = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
-# A disc is measured up to 1.04 times longer than wide; a shape with less has no direction.
-LEAST_ELONGATION = 1.2
 
 
 class Extent(NamedTuple):

@@ -20,18 +20,22 @@ from camera_to_base.fusion import (
     FusionSettings, OUTLINE_PX, SeenOutline, Viewpoint)
 from camera_to_base.ros import (
     Diagnostics, Health, Heartbeat, latched, left_out_markers, markers_of_bytes, NameCheck,
-    NO_EVENTS, NodeParameters, PositionTopics, run, silhouettes_of_markers, SolidBox,
+    NO_EVENTS, NodeParameters, PositionTopics, qos_mismatch, run, silhouettes_of_markers, SolidBox,
     uncertain_pose_from_message, UncertainPose, whole_or_gone)
 from camera_to_base.uncertainty import UNKNOWN_ANGLE
 from geometry_msgs.msg import PoseWithCovarianceStamped
 import numpy as np
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 _SILHOUETTES, _CAMERA = 'objects_in_robot_base_frame/silhouettes', 'camera_in_robot_base_frame'
 _WATCH_S = 0.2
+# Each event of a subscription slows every message; `qos_mismatch` replaces the event.
+_NO_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)
 # A reason that lasts for less is not shown: the next frame may be good.
 _LASTING_S = 0.4
 # How far an end of an object's outline may be off, which turns its direction.
@@ -49,15 +53,23 @@ class FusedCamera:
     def __init__(self, name: str) -> None:
         self.name = name
         self.frame: Optional[CameraFrame] = None
-        self.header = Header()
+        self.told = Header()
         # The others wait for its first frame as for each later one.
         self.arrived_at = time.monotonic()
         self.surface_z_cm = 0.0
         self.place: Optional[UncertainPose] = None
+        self.subscription: Optional[Subscription] = None
 
     def is_live(self, max_silence_s: float) -> bool:
         """Tell whether it gives frames."""
         return time.monotonic() - self.arrived_at <= max_silence_s
+
+    @property
+    def header(self) -> Header:
+        """The header of its frame, as a message."""
+        stamp = self.told.stamp
+        return Header(stamp=Time(sec=stamp.sec, nanosec=stamp.nanosec),
+                      frame_id=self.told.frame_id)
 
     @property
     def up(self) -> float:
@@ -75,14 +87,12 @@ class FusedCamera:
             raise InvalidValueError('expected silhouettes, got a message without a marker')
         silhouettes = silhouettes_of_markers(message)
         if silhouettes:
-            self.surface_z_cm = float(np.concatenate(
-                [one.corners[:, 2] for one in silhouettes]).mean())
+            self.surface_z_cm = float(silhouettes[0].corners[0, 2])
         pose, covariance = self.place
         viewpoint = Viewpoint(
             CameraPlace(tuple(pose[:2]), abs(pose.z - self.surface_z_cm)), covariance[:3, :3])
-        told = message.markers[0].header
-        stamp = Time(sec=told.stamp.sec, nanosec=told.stamp.nanosec)
-        self.header = Header(stamp=stamp, frame_id=told.frame_id)
+        self.told = message.markers[0].header
+        stamp = self.told.stamp
         self.frame = CameraFrame.of(stamp.sec + _NANO * stamp.nanosec, [
             SeenOutline(one.corners[:, :2], one.place.covariance[:2, :2], viewpoint,
                         OUTLINE_PX * one.pixel_cm)
@@ -104,6 +114,8 @@ class CameraFusion(Node):
             self._clocks, self._pending = ClockCheck(), set()
             self._fused_count = self._dropped_count = 0
             self._objects_last = 0
+            # Until the cameras have told what is there, no list tells that it is nothing.
+            self._is_known = False
             self._passing: Optional[Reason] = None
             self._passing_since, self._told = 0.0, ''
             self._topics = PositionTopics(
@@ -128,10 +140,12 @@ class CameraFusion(Node):
     def _listen(self, number: int, camera: FusedCamera) -> None:
         self.create_subscription(
             PoseWithCovarianceStamped, f'{camera.name}/{_CAMERA}',
-            lambda message: self._on_place(camera, message), latched())
-        self.create_subscription(
+            lambda message: self._on_place(camera, message), latched(),
+            event_callbacks=_NO_EVENTS)
+        camera.subscription = self.create_subscription(
             MarkerArray, f'{camera.name}/{_SILHOUETTES}',
             lambda raw, info: self._on_silhouettes(number, camera, raw, info), 10, raw=True,
+            event_callbacks=_NO_EVENTS,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
     def _on_new_settings(self) -> None:
@@ -175,40 +189,49 @@ class CameraFusion(Node):
                      key=lambda one: one.frame.stamp_s)
         self._fused_count += 1
         self._objects_last = len(sighting.objects)
+        self._is_known |= bool(sighting.objects) or (
+            not sighting.left_out and all(one.frame is not None for one in self._cameras))
         self._note(sighting.reason)
-        self._publish(latest, sighting)
+        if self._is_known:
+            self._publish(latest, sighting)
+        self._publish_left_out(latest, sighting)
 
     def _publish(self, camera: FusedCamera, sighting: FusedSighting) -> None:
-        header = camera.header
-        tops = [self._top(camera, one) for one in sighting.objects]
+        header, objects = camera.header, sighting.objects
+        tops = [self._top(camera, one) for one in objects]
         if tops and self._topics.wants_position:
-            self._topics.publish_position(*tops[0].pose[:2])
-            self._topics.publish_point(header, *tops[0].pose[:3])
+            self._topics.publish_position(*tops[0][:2])
+            self._topics.publish_point(header, *tops[0][:3])
         if tops and self._topics.wants_pose:
-            self._topics.publish_pose(header, tops[0])
-        self._topics.publish_objects(header, [top.pose for top in tops])
+            self._topics.publish_pose(header, self._uncertain(tops[0], objects[0]))
+        self._topics.publish_objects(header, tops)
         if self._topics.wants_ellipses:
-            self._topics.publish_ellipses(header, tops)
+            self._topics.publish_ellipses(header, map(self._uncertain, tops, objects))
         if self._topics.wants_boxes:
-            self._topics.publish_boxes(
-                header, [self._box(camera, one) for one in sighting.objects])
+            self._topics.publish_boxes(header, [self._box(camera, one) for one in objects])
+
+    def _publish_left_out(self, camera: FusedCamera, sighting: FusedSighting) -> None:
         if self._left_out.get_subscription_count():
-            self._left_out.publish(left_out_markers(
-                header, [(tuple(one.point.tolist()), one.reason) for one in sighting.left_out]))
+            self._left_out.publish(left_out_markers(camera.header, [
+                (tuple(one.point.tolist()), one.reason) for one in sighting.left_out]))
 
     @staticmethod
-    def _top(camera: FusedCamera, one: FusedObject) -> UncertainPose:
-        """Return an object's pose at its top, with its covariance."""
+    def _top(camera: FusedCamera, one: FusedObject) -> Pose:
+        """Return an object's pose at its top."""
+        solution = one.solution
+        return Pose(*solution.moments.centre.tolist(),
+                    camera.surface_z_cm + camera.up * solution.height.height_cm,
+                    solution.moments.yaw or 0.0)
+
+    @staticmethod
+    def _uncertain(top: Pose, one: FusedObject) -> UncertainPose:
         solution, covariance = one.solution, np.zeros((6, 6))
-        yaw, height = solution.moments.yaw, solution.height
         covariance[:2, :2] = solution.covariance
         end = _END_CM / max(solution.extent.length, _END_CM)
         covariance[range(2, 6), range(2, 6)] = (
-            height.deviation_cm ** 2, UNKNOWN_ANGLE, UNKNOWN_ANGLE,
-            UNKNOWN_ANGLE if yaw is None else end ** 2)
-        x, y = solution.moments.centre.tolist()
-        return UncertainPose(
-            Pose(x, y, camera.surface_z_cm + camera.up * height.height_cm, yaw or 0.0), covariance)
+            solution.height.deviation_cm ** 2, UNKNOWN_ANGLE, UNKNOWN_ANGLE,
+            UNKNOWN_ANGLE if solution.moments.yaw is None else end ** 2)
+        return UncertainPose(top, covariance)
 
     @staticmethod
     def _box(camera: FusedCamera, one: FusedObject) -> SolidBox:
@@ -244,7 +267,7 @@ class CameraFusion(Node):
             'objects': str(self._objects_last), 'messages dropped': str(self._dropped_count)})
 
     def _odd_frame(self) -> Optional[Reason]:
-        names = {one.header.frame_id: one.name for one in self._cameras
+        names = {one.told.frame_id: one.name for one in self._cameras
                  if one.frame is not None and one.is_live(self._settings.max_silence_s)}
         if len(names) < 2:
             return None
@@ -255,8 +278,11 @@ class CameraFusion(Node):
 
     def _silent(self) -> Optional[Reason]:
         for camera in self._cameras:
-            if camera.is_live(self._settings.max_silence_s):
+            if camera.frame is not None and camera.is_live(self._settings.max_silence_s):
                 continue
+            mismatch = qos_mismatch(self, [camera.subscription])
+            if mismatch is not None:
+                return Reason('qos_mismatch', Level.WARN, mismatch)
             topic = self.resolve_topic_name(f'{camera.name}/{_SILHOUETTES}')
             if not self.count_publishers(topic):
                 return Reason('no_publisher', Level.WARN, (
@@ -279,7 +305,8 @@ class CameraFusion(Node):
                 f'the clock of {clock.camera} is {abs(clock.ahead_s) * 1000:.0f} ms '
                 f'{"ahead" if clock.ahead_s > 0 else "behind"}, or the network is slow: only what '
                 'rests is fused; set the clocks by chrony or ptp'))
-        if self._passing is not None and time.monotonic() - self._passing_since >= _LASTING_S:
+        if self._passing is not None and (
+                not self._is_known or time.monotonic() - self._passing_since >= _LASTING_S):
             return self._passing
         return all_well('objects are fused')
 

@@ -16,7 +16,7 @@ reads their messages, `nodes.outputs` makes them.
 
 import math
 import textwrap
-from typing import Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Iterable, List, NamedTuple, Tuple
 
 from camera_to_base.coordinate_transform import axis_angle, Pose
 from camera_to_base.errors import InvalidValueError, Reason
@@ -147,10 +147,10 @@ def _point(x: float, y: float, z: float) -> Point:
 
 
 def _cm(point: Point) -> Tuple[float, float, float]:
-    numbers: Sequence[float] = (point.x, point.y, point.z)
-    if not all(map(math.isfinite, numbers)):
-        raise InvalidValueError(f'expected three finite numbers in m, got {list(numbers)}')
-    return tuple(_CM_PER_M * number for number in numbers)
+    x, y, z = point.x, point.y, point.z
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
+        raise InvalidValueError(f'expected three finite numbers in m, got {[x, y, z]}')
+    return _CM_PER_M * x, _CM_PER_M * y, _CM_PER_M * z
 
 
 def _yaw(q: Quaternion) -> float:
@@ -227,13 +227,12 @@ def poses_of_markers(message: MarkerArray) -> List[UncertainPose]:
 
 def _uncertain(marker: Marker) -> UncertainPose:
     pose = pose_from_one(marker.pose)
-    half_axes = np.array([marker.scale.x, marker.scale.y]) * _CM_PER_M / 2
-    if not np.isfinite(half_axes).all():
-        raise InvalidValueError(f'expected finite scales of a marker, got {half_axes.tolist()}')
+    long, short = _CM_PER_M * marker.scale.x / 2, _CM_PER_M * marker.scale.y / 2
+    if not math.isfinite(long + short):
+        raise InvalidValueError(f'expected finite scales of a marker, got {[long, short]}')
     covariance = np.zeros((6, 6))
-    covariance[:2, :2] = ellipse_covariance(
-        Ellipse(*half_axes.tolist(), axis_angle(np.cos(pose.yaw), np.sin(pose.yaw))), SHARE)
-    return UncertainPose(Pose(*pose[:3], 0.0), covariance)
+    covariance[:2, :2] = ellipse_covariance(Ellipse(long, short, pose.yaw), SHARE)
+    return UncertainPose(Pose(pose.x, pose.y, pose.z, 0.0), covariance)
 
 
 def _diameter(half_axis_cm: float) -> float:

@@ -10,7 +10,7 @@
 """Publishes positions in one coordinate frame: on the tutorial's topic, and stamped in metres."""
 
 import time
-from typing import Iterable, List, Optional
+from typing import Iterable, List, Optional, Tuple
 
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.ros.boxes import box_markers, detection_type, detections_message, SolidBox
@@ -55,6 +55,7 @@ class PositionTopics:
         self._objects = _publisher(node, PoseArray, objects, live)
         self._ellipses = _publisher(node, MarkerArray, f'{objects}/ellipses', live)
         self._boxes = _publisher(node, MarkerArray, f'{objects}/boxes', live)
+        self._sent: Tuple[Tuple[Pose, ...], PoseArray] = (), PoseArray()
         self._detections: Optional[Publisher] = None
         if detection_type() is not None:
             self._detections = _publisher(node, detection_type(), f'{objects}/detections', live)
@@ -116,7 +117,12 @@ class PositionTopics:
 
     def publish_objects(self, header: Header, poses: Iterable[Pose]) -> None:
         """Publish all objects of a frame, the largest first; an empty array if there are none."""
-        self._objects.publish(poses_message(header, poses))
+        poses = tuple(poses)
+        if poses != self._sent[0]:
+            self._sent = poses, poses_message(header, poses)
+        # Of what rests, only the time is new.
+        self._sent[1].header = header
+        self._objects.publish(self._sent[1])
 
     def wait_until_received(self, seconds: float) -> None:
         """

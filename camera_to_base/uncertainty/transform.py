@@ -66,10 +66,11 @@ def ellipse_covariance(ellipse: Ellipse, share: float) -> np.ndarray:
     :returns: Shape (2, 2).
     """
     radius = radius_for(share)
+    long, short = (ellipse.long / radius) ** 2, (ellipse.short / radius) ** 2
     cosine, sine = math.cos(ellipse.angle), math.sin(ellipse.angle)
-    axes = np.array([[cosine, -sine], [sine, cosine]]) * [ellipse.long / radius,
-                                                          ellipse.short / radius]
-    return axes @ axes.T
+    both = (long - short) * cosine * sine
+    return np.array([[long * cosine ** 2 + short * sine ** 2, both],
+                     [both, long * sine ** 2 + short * cosine ** 2]])
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,48 @@ def test_arm_over_half_of_one_picture_moves_nothing(cell):
                (left, (BOX, DISC)), (right, (BOX, DISC)))
 
 
+HIDDEN = base_of('box', 3.0, 2.0, (6.0, 6.5), 0.0), 1.5
+
+
+@pytest.mark.parametrize('known', [True, False])
+def test_objects_that_one_camera_sees_as_one_are_published_where_they_rest_or_not_at_all(
+        cell, known):
+    ros, left, right = cell
+    poses = ros.listen_to(PoseArray, OBJECTS)
+    status = ros.listen_to_diagnostics('/camera_fusion')
+    if known:
+        show_until(ros, lambda: status and poses and len(poses[-1].poses) == 3,
+                   (left, (BOX, DISC, HIDDEN)), (right, (BOX, DISC, HIDDEN)))
+    # The box hides what lies behind it.
+    as_one = np.vstack([BOX[0], HIDDEN[0]]), 1.8
+    show_until(ros, lambda: poses and status and status[-1].values['reason'] == 'cameras_disagree',
+               (left, (BOX, DISC, HIDDEN)), (right, (as_one, DISC)))
+    assert len(poses[-1].poses) == (3 if known else 1)
+    for message in poses:
+        for pose in message.poses:
+            x, y = 100 * pose.position.x, 100 * pose.position.y
+            assert min(math.dist((x, y), base.mean(axis=0)) for base, _ in (
+                BOX, DISC, HIDDEN)) < 0.15
+
+
+def test_nothing_is_published_until_it_is_known_what_is_there(cell):
+    ros, left, right = cell
+    poses = ros.listen_to(PoseArray, OBJECTS)
+    status = ros.listen_to_diagnostics('/camera_fusion')
+    # One camera alone, for longer than a camera may be silent: it sees an object, or nothing.
+    for seen, reason in (((BOX,), 'camera_silent'), ((), 'camera_silent')):
+        del status[:]
+        show_until(ros, lambda: len(status) > 1 and status[-1].values['frames fused'] != '0',
+                   (left, seen))
+        assert status[-1].values['reason'] == reason and poses == []
+    # Both, but nothing that fits together.
+    show_until(ros, lambda: status[-1].values['reason'] == 'cameras_disagree', (left, (BOX,)),
+               (right, ((BOX[0] + [1.5, 0.5], 2.0),)))
+    assert poses == []
+    show_until(ros, lambda: poses, (left, ()), (right, ()))
+    assert poses[0].poses == []
+
+
 def test_cameras_with_different_base_frames_are_refused(ros):
     places = PAIRS['tilted 30 degrees, opposite sides']
     cameras = [FakeCamera(ros, name, place, frame_id) for name, place, frame_id in zip(
@@ -150,7 +192,7 @@ def test_stamps_of_the_later_picture_are_kept(cell):
 
 
 @pytest.mark.slow
-def test_two_simulated_cameras_and_one_of_them_is_killed(ros):
+def test_two_simulated_cameras_and_one_of_them_is_killed_and_started_again(ros):
     boxes = ros.listen_to(MarkerArray, f'{OBJECTS}/boxes')
     truth = ros.listen_to(MarkerArray, '/right/true_objects_in_cam_frame/boxes')
     status = ros.listen_to_diagnostics('/camera_fusion')
@@ -158,9 +200,7 @@ def test_two_simulated_cameras_and_one_of_them_is_killed(ros):
     try:
         for name in ('left', 'right'):
             for executable in ('camera_publisher', 'robot_base_publisher'):
-                processes.append(Process(
-                    executable, '-r', f'__ns:=/{name}', '--params-file',
-                    os.path.join(CONFIG, f'simulated_{name}.yaml')))
+                processes.append(simulated_camera(name, executable))
         processes.append(Process('camera_fusion', '-p', 'cameras:=[left, right]'))
         assert ros.spin_until(
             lambda: status and truth and boxes and len(boxes_of_markers(boxes[-1])) == 5)
@@ -169,11 +209,19 @@ def test_two_simulated_cameras_and_one_of_them_is_killed(ros):
         assert ros.spin_until(lambda: status[-1].values['reason'] == 'camera_silent')
         del boxes[:]
         assert ros.spin_until(lambda: len(boxes) > 5)
+        processes.append(simulated_camera('left', 'camera_publisher'))
+        assert ros.spin_until(lambda: status[-1].values['reason'] == 'ok')
+        assert ros.spin_until(lambda: len(boxes_of_markers(boxes[-1])) == 5)
         for message in boxes:
             check_boxes(message, truth[-1])
     finally:
         for process in processes:
             process.kill()
+
+
+def simulated_camera(name, executable):
+    return Process(executable, '-r', f'__ns:=/{name}', '--params-file',
+                   os.path.join(CONFIG, f'simulated_{name}.yaml'))
 
 
 def check_boxes(message, truth):

@@ -11,6 +11,7 @@
 
 from typing import Any, Dict, List, Optional, Sequence
 
+from camera_to_base.coordinate_transform import LEAST_ELONGATION
 from camera_to_base.dashboard.live.positions import SeenFrame
 from camera_to_base.errors import CameraToBaseError
 from camera_to_base.parameters import (
@@ -33,8 +34,8 @@ _BEYOND = 0.2
 _STEP_CM = 0.05
 # The thinnest box that can be shown; it is meant for a flat object.
 _FLAT_CM = 0.1
-# A disc has 0.79 of its box's area, a rectangle all of it; a longer object has a direction.
-_ROUND_SHARE, _LEAST_ELONGATION = 0.87, 1.2
+# A disc has 0.79 of its box's area, a rectangle all of it.
+_ROUND_SHARE = 0.87
 # Of a unit square.
 _CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
@@ -208,7 +209,7 @@ def _bottom(box: SolidBox) -> np.ndarray:
 
 
 def _may_be_round(box: SolidBox, stands: Optional[np.ndarray]) -> bool:
-    if box.length > _LEAST_ELONGATION * box.width:
+    if box.length > LEAST_ELONGATION * box.width:
         return False
     if stands is None:
         return True  # It may be.
