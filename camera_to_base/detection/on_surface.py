@@ -12,9 +12,9 @@
 from itertools import accumulate
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
+from camera_to_base.coordinate_transform import LEAST_ELONGATION
 from camera_to_base.detection.detection import (
     Detection, Pixel, polygon_centroid, principal_axes)
-from camera_to_base.detection.solid import LEAST_ELONGATION
 from camera_to_base.errors import HorizonError
 from camera_to_base.surface import Surface
 import cv2

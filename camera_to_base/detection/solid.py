@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import math
 from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-from camera_to_base.coordinate_transform import CameraPlace
+from camera_to_base.coordinate_transform import CameraPlace, LEAST_ELONGATION
 from camera_to_base.detection.detection import Detection, polygon_centroid, principal_axes
 from camera_to_base.errors import InvalidValueError, Level, Reason
 from camera_to_base.surface import Footprint, Outline, RayedSilhouette, Surface
@@ -40,9 +40,6 @@ _PIXEL_NOTCH, _OF_NOTCH, _NOTCH_OF_TWO = 3.5, 0.5, 0.14
 # A flat disc has no chord on 0.06 of its width that is 0.7 of its radius long; what is swept by a
 # height has long ones up to its sides.
 _LONG_CHORD, _SWEPT = 0.7, 0.965
-# A coin measures up to 1.02 times longer than wide (20 px, noise 10, tilt 50), plus the percentage
-# by which the calibration is off. At this elongation an error of 0.02 turns the axis by 3 degrees.
-LEAST_ELONGATION = 1.2
 
 
 class Size(NamedTuple):
