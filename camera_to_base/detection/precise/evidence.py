@@ -62,12 +62,13 @@ _MOST_DRIFT = 0.01
 _BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 # Chi-square of the light, over its degrees of freedom: from here on it is none.
 WORST_LIGHT = 3.0
-# Below a grey level of 10, JPEG and the sensor's black tell neither colour nor darkness.
-_LEAST_LIGHT = 3e-3
+_LEAST_LIGHT = 1e-3
 # How much of the table's detail is seen where only the light has changed; how many deviations of
 # chance tell that; how much of a variance is the background's noise, and what may be left.
 _LEAST_SLOPE, _MOST_SLOPE, LEAST_LIKENESS = 0.5, 1.6, 8.0
 OWN_NOISE, _MOST_LEFT = 0.4, 2.5
+# From this part of the table's power on, what is seen is a texture of another kind.
+_OTHER_TEXTURE = 0.5
 # How many pixels tell as much of a texture as one whose noise is its own: demosaicing and JPEG
 # spread noise.
 _SPREAD = 3
@@ -276,6 +277,9 @@ def detail_of(found: Evidence, part: np.ndarray) -> Detail:
     # The noise of the background alone makes the slope less steep.
     texture = max(1 - OWN_NOISE / max(own, OWN_NOISE), 0.0)
     nats = count / _SPREAD * texture * (texture / 2 * own - both)
+    if nats > 0 and seen - OWN_NOISE > _OTHER_TEXTURE * (own - OWN_NOISE):
+        # Another texture: a thing's own, or the table's, from where the camera was before a push.
+        nats = 0.0
     if both <= 0:
         return Detail(0.0, 0.0, seen, nats)
     slope = both / max(own - OWN_NOISE, own / 4)
