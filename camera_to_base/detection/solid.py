@@ -209,7 +209,7 @@ def _notch_misfit(outline: np.ndarray, corners: np.ndarray) -> float:
     deepest = max(cv2.pointPolygonTest(hull, point, True)
                   for point in (outline - outline[0]).tolist())
     seen = Outline.of(corners)
-    width = math.sqrt(cv2.contourArea(hull))
+    width = max(math.sqrt(cv2.contourArea(hull)), 1.0)
     cm_per_px = math.sqrt(seen.area) / width
     misfit_cm = _OF_NOTCH * max(deepest - _PIXEL_NOTCH, 0.0) * cm_per_px
     if deepest < max(_NOTCH_OF_TWO * width, _PIXEL_NOTCH):
