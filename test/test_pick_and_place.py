@@ -47,10 +47,6 @@ class Table:
         ros.node.create_subscription(JointState, 'joint_states', self._on_joints, 100)
         self._timer = ros.node.create_timer(0.04, self._publish)
 
-    @property
-    def is_watched(self):
-        return all(publisher.get_subscription_count() for publisher in self._publishers)
-
     def happened(self, what):
         return [number for event, number in self.events if event == what]
 
@@ -92,6 +88,12 @@ class Table:
             del self.objects[number]
         if what is not None:
             self.events.append((what, number))
+
+
+def wait_for_line(ros, text):
+    """Wait until the example has logged a text."""
+    lines = ros.listen_to_log('pick_and_place')
+    assert ros.spin_until(lambda: any(text in line.text for line in lines)), lines
 
 
 def box(x, y, yaw=0.0, length=0.03, width=0.02, height=0.03):
@@ -188,24 +190,22 @@ def test_what_cannot_be_gripped_is_refused_and_the_next_one_is_picked(ros, arm, 
 @pytest.mark.slow
 def test_object_that_is_not_known_well_enough_waits(ros, arm):
     table = Table(ros, box(0.15, 0.10), error=0.004)
-    output = arm()
-    ros.spin_for(3.0)
+    arm()
+    wait_for_line(ros, 'is known to 4.0 mm, and the gripper needs 3.0 mm')
+    ros.spin_for(2.0)
     assert table.joints == []
     table.error = 0.002
     assert ros.spin_until(lambda: table.happened('caught'))
-    assert 'is known to 4.0 mm, and the gripper needs 3.0 mm' in output()
 
 
 @pytest.mark.slow
 def test_moving_object_is_picked_when_it_rests(ros, arm):
     table = Table(ros, box(0.10, 0.10), speed=0.01)
-    output = arm()
-    assert ros.spin_until(lambda: table.is_watched)
-    ros.spin_for(3.0)
+    arm()
+    wait_for_line(ros, 'is not picked: it moves, or its position jumps, by 2.0 mm or more')
     assert table.joints == []
     table.speed = 0.0
     assert ros.spin_until(lambda: table.happened('caught'))
-    assert 'is not picked: it moves, or its position jumps, by 2.0 mm or more' in output()
 
 
 @pytest.mark.slow

@@ -100,22 +100,16 @@ class Spot:
         if was_gone:
             # Something else was put there.
             self._shape, self._since, self._next = shape, at, None
-        elif self._in_common(shape, self._shape) >= _SAME:
+        elif _in_common(shape, self._shape) >= _SAME:
             self._next = None
-        elif self._next is not None and self._in_common(shape, self._next) >= _SAME:
-            is_other = self._in_common(shape, self._shape) < _OTHER
+        elif self._next is not None and _in_common(shape, self._next) >= _SAME:
+            # What has moved is the same shape at another place.
+            is_other = _in_common(_centred(shape), _centred(self._shape)) < _OTHER
             if counts and is_other and at - self._since >= _STEADY_S:
                 self._changed_at.append(at)
             self._shape, self._since, self._next = shape, at, None
         else:
             self._next = shape
-
-    def _in_common(self, one: List[np.ndarray], other: List[np.ndarray]) -> float:
-        size = self.box.height + 1, self.box.width + 1
-        masks = [cv2.drawContours(np.zeros(size, np.uint8), shape, -1, 1, cv2.FILLED,
-                                  offset=(-self.box.x, -self.box.y)) for shape in (one, other)]
-        return cv2.countNonZero(masks[0] & masks[1]) / max(
-            cv2.countNonZero(masks[0] | masks[1]), 1)
 
 
 class InPlaceStage(Stage):
@@ -179,6 +173,19 @@ class InPlaceStage(Stage):
 
     def _is_of_clock(self, one: Detection) -> bool:
         return any(clock.holds(one) or clock.is_beside(one.box) for clock in self._clocks)
+
+
+def _in_common(one: List[np.ndarray], other: List[np.ndarray]) -> float:
+    left, top, width, height = cv2.boundingRect(np.concatenate([*one, *other]))
+    masks = [cv2.drawContours(np.zeros((height, width), np.uint8), shape, -1, 1, cv2.FILLED,
+                              offset=(-left, -top)) for shape in (one, other)]
+    return cv2.countNonZero(masks[0] & masks[1]) / max(
+        cv2.countNonZero(masks[0] | masks[1]), 1)
+
+
+def _centred(shape: List[np.ndarray]) -> List[np.ndarray]:
+    left, top, width, height = cv2.boundingRect(np.concatenate(shape))
+    return [one - (left + width // 2, top + height // 2) for one in shape]
 
 
 def _around(boxes: Iterable[Box]) -> Box:
