@@ -126,7 +126,8 @@ class ObjectLocator:
         """
         detections = self._detector.detect(frame)
         detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
-        found = list(map(self._located, detections, self._places(detections)))
+        found = [self._located(detection, place, frame)
+                 for detection, place in zip(detections, self._places(detections))]
         no_object = [LeftOut(place, REASONS['taken_away'], self._point(place))
                      for place in self._detector.taken_away]
         no_object += left_out_places(self._detector.dropped, self._surface.locate)
@@ -135,13 +136,13 @@ class ObjectLocator:
                       *map(self._unless_ignored, no_object), *_too_many(rest, found)))
 
     def _located(
-        self, detection: Detection, place: Union[OnSurface, HorizonError]
+        self, detection: Detection, place: Union[OnSurface, HorizonError], frame: np.ndarray
     ) -> Union[LocatedObject, LeftOut]:
         if isinstance(place, HorizonError):
             return LeftOut(detection, _beyond_horizon(place))
         area_cm2 = detection.area * abs(_determinant(place.cm_per_px))
         if self._settings.heights_cm:
-            return self._standing(detection, Point(*place.point.tolist()), area_cm2)
+            return self._standing(detection, Point(*place.point.tolist()), area_cm2, frame)
         point = Point(*self._below(place.point).tolist())
         reason = self._reason_to_leave_out(detection, point, area_cm2)
         if reason is not None:
@@ -157,15 +158,15 @@ class ObjectLocator:
         return pinhole.camera_place.below(seen, middle_cm)
 
     def _standing(
-        self, detection: Detection, seen: Point, area_cm2: float
+        self, detection: Detection, seen: Point, area_cm2: float, frame: np.ndarray
     ) -> Union[LocatedObject, LeftOut]:
         """Locate an object that has a height: its footprint instead of its outline."""
         camera = self._surface.camera_place
         if camera is None:
             return LeftOut(detection, _PLACE_UNKNOWN, seen)
         try:
-            solid = solid_of(
-                silhouette(detection), self._surface, camera, self._settings.heights_cm)
+            solid = solid_of(silhouette(detection), frame, self._surface, camera,
+                             self._settings.heights_cm)
         except HorizonError as error:
             return LeftOut(detection, _beyond_horizon(error), seen)
         if isinstance(solid, Reason):

@@ -14,6 +14,7 @@ from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.coordinate_transform import CameraPlace, LEAST_ELONGATION
 from camera_to_base.detection.detection import Detection, polygon_centroid, principal_axes
+from camera_to_base.detection.heights import told_height
 from camera_to_base.errors import InvalidValueError, Level, Reason
 from camera_to_base.surface import Footprint, Outline, RayedSilhouette, Surface
 import cv2
@@ -27,11 +28,6 @@ _SIMPLER_PX = 0.5
 LEAST_FIT = 0.9
 # With less than this, where it stands is not known to a few mm.
 _NO_FIT = 0.85
-# Of several heights, one that fits has the first, and one that does not has less than the second.
-# Heights are told inexactly: the first is asked of one that is smaller by this share of the gap.
-# Of 129 boxes and cylinders 2 or 5 cm high, rendered below a camera tilted by 31 degrees and not
-# used to find the rule, 116 take their own height, none another one, and 13 none.
-_GOOD_FIT, _BAD_FIT, _INEXACT = 0.97, 0.955, 0.25
 # The silhouette of a convex object has no notch but what the picture's pixels make, in px. A
 # deeper one was bitten out by light, or lies between two objects that hide one another. In
 # rendered cells (785 solid objects, three views) a place is off by half of what a notch is deeper,
@@ -172,12 +168,14 @@ def silhouette_on_surface(detection: Detection, surface: Surface) -> np.ndarray:
 
 
 def solid_of(
-    outline: np.ndarray, surface: Surface, camera: CameraPlace, heights_cm: Sequence[float]
+    outline: np.ndarray, frame: np.ndarray, surface: Surface, camera: CameraPlace,
+    heights_cm: Sequence[float],
 ) -> Union[Solid, Reason]:
     """
     Find what an object stands on.
 
     :param outline: Its silhouette on the picture, shape (n, 2), in px.
+    :param frame: The picture, shape (h, w, 3), uint8, BGR.
     :param surface: Maps the frame's pixels to the work surface.
     :param heights_cm: The heights that it may have, ascending.
     :returns: The reason where it has none of the heights, or where that cannot be told.
@@ -185,7 +183,8 @@ def solid_of(
     """
     corners = surface.locate(outline)
     rayed = RayedSilhouette(corners, camera.foot_cm)
-    told = heights_cm[0] if len(heights_cm) == 1 else _told_height(rayed, camera, heights_cm)
+    told = heights_cm[0] if len(heights_cm) == 1 else told_height(
+        rayed, outline, frame, surface, camera, heights_cm)
     height_cm = heights_cm[0] if told is None else told
     footprint = rayed.footprint(height_cm / camera.height_cm)
     if footprint.fit < _NO_FIT or not footprint.outline.area > 0:
@@ -194,8 +193,8 @@ def solid_of(
             f'{footprint.fit:.2f}): set object_height_cm to its height'), is_passing=True)
     if told is None:
         return Reason('height_unclear', Level.WARN, (
-            'its outline does not tell which of object_heights_cm it has: tilt the camera more, '
-            'or list fewer heights'), is_passing=True)
+            'neither its outline nor the rim of its top tells which of object_heights_cm it '
+            'has: tilt the camera more, or list fewer heights'), is_passing=True)
     notch_cm = _notch_misfit(outline, corners)
     if footprint.fit >= LEAST_FIT:
         return Solid(footprint.outline, height_cm, notch_cm, surface)
@@ -216,23 +215,6 @@ def _notch_misfit(outline: np.ndarray, corners: np.ndarray) -> float:
         return misfit_cm
     # The middle of either object may be meant.
     return max(size_of(seen, 0.0).length_cm / 4, misfit_cm)
-
-
-def _told_height(
-    rayed: RayedSilhouette, camera: CameraPlace, heights_cm: Sequence[float]
-) -> Optional[float]:
-    """Return the height that the outline is just as long for; None where that is none of them."""
-    # Every smaller height fits as well. A height is meant only if the outline is just as long as
-    # it needs: the next larger one, listed or not, does not fit, nor does its double.
-    def fit(height_cm: float) -> float:
-        return rayed.footprint(min(height_cm / camera.height_cm, 0.99)).fit
-
-    gaps = np.diff([0.0, *heights_cm]).tolist()
-    for height_cm, below, above in zip(heights_cm, gaps, [*gaps[1:], gaps[-1]]):
-        if fit(height_cm - _INEXACT * below) >= _GOOD_FIT and fit(
-                height_cm + min(above, height_cm)) <= _BAD_FIT:
-            return height_cm
-    return None
 
 
 def _at_half_the_height(

@@ -130,6 +130,20 @@ class RayedSilhouette:
             return Footprint(Outline(corners, 0.0, self._foot, np.zeros((2, 2))), fit)
         return Footprint(Outline.of(self._foot + corners), fit)
 
+    def near_rim(self, height_share: float) -> np.ndarray:
+        """
+        Return where the near rim of the top of an object of a height is seen.
+
+        :param height_share: The object's height as a share of the camera's, 0 to below 1.
+        :returns: Shape (3, n, 2), in cm, on the n rays that an object of the height can have:
+            where each enters the silhouette, where it meets the rim, and where it leaves. None,
+            n = 0, of an object above the camera's foot, whose sides are not seen.
+        """
+        rim = self._near / (1.0 - height_share)
+        stands = (rim < self._far) & (self._near > 0.0)
+        distances = np.stack([self._near, rim, self._far])[:, stands, None]
+        return self._foot + distances * self._directions[stands]
+
     def _cut(self, offsets: np.ndarray) -> np.ndarray:
         """Return where each ray enters the silhouette and where it leaves: (2, rays), in cm."""
         (x, y), (c, s) = offsets.T, self._directions.T

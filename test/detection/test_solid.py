@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 SIZE = 1280, 720
-TABLE, SIDE = (196, 188, 180), (60, 90, 170)
+TABLE, SIDE, TOP = (196, 188, 180), (60, 90, 170), (80, 115, 195)
 
 
 def camera(tilt_deg):
@@ -45,8 +45,8 @@ def prism(centre, length, width, angle, corners=4):
     return centre + unit @ turn.T
 
 
-def picture(surface, *solids):
-    """Draw upright solids as filled silhouettes with soft rims."""
+def picture(surface, *solids, top=TOP):
+    """Draw upright solids as filled silhouettes with soft rims, their tops lighter."""
     scale = 4
     large = np.full((scale * SIZE[1], scale * SIZE[0], 3), TABLE, np.uint8)
     for base, height in solids:
@@ -55,15 +55,17 @@ def picture(surface, *solids):
         pixels = (surface.pixels_of(both) + 0.5) * scale - 0.5
         cv2.fillConvexPoly(large, cv2.convexHull(np.round(16 * pixels).astype(np.int32)), SIDE,
                            cv2.LINE_AA, 4)
+        cv2.fillConvexPoly(
+            large, np.round(16 * pixels[len(base):]).astype(np.int32), top, cv2.LINE_AA, 4)
     frame = cv2.resize(large, SIZE, interpolation=cv2.INTER_AREA)
     noise = np.random.default_rng(3).normal(0, 1.0, frame.shape)
     return np.clip(np.round(frame + noise), 0, 255).astype(np.uint8)
 
 
-def find(surface, heights, *solids):
+def find(surface, heights, *solids, top=TOP):
     locator = ObjectLocator(
         picture(surface), surface, DetectorSettings(heights_cm=tuple(heights)))
-    return locator.find(picture(surface, *solids))
+    return locator.find(picture(surface, *solids, top=top))
 
 
 @pytest.mark.parametrize('tilt_deg', [0, 35])
@@ -114,6 +116,32 @@ def test_height_need_not_be_exact_to_be_told_from_another(height, told):
     thing = prism(np.array([9.0, -6.0]), 4.0, 3.0, 0.4)
     found, = find(camera(35), [2.0, 5.0], (thing, height)).objects
     assert found.solid.height_cm == told
+
+
+def test_flat_disc_takes_the_lowest_height_and_no_higher_one():
+    discs = [(prism(np.array([x, y]), 2.4, 2.4, 0.0, 60), 0.25)
+             for x, y in ((-18, -9), (-6, 3), (7, -7), (16, 5))]
+    found = find(camera(31), [0.25, 2.0, 5.0], *discs).objects
+    assert [one.solid.height_cm for one in found] == [0.25] * 4
+    assert max(min(math.dist(one.point, base.mean(axis=0)) for base, _ in discs)
+               for one in found) < 0.05
+
+
+def test_box_along_the_view_whose_outline_fits_two_heights_is_told_by_its_rim():
+    # From a camera at (0, 39) cm, a box 2 cm high and 3 cm deep has the outline of one that is
+    # 5 cm high, of the same width, and less deep.
+    for height, depth in ((2.0, 3.4), (5.0, 2.2)):
+        thing = prism(np.array([0.0, -6.0]), 3.0, depth, 0.0), height
+        found, = find(camera(31), [2.0, 5.0], thing).objects
+        assert found.solid.height_cm == height
+        assert math.dist(found.point, (0.0, -6.0)) < 0.05
+
+
+def test_height_is_unclear_where_the_outline_fits_two_and_no_rim_is_seen():
+    thing = prism(np.array([0.0, -6.0]), 3.0, 2.2, 0.0), 5.0
+    found = find(camera(31), [2.0, 5.0], thing, top=SIDE)
+    assert not found.objects
+    assert found.left_out[0].reason.kind == 'height_unclear'
 
 
 def test_straight_camera_cannot_tell_heights_apart():
