@@ -9,6 +9,7 @@
 
 """Locates objects on a frame: from the picture to points and directions in the camera frame."""
 
+from dataclasses import replace
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -20,6 +21,7 @@ from camera_to_base.detection.on_surface import (
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.solid import (
     flat_outline, silhouette, Size, size_of, Solid, solid_of)
+from camera_to_base.detection.top_rim import sees_rim
 from camera_to_base.errors import HorizonError, Level, Reason
 from camera_to_base.surface import Surface
 from camera_to_base.uncertainty import Shape, Spread
@@ -34,6 +36,10 @@ _PLACE_UNKNOWN = Reason(
     'place_unknown', Level.WARN, 'it has a height, and where the camera is now cannot be '
     'computed: calibrate again', is_passing=True)
 
+# Where a solid's rim is seen, what was taken for a side is one. Of 27 objects in doubt in rendered
+# cells whose rim is seen, by 0.4 to 15 px, 26 are off by this or less, in px, and one by 1.9 px;
+# of 3 whose rim is not seen, all are off by 7 to 26 px.
+_DOUBT_WITH_RIM = 0.5
 # In a larger box the noise of the rim moves the centre by next to nothing.
 _LARGEST_BOX_PX = 40000
 _MARGIN_PX = 2
@@ -164,9 +170,12 @@ class ObjectLocator:
         camera = self._surface.camera_place
         if camera is None:
             return LeftOut(detection, _PLACE_UNKNOWN, seen)
+        outline = silhouette(detection)
         try:
-            solid = solid_of(silhouette(detection), frame, self._surface, camera,
-                             self._settings.heights_cm)
+            solid = solid_of(outline, frame, self._surface, camera, self._settings.heights_cm)
+            if detection.doubt > _DOUBT_WITH_RIM and isinstance(solid, Solid) and sees_rim(
+                    outline, frame, self._surface, camera, solid.height_cm):
+                detection = replace(detection, doubt=_DOUBT_WITH_RIM)
         except HorizonError as error:
             return LeftOut(detection, _beyond_horizon(error), seen)
         if isinstance(solid, Reason):

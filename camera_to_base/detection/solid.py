@@ -14,7 +14,7 @@ from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.coordinate_transform import CameraPlace, LEAST_ELONGATION
 from camera_to_base.detection.detection import Detection, polygon_centroid, principal_axes
-from camera_to_base.detection.heights import told_height
+from camera_to_base.detection.top_rim import told_height
 from camera_to_base.errors import InvalidValueError, Level, Reason
 from camera_to_base.surface import Footprint, Outline, RayedSilhouette, Surface
 import cv2

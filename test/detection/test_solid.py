@@ -8,6 +8,7 @@
 # the License.
 """Solid objects are located at what they stand on, or left out with a reason."""
 
+from dataclasses import replace
 import math
 
 from camera_to_base.detection import (
@@ -142,6 +143,18 @@ def test_height_is_unclear_where_the_outline_fits_two_and_no_rim_is_seen():
     found = find(camera(31), [2.0, 5.0], thing, top=SIDE)
     assert not found.objects
     assert found.left_out[0].reason.kind == 'height_unclear'
+
+
+@pytest.mark.parametrize('top, doubt', [(TOP, 0.5), (SIDE, 6.0)])
+def test_side_that_may_be_shade_is_none_where_its_rim_is_seen(monkeypatch, top, doubt):
+    surface = camera(31)
+    locator = ObjectLocator(picture(surface), surface, DetectorSettings(heights_cm=(5.0,)))
+    detect = locator._detector.detect
+    monkeypatch.setattr(locator._detector, 'detect', lambda frame: [
+        replace(one, doubt=6.0) for one in detect(frame)])
+    frame = picture(surface, (prism(np.array([9.0, -6.0]), 5.0, 3.0, 0.4), 5.0), top=top)
+    found, = locator.find(frame).objects
+    assert found.detection.doubt == doubt
 
 
 def test_straight_camera_cannot_tell_heights_apart():

@@ -7,12 +7,12 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 """
-Which of several heights an object has.
+The rim at which an object's top and its near side meet: it tells heights, and what is a side.
 
-The outline alone does not tell: what is low and long has the outline of what is high and short.
-The rim does, at which the object's top and its near side meet. It is the near outline of what the
-object stands on, seen farther from the camera's foot by as much as the object is high, and the
-picture has a step along all of it, as top and side are lit differently.
+The outline alone tells neither: what is low and long has the outline of what is high and short,
+and a side may be shade. The rim is the near outline of what the object stands on, seen farther
+from the camera's foot by as much as the object is high, and the picture has a step along all of
+it, as top and side are lit differently.
 """
 
 from typing import Dict, Optional, Sequence
@@ -33,7 +33,10 @@ _LEAST_FIT, _BAD_FIT, _INEXACT = 0.9, 0.955, 0.25
 _RIM, _NO_RIM, _TIMES = 8.0, 4.0, 3.0
 # A rim is seen apart from the outline where it is farther from it than this, in px, along so large
 # a share of its length.
-_APART_PX, _LEAST_SHARE = 5.0, 0.5
+_APART_PX, _LEAST_SHARE = 6.0, 0.5
+# A side that is seen narrower than this, in px, may be missing as a whole: of 180 boxes below a
+# straight camera, 6 sides were taken for shade.
+_WIDE_SIDE_PX = 12.0
 # The step is taken over twice this, in px, and looked for at heights up to this share beside.
 _HALF_STEP_PX, _BESIDE = 1.5, (-0.05, -0.025, 0.0, 0.025, 0.05)
 # Top and side need not differ everywhere, such as at a box's other side: of so many parts of the
@@ -67,10 +70,39 @@ def told_height(
         return best if is_clear and fits[best] >= _LEAST_FIT else None
     lowest, *higher = heights_cm
     are_excluded = all(
-        fits[height] <= _BAD_FIT or rims.get(height, _RIM) < _NO_RIM and (
-            rayed.footprint(height / camera.height_cm).fit <= _BAD_FIT) for height in higher)
+        _side_px(outline, surface, camera, height) >= _WIDE_SIDE_PX and (
+            fits[height] <= _BAD_FIT or rims.get(height, _RIM) < _NO_RIM and (
+                rayed.footprint(height / camera.height_cm).fit <= _BAD_FIT))
+        for height in higher)
     # No rim is seen of what is lower than the rim's distance from the outline.
     return lowest if are_excluded and fits[lowest] > _BAD_FIT else None
+
+
+def _side_px(
+    outline: np.ndarray, surface: Surface, camera: CameraPlace, height_cm: float
+) -> float:
+    """Return how wide the side of an object of a height is seen at an outline's middle, in px."""
+    middle = outline.mean(axis=0)
+    below = surface.pixels(camera.below(surface.locate([middle]), height_cm))[0]
+    return float(np.hypot(*(below - middle)))
+
+
+def sees_rim(
+    outline: np.ndarray, frame: np.ndarray, surface: Surface, camera: CameraPlace, height_cm: float
+) -> bool:
+    """
+    Return whether there is a rim where the top of an object of a height has one.
+
+    Then its near outline is that of a side: shade has no rim at just that height.
+
+    :param outline: Its silhouette on the picture, shape (n, 2), in px.
+    :param frame: The picture, shape (h, w, 3), uint8, BGR.
+    :param surface: Maps the frame's pixels to the work surface.
+    :raises HorizonError: If a part of it lies on the horizon or beyond it.
+    """
+    rayed = RayedSilhouette(surface.locate(outline), camera.foot_cm)
+    rims = _rims(rayed, outline, frame, surface, camera, [height_cm])
+    return rims.get(height_cm, 0.0) >= _RIM
 
 
 def _rims(
