@@ -12,6 +12,7 @@
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
+from camera_to_base.detection.behind import apart
 from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.left_out import (
     left_out_places, LeftOut, locate_pixel, Point, reason_by_size, REASONS)
@@ -125,6 +126,8 @@ class ObjectLocator:
         :raises FrameSizeError: If the frame's size is not the background's.
         """
         detections = self._detector.detect(frame)
+        if self._settings.heights_cm:
+            detections = self._without_hiding(detections, frame)
         detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
         found = list(map(self._located, detections, self._places(detections)))
         no_object = [LeftOut(place, REASONS['taken_away'], self._point(place))
@@ -133,6 +136,23 @@ class ObjectLocator:
         return Found([one for one in found if isinstance(one, LocatedObject)],
                      (*(one for one in found if isinstance(one, LeftOut)),
                       *map(self._unless_ignored, no_object), *_too_many(rest, found)))
+
+    def _without_hiding(self, detections: List[Detection], frame: np.ndarray) -> List[Detection]:
+        """Tell objects apart of which one hides a part of the other."""
+        camera = self._surface.camera_place
+        if camera is None:
+            return detections
+
+        def distances(pixels: np.ndarray) -> np.ndarray:
+            return np.hypot(*(self._surface.locate(pixels) - camera.foot_cm).T)
+
+        found: List[Detection] = []
+        for detection in detections:
+            try:
+                found += apart(detection, frame, distances)
+            except HorizonError:
+                found.append(detection)
+        return sorted(found, key=lambda one: -one.area)
 
     def _located(
         self, detection: Detection, place: Union[OnSurface, HorizonError]

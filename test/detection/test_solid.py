@@ -46,15 +46,15 @@ def prism(centre, length, width, angle, corners=4):
 
 
 def picture(surface, *solids):
-    """Draw upright solids as filled silhouettes with soft rims."""
+    """Draw upright solids as filled silhouettes with soft rims, the farthest first."""
     scale = 4
     large = np.full((scale * SIZE[1], scale * SIZE[0], 3), TABLE, np.uint8)
-    for base, height in solids:
+    for base, height, *colour in solids:
         both = np.concatenate([np.column_stack([base, np.full(len(base), z)])
                                for z in (0.0, height)])
         pixels = (surface.pixels_of(both) + 0.5) * scale - 0.5
-        cv2.fillConvexPoly(large, cv2.convexHull(np.round(16 * pixels).astype(np.int32)), SIDE,
-                           cv2.LINE_AA, 4)
+        cv2.fillConvexPoly(large, cv2.convexHull(np.round(16 * pixels).astype(np.int32)),
+                           colour[0] if colour else SIDE, cv2.LINE_AA, 4)
     frame = cv2.resize(large, SIZE, interpolation=cv2.INTER_AREA)
     noise = np.random.default_rng(3).normal(0, 1.0, frame.shape)
     return np.clip(np.round(frame + noise), 0, 255).astype(np.uint8)
@@ -142,6 +142,37 @@ def test_two_objects_that_are_seen_as_one_are_as_uncertain_as_that_is_wrong():
     error = min(math.dist(found.point, place) for place in places)
     assert error > 1.0
     assert error < 2 * found.solid.misfit_cm
+
+
+@pytest.mark.parametrize('front, behind', [
+    ((60, 90, 170), (60, 170, 60)), ((170, 90, 60), (40, 40, 40)), ((60, 170, 60), (170, 90, 60))])
+@pytest.mark.parametrize('corners', [4, 60])
+def test_objects_of_two_colours_that_hide_one_another_are_two(front, behind, corners):
+    places = np.array([[9.0, -6.0], [12.0, -9.5]])
+    solids = [(prism(place, 3.5, 3.5, 0.1, corners), 5.0, colour)
+              for place, colour in zip(places[::-1], (behind, front))]
+    found = find(camera(35), [5.0], *solids).objects
+    nearest = [min(found, key=lambda one: math.dist(one.point, place)) for place in places]
+    errors = [math.dist(one.point, place) for one, place in zip(nearest, places)]
+    assert len(found) == 2 and errors[0] < 0.05
+    # A corner of the other one is hidden.
+    cm_per_px = 0.09
+    assert errors[1] < 2.5 * cm_per_px * nearest[1].detection.doubt < 1.0
+    assert nearest[0].detection.doubt == 0
+
+
+def test_bracket_of_one_colour_is_one():
+    corner = np.array([9.0, -6.0])
+    solids = [(prism(corner + np.array(by), *size, 0.0), 2.0, (60, 90, 170)) for by, size in (
+        ((0.0, 0.0), (5.0, 2.0)), ((-1.5, 2.0), (2.0, 4.0)))]
+    assert len(find(camera(35), [2.0], *solids).objects) == 1
+
+
+def test_two_colours_without_a_notch_are_one_object():
+    surface, place = camera(0), np.array([9.0, -6.0])
+    solids = [(prism(place + np.array([by, 0.0]), 2.5, 3.0, 0.0), 2.0, colour) for by, colour in (
+        (-1.25, (60, 90, 170)), (1.25, (90, 150, 60)))]
+    assert len(find(surface, [2.0], *solids).objects) == 1
 
 
 def test_outline_without_a_notch_is_not_less_certain():
