@@ -25,14 +25,16 @@ from camera_to_base.detection.precise.light import LINEAR
 from camera_to_base.detection.precise.piece import (
     centre_of, largest_part, outline_of, square)
 from camera_to_base.detection.precise.regions import filled, slices
-from camera_to_base.detection.solid import Notch
 import cv2
 import numpy as np
 
-# Further notches beside the deepest one, as a part of the silhouette's width; the smaller of two
-# objects, and what is left of it beside their border, each as a part of the whole; how far from
-# the cut the border is looked for, as a part of the cut's length.
-_LEAST_NOTCH, _LEAST_PART, _LEAST_CORE, _AROUND, _MOST_NOTCHES = 0.04, 0.1, 0.3, 0.5, 4
+# A notch is as deep as this part of the silhouette's width, and deeper than its pixels make it.
+_LEAST_NOTCH, _PIXEL_NOTCH, _MOST_NOTCHES = 0.04, 2.0, 4
+# The smaller of two objects, and what is left of it beside their border, each as a part of the
+# whole; how far from the cut the border is looked for, as a part of the cut's length.
+_LEAST_PART, _LEAST_CORE, _AROUND = 0.1, 0.3, 0.5
+# Of an object that is hidden over this part of its width, the foot is not known.
+_MOSTLY_HIDDEN = 0.75
 # Colours of light differ by this angle, in rad. This much light has no colour.
 _OTHER_COLOUR, _DARK = 0.25, 0.003
 
@@ -42,35 +44,37 @@ Cut = Tuple[Place, Place]
 
 def apart(
     detection: Detection, frame: np.ndarray, distances: Callable[[np.ndarray], np.ndarray]
-) -> List[Detection]:
+) -> Tuple[List[Detection], List[Detection]]:
     """
     Tell two objects apart that are detected as one, by their colours beside a notch.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param distances: Tells how far pixels, shape (n, 2), are from the camera's foot.
     :returns: The one in front and the one behind it, whose centre is in doubt for what is hidden
-        of it; the detection itself where it is one.
+        of it, or the detection itself where it is one; then what is hidden for the most part.
     :raises HorizonError: If one of them lies beyond the horizon.
     """
     notches = [] if detection.cut_off else _notches(detection)
     if not notches:
-        return [detection]
+        return [detection], []
     mask, near = filled(detection.outline, detection.box), frame[slices(detection.box)]
     for cut in _cuts(mask, notches):
         parts = _parts(mask, near, cut)
         if parts is not None and _differ(*parts, near):
             found = [_detected(part, mask, detection, frame) for part in parts]
-            near, far = distances(np.array([one.centre for one in found]))
-            front, behind = found if near < far else found[::-1]
+            first, second = distances(np.array([one.centre for one in found]))
+            front, behind = found if first < second else found[::-1]
+            hidden, width = math.dist(*cut), math.sqrt(behind.area)
+            if hidden > _MOSTLY_HIDDEN * width:
+                return [front], [behind]
             # Beyond the cut, a right angle of it may be hidden at most.
-            hidden = math.dist(*cut) ** 2 / 4
-            shift = hidden / behind.area * math.sqrt(behind.area) / 2
-            return [front, replace(behind, doubt=math.hypot(behind.doubt, shift))]
-    return [detection]
+            shift = hidden ** 2 / 4 / behind.area * width / 2
+            return [front, replace(behind, doubt=math.hypot(behind.doubt, shift))], []
+    return [detection], []
 
 
 def _notches(detection: Detection) -> List[Place]:
-    """List the deepest notches, in px of its box; none where they are not those of two objects."""
+    """List the deepest notches, in px of a detection's box."""
     outline = detection.outline - np.int32(detection.box[:2])
     hull = cv2.convexHull(outline, returnPoints=False)
     try:
@@ -82,9 +86,8 @@ def _notches(detection: Detection) -> List[Place]:
     width = math.sqrt(max(cv2.contourArea(outline[hull[:, 0]]), 1.0))
     deepest = sorted(((depth / 256, at) for _, _, at, depth in defects.reshape(-1, 4).tolist()),
                      reverse=True)[:_MOST_NOTCHES]
-    if not Notch(deepest[0][0], width).is_of_two:
-        return []
-    return [tuple(outline[at].tolist()) for depth, at in deepest if depth >= _LEAST_NOTCH * width]
+    least = max(_LEAST_NOTCH * width, _PIXEL_NOTCH)
+    return [tuple(outline[at].tolist()) for depth, at in deepest if depth >= least]
 
 
 def _cuts(mask: np.ndarray, notches: Sequence[Place]) -> List[Cut]:

@@ -125,34 +125,38 @@ class ObjectLocator:
         :param frame: Shape (h, w, 3), uint8, BGR.
         :raises FrameSizeError: If the frame's size is not the background's.
         """
-        detections = self._detector.detect(frame)
-        if self._settings.heights_cm:
-            detections = self._without_hiding(detections, frame)
+        detections, hidden = self._without_hiding(self._detector.detect(frame), frame)
         detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
         found = list(map(self._located, detections, self._places(detections)))
         no_object = [LeftOut(place, REASONS['taken_away'], self._point(place))
                      for place in self._detector.taken_away]
+        no_object += [LeftOut(one, REASONS['hidden'], self._point(one)) for one in hidden]
         no_object += left_out_places(self._detector.dropped, self._surface.locate)
         return Found([one for one in found if isinstance(one, LocatedObject)],
                      (*(one for one in found if isinstance(one, LeftOut)),
                       *map(self._unless_ignored, no_object), *_too_many(rest, found)))
 
-    def _without_hiding(self, detections: List[Detection], frame: np.ndarray) -> List[Detection]:
-        """Tell objects apart of which one hides a part of the other."""
+    def _without_hiding(
+        self, detections: List[Detection], frame: np.ndarray
+    ) -> Tuple[List[Detection], List[Detection]]:
+        """Tell objects apart of which one hides a part of the other, and what is hidden by it."""
         camera = self._surface.camera_place
-        if camera is None:
-            return detections
+        if camera is None or not self._settings.heights_cm:
+            return detections, []
 
         def distances(pixels: np.ndarray) -> np.ndarray:
             return np.hypot(*(self._surface.locate(pixels) - camera.foot_cm).T)
 
         found: List[Detection] = []
+        hidden: List[Detection] = []
         for detection in detections:
             try:
-                found += apart(detection, frame, distances)
+                objects, behind = apart(detection, frame, distances)
             except HorizonError:
-                found.append(detection)
-        return sorted(found, key=lambda one: -one.area)
+                objects, behind = [detection], []
+            found += objects
+            hidden += behind
+        return sorted(found, key=lambda one: -one.area), hidden
 
     def _located(
         self, detection: Detection, place: Union[OnSurface, HorizonError]
