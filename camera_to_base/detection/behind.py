@@ -30,9 +30,9 @@ import numpy as np
 
 # A notch is as deep as this part of the silhouette's width, and deeper than its pixels make it.
 _LEAST_NOTCH, _PIXEL_NOTCH, _MOST_NOTCHES = 0.04, 2.0, 4
-# The smaller of two objects, and what is left of it beside their border, each as a part of the
-# whole; how far from the cut the border is looked for, as a part of the cut's length.
-_LEAST_PART, _LEAST_CORE, _AROUND = 0.1, 0.3, 0.5
+# The smaller of two objects as a part of both; how far from the cut the border is looked for, as
+# a part of the cut's length, and of either object's distances from it.
+_LEAST_PART, _AROUND, _FAR_SIDE = 0.1, 0.5, 0.6
 # Of an object that is hidden over this part of its width, the foot is not known.
 _MOSTLY_HIDDEN = 0.75
 # Colours of light differ by this angle, in rad. This much light has no colour.
@@ -115,12 +115,15 @@ def _parts(
     least = _LEAST_PART * cv2.countNonZero(mask)
     if count < 3 or stats[largest[1], cv2.CC_STAT_AREA] < least:
         return None
-    beside = np.zeros_like(mask)
-    cv2.line(beside, *cut, 1, 1 + 2 * max(2, int(_AROUND * np.hypot(*np.subtract(*cut)))))
-    cores = [cv2.erode((labels == one).view(np.uint8) & (1 - beside), square(3))
-             for one in largest]
-    if min(map(cv2.countNonZero, cores)) < _LEAST_CORE * least:
-        return None
+    line = np.ones_like(mask)
+    cv2.line(line, *cut, 0, 1)
+    away = cv2.distanceTransform(line, cv2.DIST_L2, 5)
+    cores = []
+    for one in largest:
+        part = labels == one
+        # Of a small part, its far side.
+        beyond = min(_AROUND * math.dist(*cut), float(np.quantile(away[part], _FAR_SIDE)))
+        cores.append(part & (away >= max(beyond, 2.0)))
     seeds = np.int32(cores[0]) + 2 * np.int32(cores[1]) + 3 * (1 - np.int32(mask))
     reached = cv2.watershed(np.ascontiguousarray(frame), seeds)
     first, second = (largest_part((reached == one).view(np.uint8)) for one in (1, 2))
