@@ -39,10 +39,11 @@ _LEAST_STEPS = 4
 
 _STEP = 4
 _ROWS = slice(_STEP // 2, None, _STEP)
-# Rows: how far they are apart from one another at least, and from the picture's light at most,
+# Rows: how far they are apart from one another at least (to both sides, less is below the weak
+# limit on a grey of 120 levels), from the picture's light at most, and from side to side, all
 # logarithms; the part of all rows that must tell their light; how much larger they are than what
 # a smooth curve leaves of them.
-_LEAST_BAND, _STRONGEST_BAND, _LEAST_ROWS = 0.03, 0.45, 0.6
+_LEAST_BAND, _STRONGEST_BAND, _LEVEL, _LEAST_ROWS = 0.1, 0.45, 0.06, 0.6
 _SMOOTH = 8
 # Levels that the sensor has cut off tell no light.
 _LIGHTEST, _UNKNOWN = 250, 99.0
@@ -146,7 +147,7 @@ def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray
     thirds = _light_of_thirds(_on_grid(frame), _on_grid(background))
     bands = np.median(thirds, axis=1)
     # A band goes from side to side; an object or a shadow does not. There, the rows beside count.
-    is_light = (np.abs(bands) < _STRONGEST_BAND) & (np.ptp(thirds, axis=1) < 2 * _LEAST_BAND)
+    is_light = (np.abs(bands) < _STRONGEST_BAND) & (np.ptp(thirds, axis=1) < _LEVEL)
     if is_light.mean() < _LEAST_ROWS:
         return None
     rows = np.arange(len(bands))
