@@ -201,6 +201,7 @@ class LevelLimits:
         self._ranges: Optional[List[Range]] = None
         self._old: List[Sequence[Optional[np.ndarray]]] = [(None, None)] * 2
         self._marked: Tuple[Any, ...] = (None,)
+        self._print: Optional[np.ndarray] = None
         self.least = faintest
 
     def set_light(self, gain: Gain, noise: np.ndarray) -> None:
@@ -239,8 +240,11 @@ class LevelLimits:
 
     def has_print(self, part: tuple, levels: float) -> np.ndarray:
         """Mark where the background changes by some levels within 2 px: shape (h, w), uint8."""
-        near = cv2.subtract(*(bound[part] for bound in reversed(self._usual)))
-        return cv2.dilate(cv2.bitwise_not(cv2.inRange(near, 0, (levels,) * 3)), _TREMBLE)
+        if self._print is None:
+            change = cv2.subtract(*reversed(self._usual))
+            blue, green, red = (cv2.extractChannel(change, channel) for channel in range(3))
+            self._print = cv2.max(cv2.max(blue, green), red)
+        return cv2.dilate(cv2.compare(self._print[part], levels, cv2.CMP_GT), _TREMBLE)
 
     def strong_range(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
