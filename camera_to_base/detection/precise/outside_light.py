@@ -78,9 +78,15 @@ def in_usual_light(
         like the background in one between these does so in the result.
     """
     size = frame.shape[1], frame.shape[0]
-    darkest, lightest = (cv2.merge([cv2.resize(factors, size)] * 3) for factors in field)
-    return cv2.max(cv2.divide(frame, lightest, scale=128),
-                   cv2.min(cv2.divide(frame, darkest, scale=128), background))
+    factors = [cv2.resize(factors, size) for factors in field]
+    x, y, width, height = cv2.boundingRect(
+        ((factors[0] != 128) | (factors[1] != 128)).view(np.uint8))
+    near = np.s_[y:y + height, x:x + width]
+    darkest, lightest = (cv2.cvtColor(one[near], cv2.COLOR_GRAY2BGR) for one in factors)
+    usual = frame.copy()
+    usual[near] = cv2.max(cv2.divide(frame[near], lightest, scale=128),
+                          cv2.min(cv2.divide(frame[near], darkest, scale=128), background[near]))
+    return usual
 
 
 def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
