@@ -248,12 +248,17 @@ class LevelLimits:
 
     def strong_range(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
-        return self._range(part, self._strong)
+        return self._range_of(part, 0)
 
     def _outside(self, frame: np.ndarray, part: tuple, which: int) -> np.ndarray:
         if self._marked[0] is frame:
             return self._marked[1 + which][part].copy()
-        return self._range(part, (self._strong, self._weak)[which]).outside(frame[part])
+        return self._range_of(part, which).outside(frame[part])
+
+    def _range_of(self, part: tuple, which: int) -> Range:
+        if self._ranges is not None:
+            return Range(*(bound[part] for bound in self._ranges[which]))
+        return self._range(part, (self._strong, self._weak)[which])
 
     def _margins(self, levels: np.ndarray) -> np.ndarray:
         return cv2.LUT(self._picture, np.uint8(np.minimum(np.rint(levels), 255))[:, None])
