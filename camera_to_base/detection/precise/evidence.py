@@ -77,13 +77,12 @@ _SPREAD = 3
 
 @lru_cache(maxsize=1)
 def log_levels() -> np.ndarray:
-    logs = np.log(LINEAR + _LEAST_LIGHT).astype(np.float32)
-    return np.repeat(logs[:, None, None], 3, axis=2)
+    return np.log(LINEAR + _LEAST_LIGHT).astype(np.float32)
 
 
 @lru_cache(maxsize=1)
 def _slopes() -> np.ndarray:
-    return np.gradient(log_levels()[:, 0, 0])[:, None]
+    return np.gradient(log_levels())[:, None]
 
 
 class Evidence(NamedTuple):
@@ -202,8 +201,8 @@ def _sharp_bright(ratio: np.ndarray) -> np.ndarray:
 
 
 def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[np.ndarray]:
-    values = cv2.transform(cv2.LUT(picture, table), axes)
-    return [cv2.extractChannel(values, axis) for axis in range(3)]
+    values = cv2.LUT(picture, table)
+    return [cv2.transform(values, axis[None]) for axis in axes]
 
 
 def _light(
