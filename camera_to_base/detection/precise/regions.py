@@ -219,7 +219,8 @@ def _print_between(
     for part in map(slices, _joined(boxes)):
         seen = levels[part]
         rest = cv2.subtract(gaps[part], cv2.inRange(seen, table - near, table + near))
-        between[part] = _same_colour(seen, mask[part], rest, table, least)
+        if cv2.countNonZero(rest) > _LONG_GAP:
+            between[part] = _same_colour(seen, mask[part], rest, table, least)
     return between
 
 

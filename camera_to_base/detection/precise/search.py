@@ -140,9 +140,13 @@ def _regions(
     frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
 ) -> List[Region]:
     regions = find_regions(frame, parts, reference.limits, min_area)
-    rest = [region for region in regions
-            if not _is_moved_print(frame, region, reference, min_area)]
-    # What moves alone is an object of the background.
+    rest: List[Region] = []
+    for region in regions:
+        # What moves alone is an object of the background.
+        if len(regions) - len(rest) < _LEAST_MOVED:
+            return regions
+        if not _is_moved_print(frame, region, reference, min_area):
+            rest.append(region)
     return rest if len(regions) - len(rest) >= _LEAST_MOVED else regions
 
 
