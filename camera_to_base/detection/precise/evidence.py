@@ -118,8 +118,10 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
     for region in regions[:_MOST_REGIONS]:
         part, box = slices(region.box), region.box
         scale = max(2, math.ceil(math.sqrt(box.width * box.height / _MOST_PLACES)))
-        seen, usual = (cv2.transform(cv2.LUT(_reduced(picture[part], scale), log_levels()), _AXES)
-                       for picture in (frame, reference.lit))
+        # Means of two px at each place.
+        seen, usual = (cv2.transform(cv2.LUT(np.ascontiguousarray(cv2.blur(
+            picture[part][::scale], (2, 1))[:, ::scale]), log_levels()), _AXES)
+            for picture in (frame, reference.lit))
         change = (seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0]
         change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > _DARKEST / _LEVEL_SCALE)]
         slopes.append(change[:, :2] / change[:, 2:])
@@ -132,16 +134,6 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
         return np.zeros(2)
     most = np.array(np.unravel_index(counts.argmax(), counts.shape))
     return ((most + 0.5) / (_BINS / 2) - 1) * _STRONGEST_TINT
-
-
-def _reduced(picture: np.ndarray, scale: int) -> np.ndarray:
-    # Means of two px at each place.
-    beside = picture[:, 1:] if picture.shape[1] > 1 else picture
-    places = np.ascontiguousarray(picture[::scale, ::scale])
-    beside = np.ascontiguousarray(beside[::scale, ::scale])
-    places[:, :beside.shape[1]] = cv2.addWeighted(
-        places[:, :beside.shape[1]], 0.5, beside, 0.5, 0)
-    return places
 
 
 def evidence(
