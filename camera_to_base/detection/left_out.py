@@ -35,6 +35,9 @@ REASONS = {reason.kind: reason for reason in (
     _reason('joined', Level.WARN,
             'it touches another object or is covered by it, and both come as one: move it, or set '
             'detector.split_touching'),
+    _reason('hidden', Level.WARN,
+            'the camera does not see where it stands, behind another object: it is published when '
+            'that one is gone'),
     _reason('light_or_thing', Level.WARN,
             'it cannot be told whether it is light or a thing of the colour of the surface: keep '
             'the light even, or use a surface of another colour'),

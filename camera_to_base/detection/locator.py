@@ -13,6 +13,7 @@ from dataclasses import replace
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
+from camera_to_base.detection.behind import apart
 from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.left_out import (
     left_out_places, LeftOut, locate_pixel, Point, reason_by_size, REASONS)
@@ -130,16 +131,43 @@ class ObjectLocator:
         :param frame: Shape (h, w, 3), uint8, BGR.
         :raises FrameSizeError: If the frame's size is not the background's.
         """
-        detections = self._detector.detect(frame)
+        detected = self._detector.detect(frame)
+        detections, hidden = self._without_hiding(detected, frame)
         detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
         found = [self._located(detection, place, frame)
                  for detection, place in zip(detections, self._places(detections))]
+        # What is hidden of an object stays in doubt.
+        found = [self._with_rim(one, frame) if any(one.detection is whole for whole in detected)
+                 else one for one in found]
         no_object = [LeftOut(place, REASONS['taken_away'], self._point(place))
                      for place in self._detector.taken_away]
+        no_object += [LeftOut(one, REASONS['hidden'], self._point(one)) for one in hidden]
         no_object += left_out_places(self._detector.dropped, self._surface.locate)
         return Found([one for one in found if isinstance(one, LocatedObject)],
                      (*(one for one in found if isinstance(one, LeftOut)),
                       *map(self._unless_ignored, no_object), *_too_many(rest, found)))
+
+    def _without_hiding(
+        self, detections: List[Detection], frame: np.ndarray
+    ) -> Tuple[List[Detection], List[Detection]]:
+        """Tell objects apart of which one hides a part of the other, and what is hidden by it."""
+        camera = self._surface.camera_place
+        if camera is None or not self._settings.heights_cm:
+            return detections, []
+
+        def distances(pixels: np.ndarray) -> np.ndarray:
+            return np.hypot(*(self._surface.locate(pixels) - camera.foot_cm).T)
+
+        found: List[Detection] = []
+        hidden: List[Detection] = []
+        for detection in detections:
+            try:
+                objects, behind = apart(detection, frame, distances)
+            except HorizonError:
+                objects, behind = [detection], []
+            found += objects
+            hidden += behind
+        return sorted(found, key=lambda one: -one.area), hidden
 
     def _located(
         self, detection: Detection, place: Union[OnSurface, HorizonError], frame: np.ndarray
@@ -170,12 +198,9 @@ class ObjectLocator:
         camera = self._surface.camera_place
         if camera is None:
             return LeftOut(detection, _PLACE_UNKNOWN, seen)
-        outline = silhouette(detection)
         try:
-            solid = solid_of(outline, frame, self._surface, camera, self._settings.heights_cm)
-            if detection.doubt > _DOUBT_WITH_RIM and isinstance(solid, Solid) and sees_rim(
-                    outline, frame, self._surface, camera, solid.height_cm):
-                detection = replace(detection, doubt=_DOUBT_WITH_RIM)
+            solid = solid_of(silhouette(detection), frame, self._surface, camera,
+                             self._settings.heights_cm)
         except HorizonError as error:
             return LeftOut(detection, _beyond_horizon(error), seen)
         if isinstance(solid, Reason):
@@ -186,6 +211,17 @@ class ObjectLocator:
         if reason is not None:
             return LeftOut(detection, reason, point)
         return LocatedObject(detection, point, None if detection.cut_off else solid.yaw, solid)
+
+    def _with_rim(
+        self, found: Union[LocatedObject, LeftOut], frame: np.ndarray
+    ) -> Union[LocatedObject, LeftOut]:
+        """Take the doubt whether its side is shade from an object whose rim is seen."""
+        detection, camera = found.detection, self._surface.camera_place
+        if isinstance(found, LeftOut) or found.solid is None or camera is None or not (
+                detection.doubt > _DOUBT_WITH_RIM) or not sees_rim(
+                silhouette(detection), frame, self._surface, camera, found.solid.height_cm):
+            return found
+        return found._replace(detection=replace(detection, doubt=_DOUBT_WITH_RIM))
 
     def _point(self, place: Detection) -> Optional[Point]:
         try:

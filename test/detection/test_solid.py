@@ -47,17 +47,18 @@ def prism(centre, length, width, angle, corners=4):
 
 
 def picture(surface, *solids, top=TOP):
-    """Draw upright solids as filled silhouettes with soft rims, their tops lighter."""
+    """Draw upright solids with soft rims, the farthest first; without a colour, lighter on top."""
     scale = 4
     large = np.full((scale * SIZE[1], scale * SIZE[0], 3), TABLE, np.uint8)
-    for base, height in solids:
+    for base, height, *colour in solids:
         both = np.concatenate([np.column_stack([base, np.full(len(base), z)])
                                for z in (0.0, height)])
         pixels = (surface.pixels_of(both) + 0.5) * scale - 0.5
-        cv2.fillConvexPoly(large, cv2.convexHull(np.round(16 * pixels).astype(np.int32)), SIDE,
-                           cv2.LINE_AA, 4)
-        cv2.fillConvexPoly(
-            large, np.round(16 * pixels[len(base):]).astype(np.int32), top, cv2.LINE_AA, 4)
+        cv2.fillConvexPoly(large, cv2.convexHull(np.round(16 * pixels).astype(np.int32)),
+                           colour[0] if colour else SIDE, cv2.LINE_AA, 4)
+        if not colour:
+            cv2.fillConvexPoly(
+                large, np.round(16 * pixels[len(base):]).astype(np.int32), top, cv2.LINE_AA, 4)
     frame = cv2.resize(large, SIZE, interpolation=cv2.INTER_AREA)
     noise = np.random.default_rng(3).normal(0, 1.0, frame.shape)
     return np.clip(np.round(frame + noise), 0, 255).astype(np.uint8)
@@ -183,6 +184,52 @@ def test_two_objects_that_are_seen_as_one_are_as_uncertain_as_that_is_wrong():
     error = min(math.dist(found.point, place) for place in places)
     assert error > 1.0
     assert error < 2 * found.solid.misfit_cm
+
+
+COLOURS_IN_A_ROW = [
+    ((60, 90, 170), (60, 170, 60)), ((170, 90, 60), (40, 40, 40)), ((60, 170, 60), (170, 90, 60))]
+
+
+def find_in_a_row(front, behind, corners, place):
+    """Find an object at (9, -6) cm before another one."""
+    return find(camera(35), [5.0], (prism(place, 3.5, 3.5, 0.1, corners), 5.0, behind),
+                (prism(np.array([9.0, -6.0]), 3.5, 3.5, 0.1, corners), 5.0, front))
+
+
+@pytest.mark.parametrize('front, behind', COLOURS_IN_A_ROW)
+@pytest.mark.parametrize('corners', [4, 60])
+def test_objects_of_two_colours_that_hide_one_another_are_two(front, behind, corners):
+    places = np.array([[9.0, -6.0], [11.0, -12.0]])
+    found = find_in_a_row(front, behind, corners, places[1]).objects
+    nearest = [min(found, key=lambda one: math.dist(one.point, place)) for place in places]
+    errors = [math.dist(one.point, place) for one, place in zip(nearest, places)]
+    assert len(found) == 2 and errors[0] < 0.05 and nearest[0].detection.doubt == 0
+    # A corner of the other one is hidden.
+    cm_per_px = 0.09
+    assert errors[1] < 2.0 * cm_per_px * nearest[1].detection.doubt < 0.8
+
+
+@pytest.mark.parametrize('front, behind', COLOURS_IN_A_ROW)
+@pytest.mark.parametrize('corners', [4, 60])
+def test_object_whose_foot_is_hidden_is_left_out(front, behind, corners):
+    found = find_in_a_row(front, behind, corners, np.array([10.0, -11.0]))
+    one, = found.objects
+    assert math.dist(one.point, (9.0, -6.0)) < 0.06
+    assert 'hidden' in [left_out.reason.kind for left_out in found.left_out]
+
+
+def test_bracket_of_one_colour_is_one():
+    corner = np.array([9.0, -6.0])
+    solids = [(prism(corner + np.array(by), *size, 0.0), 2.0, (60, 90, 170)) for by, size in (
+        ((0.0, 0.0), (5.0, 2.0)), ((-1.5, 2.0), (2.0, 4.0)))]
+    assert len(find(camera(35), [2.0], *solids).objects) == 1
+
+
+def test_two_colours_without_a_notch_are_one_object():
+    surface, place = camera(0), np.array([9.0, -6.0])
+    solids = [(prism(place + np.array([by, 0.0]), 2.5, 3.0, 0.0), 2.0, colour) for by, colour in (
+        (-1.25, (60, 90, 170)), (1.25, (90, 150, 60)))]
+    assert len(find(surface, [2.0], *solids).objects) == 1
 
 
 def test_outline_without_a_notch_is_not_less_certain():

@@ -25,9 +25,10 @@ from functools import lru_cache
 import math
 from typing import List, NamedTuple
 
+from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import square
-from camera_to_base.detection.precise.regions import filled, Region, slices
+from camera_to_base.detection.precise.regions import filled, grown, Region, slices
 import cv2
 import numpy as np
 
@@ -76,13 +77,12 @@ _SPREAD = 3
 
 @lru_cache(maxsize=1)
 def log_levels() -> np.ndarray:
-    logs = np.log(LINEAR + _LEAST_LIGHT).astype(np.float32)
-    return np.repeat(logs[:, None, None], 3, axis=2)
+    return np.log(LINEAR + _LEAST_LIGHT).astype(np.float32)
 
 
 @lru_cache(maxsize=1)
 def _slopes() -> np.ndarray:
-    return np.gradient(log_levels()[:, 0, 0])[:, None]
+    return np.gradient(log_levels())[:, None]
 
 
 class Evidence(NamedTuple):
@@ -95,6 +95,8 @@ class Evidence(NamedTuple):
     :param usual: The background's level.
     :param seen: The frame's.
     :param variance: Of a difference of both.
+    :param detail: Products of the background's detail and the frame's, over the variance, shape
+        (h, w, 3): of both, of the background's, of the frame's.
     """
 
     nats: np.ndarray
@@ -103,6 +105,7 @@ class Evidence(NamedTuple):
     usual: np.ndarray
     seen: np.ndarray
     variance: np.ndarray
+    detail: np.ndarray
 
 
 def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> np.ndarray:
@@ -115,12 +118,11 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
     for region in regions[:_MOST_REGIONS]:
         part, box = slices(region.box), region.box
         scale = max(2, math.ceil(math.sqrt(box.width * box.height / _MOST_PLACES)))
-        step = np.s_[::scale, ::scale]
-        # Means of 2 x 2 px at each place.
+        # Means of two px at each place.
         seen, usual = (cv2.transform(cv2.LUT(np.ascontiguousarray(cv2.blur(
-            picture[part], (2, 2))[step]), log_levels()), _AXES)
+            picture[part][::scale], (2, 1))[:, ::scale]), log_levels()), _AXES)
             for picture in (frame, reference.lit))
-        change = (seen - usual)[filled(region.outline, box)[step] > 0]
+        change = (seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0]
         change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > _DARKEST / _LEVEL_SCALE)]
         slopes.append(change[:, :2] / change[:, 2:])
     slopes = np.concatenate(slopes) if slopes else np.zeros((0, 2))
@@ -168,7 +170,14 @@ def evidence(
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * _LEVEL_SCALE
     is_dark = (ratio < _DARKEST).view(np.uint8) | _sharp_bright(ratio)
-    return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2])
+    return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2],
+                    _products(usual[2], seen[2], variance[2]))
+
+
+def _products(usual: np.ndarray, seen: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    own, now = (level - box_mean(level, _SIZE) for level in (usual, seen))
+    per_noise = own / variance
+    return cv2.merge([per_noise * now, per_noise * own, now * now / variance])
 
 
 def _sharp_bright(ratio: np.ndarray) -> np.ndarray:
@@ -184,8 +193,8 @@ def _sharp_bright(ratio: np.ndarray) -> np.ndarray:
 
 
 def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[np.ndarray]:
-    values = cv2.transform(cv2.LUT(picture, table), axes)
-    return [cv2.extractChannel(values, axis) for axis in range(3)]
+    values = cv2.LUT(picture, table)
+    return [cv2.transform(values, axis[None]) for axis in axes]
 
 
 def _light(
@@ -269,10 +278,9 @@ class Detail(NamedTuple):
 
 
 def detail_of(found: Evidence, part: np.ndarray) -> Detail:
-    inside = cv2.erode(part, square(_SIZE))
-    own, seen = (level - box_mean(level, _SIZE) for level in (found.usual, found.seen))
-    both, own, seen = (cv2.mean(product / found.variance, inside)[0]
-                       for product in (own * seen, own * own, seen * seen))
+    near = slices(grown(Box(*cv2.boundingRect(part)), _SIZE // 2, part))
+    inside = cv2.erode(part[near], square(_SIZE))
+    both, own, seen = cv2.mean(found.detail[near], inside)[:3]
     count = cv2.countNonZero(inside)
     # The noise of the background alone makes the slope less steep.
     texture = max(1 - OWN_NOISE / max(own, OWN_NOISE), 0.0)

@@ -201,6 +201,7 @@ class LevelLimits:
         self._ranges: Optional[List[Range]] = None
         self._old: List[Sequence[Optional[np.ndarray]]] = [(None, None)] * 2
         self._marked: Tuple[Any, ...] = (None,)
+        self._print: Optional[np.ndarray] = None
         self.least = faintest
 
     def set_light(self, gain: Gain, noise: np.ndarray) -> None:
@@ -239,17 +240,25 @@ class LevelLimits:
 
     def has_print(self, part: tuple, levels: float) -> np.ndarray:
         """Mark where the background changes by some levels within 2 px: shape (h, w), uint8."""
-        near = cv2.subtract(*(bound[part] for bound in reversed(self._usual)))
-        return cv2.dilate(cv2.bitwise_not(cv2.inRange(near, 0, (levels,) * 3)), _TREMBLE)
+        if self._print is None:
+            change = cv2.subtract(*reversed(self._usual))
+            blue, green, red = (cv2.extractChannel(change, channel) for channel in range(3))
+            self._print = cv2.max(cv2.max(blue, green), red)
+        return cv2.dilate(cv2.compare(self._print[part], levels, cv2.CMP_GT), _TREMBLE)
 
     def strong_range(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
-        return self._range(part, self._strong)
+        return self._range_of(part, 0)
 
     def _outside(self, frame: np.ndarray, part: tuple, which: int) -> np.ndarray:
         if self._marked[0] is frame:
             return self._marked[1 + which][part].copy()
-        return self._range(part, (self._strong, self._weak)[which]).outside(frame[part])
+        return self._range_of(part, which).outside(frame[part])
+
+    def _range_of(self, part: tuple, which: int) -> Range:
+        if self._ranges is not None:
+            return Range(*(bound[part] for bound in self._ranges[which]))
+        return self._range(part, (self._strong, self._weak)[which])
 
     def _margins(self, levels: np.ndarray) -> np.ndarray:
         return cv2.LUT(self._picture, np.uint8(np.minimum(np.rint(levels), 255))[:, None])

@@ -29,12 +29,12 @@ from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_of_most_contrast, enclosed, has_holes, Look, look_at, outlines_in,
+    channel_of_most_contrast, enclosed, has_holes, Look, look_at, outlines_in,
     Piece, quantile, smooth_channel, square)
 import cv2
 import numpy as np
 
-_CLOSE, _LEAST_SHARE = np.ones((3, 3), np.uint8), 1e-3
+_CLOSE, _ROW_STEP = np.ones((3, 3), np.uint8), 4
 # Margins of the windows in which a region is looked for, px; the last one is the whole picture.
 _FARTHER = 16, 64, 1 << 20
 # Where more than this part of a frame has changed, all of it is looked at, each thing once.
@@ -175,10 +175,12 @@ def _regions_in(
     if area < min_area / 2:
         return []
     weak = limits.weak(frame, part)
-    outlines = outlines_in(weak)
-    if len(outlines) == 1 and _is_solid(outlines[0], weak, area, min_area):
-        return [_moved(outlines[0], area, window, strong)]
-    if len(outlines) > 1:
+    # On much of a frame there are always some, of noise.
+    outlines = () if is_much([window], frame) else outlines_in(weak)
+    if len(outlines) == 1:
+        if _is_solid(outlines[0], weak, area, min_area):
+            return [_moved(outlines[0], area, window, strong)]
+    else:
         between = _print_between(levels, weak, limits, part)
         strong, weak = strong | between, weak | between
     strong, weak = (
@@ -199,20 +201,26 @@ def _print_between(
     :param limits: What is the background's own, and where the levels lie on it.
     :returns: Shape (h, w), uint8, 255 for what lies between its parts and has their colour.
     """
-    gaps = cv2.subtract(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _PRINT), mask)
     between = np.zeros_like(mask)
-    if not cv2.countNonZero(gaps):
-        return between
     # What has an object's colour is as far from the table's: only there more is asked.
-    table = np.array(cv2.mean(levels, (mask == 0).view(np.uint8))[:3])
     least = _CLEAR * limits.least
     near = (1 - _SAME_COLOUR) * least
-    gaps = cv2.subtract(gaps, cv2.inRange(levels, table - near, table + near))
-    gaps &= limits.has_print(part, near)
-    for outline in outlines_in(gaps):
-        if enclosed(outline) > _LONG_GAP:
-            part = slices(grown(Box(*cv2.boundingRect(outline)), _NEARBY // 2 + 1, mask))
-            between[part] |= _same_colour(levels[part], mask[part], gaps[part], table, least)
+    gaps = limits.has_print(part, near)
+    if not cv2.countNonZero(gaps):
+        return between
+    gaps &= cv2.subtract(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _PRINT), mask)
+    boxes = [grown(Box(*cv2.boundingRect(outline)), _NEARBY // 2 + 1, mask)
+             for outline in outlines_in(gaps) if enclosed(outline) > _LONG_GAP]
+    if not boxes:
+        return between
+    # Some rows tell as much as all.
+    table = np.array(cv2.mean(
+        levels[::_ROW_STEP], (mask[::_ROW_STEP] == 0).view(np.uint8))[:3])
+    for part in map(slices, _joined(boxes)):
+        seen = levels[part]
+        rest = cv2.subtract(gaps[part], cv2.inRange(seen, table - near, table + near))
+        if cv2.countNonZero(rest) > _LONG_GAP:
+            between[part] = _same_colour(seen, mask[part], rest, table, least)
     return between
 
 
@@ -220,14 +228,18 @@ def _same_colour(
     levels: np.ndarray, mask: np.ndarray, gaps: np.ndarray, table: np.ndarray, least: float
 ) -> np.ndarray:
     # The mean colour of what differs nearby, without its rim.
-    core = cv2.erode(mask, _CLOSE)
-    share = cv2.blur(np.float32(core), (_NEARBY, _NEARBY))
-    near = cv2.blur(np.float32(cv2.copyTo(levels, core)), (_NEARBY, _NEARBY))
-    near /= cv2.max(share, _LEAST_SHARE)[..., None] / 255
-    contrast = channel_extremes(cv2.absdiff(near, (*table, 0)))[1]
-    off = channel_extremes(cv2.absdiff(np.float32(levels), near))[1]
-    is_same = ((off < _SAME_COLOUR * contrast) & (contrast > least) & (share > 0)).view(np.uint8)
-    is_same &= gaps
+    core, places = cv2.erode(mask, _CLOSE), np.flatnonzero(gaps)
+    count, total = (cv2.boxFilter(values, cv2.CV_32F, (_NEARBY, _NEARBY), normalize=False)
+                    for values in (core & 1, cv2.copyTo(levels, core)))
+    count = count.ravel()[places]
+    near = total.reshape(-1, 3)[places] / np.maximum(count, 1)[:, None]
+    contrast = np.abs(near - table).max(axis=1, initial=0)
+    off = np.abs(levels.reshape(-1, 3)[places] - near).max(axis=1, initial=0)
+    chosen = (off < _SAME_COLOUR * contrast) & (contrast > least) & (count > 0)
+    is_same = np.zeros_like(mask)
+    if not chosen.any():
+        return is_same
+    is_same.ravel()[places[chosen]] = 1
     depths = cv2.distanceTransform((mask == 0).view(np.uint8), cv2.DIST_L2, 3)
     # A line that leads from one object to the next is no wider than they are apart.
     for outline in outlines_in(is_same):

@@ -22,6 +22,7 @@ from camera_to_base.detection.precise.evidence import measure_tint
 from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
+from camera_to_base.detection.precise.piece import centre_of, enclosed, outlines_in
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.regions import (
     filled, find_regions, grown, is_much, Region, slices)
@@ -139,9 +140,13 @@ def _regions(
     frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float
 ) -> List[Region]:
     regions = find_regions(frame, parts, reference.limits, min_area)
-    rest = [region for region in regions
-            if not _is_moved_print(frame, region, reference, min_area)]
-    # What moves alone is an object of the background.
+    rest: List[Region] = []
+    for region in regions:
+        # What moves alone is an object of the background.
+        if len(regions) - len(rest) < _LEAST_MOVED:
+            return regions
+        if not _is_moved_print(frame, region, reference, min_area):
+            rest.append(region)
     return rest if len(regions) - len(rest) >= _LEAST_MOVED else regions
 
 
@@ -339,18 +344,16 @@ def _too_much(box: Box) -> NoObject:
 def _dropped(
     frame: np.ndarray, lit: np.ndarray, left: np.ndarray, part: Box, min_area: float
 ) -> List[NoObject]:
-    place = slices(part)
-    if not cv2.countNonZero(left[place]):
-        return []
-    _, labels, stats, centroids = cv2.connectedComponentsWithStats(left[place])
     found = []
-    for number in np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:_MOST_DROPPED] + 1:
-        area, kind = float(stats[number, cv2.CC_STAT_AREA]), 'speck'
+    outlines = sorted(outlines_in(left[slices(part)], part), key=enclosed, reverse=True)
+    for outline in outlines[:_MOST_DROPPED]:
+        box = Box(*cv2.boundingRect(outline))
+        near, kind = slices(box), 'speck'
+        mask = filled(outline, box) & left[near]
+        area = float(cv2.countNonZero(mask))
         if area >= min_area:
-            near = slices(Box(*stats[number, :4].tolist()))
-            mask = cv2.inRange(labels[near], int(number), int(number))
-            levels = [sum(cv2.mean(picture[place][near], mask)) for picture in (frame, lit)]
+            levels = [sum(cv2.mean(picture[near], mask)) for picture in (frame, lit)]
             kind = 'light' if levels[0] > levels[1] else 'shade'
-        u, v = centroids[number].tolist()
-        found.append(NoObject(kind, Pixel(u + part.x, v + part.y), area))
+        u, v = centre_of(mask)
+        found.append(NoObject(kind, Pixel(u + box.x, v + box.y), area))
     return found

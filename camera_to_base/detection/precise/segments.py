@@ -134,8 +134,8 @@ def parted(
     cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
     surest, penumbra = 0.0, 0
     result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
-    segments = [_look(one, at_table, steps, found) for one in (
-        (labels == number).view(np.uint8) for number in range(2, count)) if one.any()]
+    segments = [_look((labels == number).view(np.uint8), at_table, steps, found)
+                for number in np.unique(labels[changed > 0]) if number > 1]
     # Where the table goes on below it, light without a penumbra is seen: patches of sun.
     is_sharp = any(one.nats < 0 and one.is_soft is False and one.detail.is_table
                    for one in segments)
@@ -277,9 +277,8 @@ def _joined(labels: np.ndarray, count: int, logs: np.ndarray) -> np.ndarray:
     colours = np.stack([np.bincount(known, logs[::2, :, channel].ravel(), count + 1)
                         for channel in range(3)], axis=1) / areas[:, None]
     numbers = np.arange(-1, count)
-    for pair in np.flatnonzero(lengths >= _SHORTEST):
-        sides = [1 + pair // count, 1 + pair % count]
-        if np.abs(np.subtract(*colours[sides])).max() < _LEAST_STEP:
-            one, other = numbers[sides]
-            numbers[numbers == max(one, other)] = min(one, other)
+    sides = 1 + np.stack(np.divmod(np.flatnonzero(lengths >= _SHORTEST), count), axis=1)
+    steps = np.abs(colours[sides[:, 0]] - colours[sides[:, 1]]).max(axis=1, initial=0)
+    for one, other in (numbers[pair] for pair in sides[steps < _LEAST_STEP]):
+        numbers[numbers == max(one, other)] = min(one, other)
     return numbers[labels + 1]

@@ -24,8 +24,9 @@ from camera_to_base.detection.precise.piece import (
 import cv2
 import numpy as np
 
-# Turns at most, and which part of the object may still change in the last one.
-_TURNS, _SETTLED = 3, 0.005
+# Turns at most, and which part of an object may still change in the last one; of a thing, whose
+# mask is almost right before the first.
+_TURNS, _SETTLED, _SETTLED_THING = 3, 0.005, 0.02
 # A larger piece, in px², of an object with this many px for each px of its outline starts small.
 _MANY, _WIDE = 12_000, 8.0
 # Ratios of light that no shade has, and of the largest to the smallest colour's.
@@ -91,10 +92,10 @@ def _is_wide(mask: np.ndarray) -> bool:
 
 def _covered(piece: Piece, ratio: np.ndarray, turns: int) -> Tuple[np.ndarray, np.ndarray]:
     """Give the shares, and the mask of the pixels of which more than half is covered."""
-    mask = piece.mask
+    mask, values = piece.mask, _values(piece, ratio)
     sure = _no_shade(ratio, mask)
     for _ in range(turns):
-        shares = np.maximum(_shares(piece, mask, ratio), sure)
+        shares = _shares(values, mask, sure)
         covered = (shares > 0.5).view(np.uint8)
         covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
         area = cv2.countNonZero(covered)
@@ -106,9 +107,9 @@ def _covered(piece: Piece, ratio: np.ndarray, turns: int) -> Tuple[np.ndarray, n
 
 def place_whole(piece: Piece) -> Placed:
     """Place an object that is all of the mask: only the shares of its rim are to be told."""
-    shares = np.maximum(
-        _shares(piece, piece.mask, _ratio(piece)), cv2.erode(piece.mask, square(3)))
-    return Placed(shares.astype(np.float32), piece.mask)
+    shares = _shares(
+        _values(piece, _ratio(piece)), piece.mask, cv2.erode(piece.mask, square(3)))
+    return Placed(shares, piece.mask)
 
 
 def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
@@ -118,20 +119,19 @@ def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
     :param others: The things near it, shape (h, w), uint8, 1 inside: no table is seen there.
     :returns: The mask has two parts where a gap shows that these are two things.
     """
-    ratio, mask = _ratio(piece), piece.mask
+    values, mask = _values(piece, _ratio(piece)), piece.mask
     sure = square(5 if _is_of_one_colour(piece) else 3)
     for _ in range(_TURNS):
-        inside = cv2.erode(mask, sure)
-        shares = np.maximum(_shares(piece, mask, ratio, others), inside)
+        shares = _shares(values, mask, cv2.erode(mask, sure), others)
         if others is not None:
             shares *= 1 - others
         before, mask = mask, (shares > 0.5).view(np.uint8)
         area = cv2.countNonZero(mask)
         if not area:
             return place_whole(piece)
-        if cv2.countNonZero(mask ^ before) <= _SETTLED * area:
+        if cv2.countNonZero(mask ^ before) <= _SETTLED_THING * area:
             break
-    return Placed(shares.astype(np.float32), mask)
+    return Placed(shares, mask)
 
 
 def _is_of_one_colour(piece: Piece) -> bool:
@@ -159,32 +159,76 @@ def _ratio(piece: Piece) -> np.ndarray:
     return np.minimum(piece.frame / np.maximum(piece.table, _LEAST_LIGHT), _BRIGHTEST_RATIO)
 
 
+class _Values(NamedTuple):
+    """
+    What is seen in a piece, float32.
+
+    :param frame: Its light, shape (h, w, 3).
+    :param table: The table's, of the same shape.
+    :param colours: The frame's light, with a channel of ones, shape (h, w, 4).
+    :param powers: The sum of its squares, in the same way, shape (h, w, 2).
+    :param ratios: The frame's light / the table's, in the same way, shape (h, w, 4).
+    """
+
+    frame: np.ndarray
+    table: np.ndarray
+    colours: np.ndarray
+    powers: np.ndarray
+    ratios: np.ndarray
+
+
+def _values(piece: Piece, ratio: np.ndarray) -> _Values:
+    colours, ratios = (cv2.cvtColor(values, cv2.COLOR_BGR2BGRA)
+                       for values in (piece.frame, ratio))
+    powers = cv2.merge([channel_sum(piece.frame ** 2), np.ones_like(colours[..., 3])])
+    return _Values(piece.frame, piece.table, colours, powers, ratios)
+
+
 def _shares(
-    piece: Piece, mask: np.ndarray, ratio: np.ndarray, others: Optional[np.ndarray] = None
+    values: _Values, mask: np.ndarray, sure: np.ndarray, others: Optional[np.ndarray] = None
 ) -> np.ndarray:
+    """
+    Give the shares, shape (h, w), float32.
+
+    :param sure: What the object surely covers; only the others are computed.
+    """
+    rim = np.flatnonzero(cv2.dilate(mask, square(3)) > sure)
+    shares = sure.astype(np.float32)
+    if len(rim):
+        shares.ravel()[rim] = _shares_at(
+            rim, values, mask, mask if others is None else mask | others)
+    return shares
+
+
+def _shares_at(
+    rim: np.ndarray, values: _Values, mask: np.ndarray, covered: np.ndarray
+) -> np.ndarray:
+    """Give the shares at some places of a piece, by their indices: colours are of shape (3, n)."""
     core = _core(mask)
-    table = piece.table * _light_at_rim(ratio, mask if others is None else mask | others)
-    usual = (*quantile(chosen(piece.frame, core)).tolist(), 0)
-    usual_contrast = cv2.subtract(table, usual)
+    frame = _at(rim, values.frame)
+    table = _at(rim, values.table) * _light_at_rim(rim, values.ratios, covered)
+    usual = quantile(chosen(values.frame, core))[:, None]
+    usual_contrast = table - usual
     usual_power = _dot(usual_contrast, usual_contrast)
     # A part of another colour counts with its own, small differences are noise.
-    near = _continued(piece.frame, core, _CORE_WINDOW)
-    spread = channel_sum(_continued(piece.frame ** 2, core, _CORE_WINDOW)) - _dot(near, near)
-    other = cv2.subtract(near, usual)
-    is_other = (_dot(other, other) > _OTHER_COLOUR * usual_power).view(np.uint8)
-    contrast = usual_contrast - cv2.copyTo(other, is_other)
+    near = _continued(rim, values.colours, core, _CORE_WINDOW)
+    spread = _continued(rim, values.powers, core, _CORE_WINDOW)[0] - _dot(near, near)
+    other = near - usual
+    is_other = _dot(other, other) > _OTHER_COLOUR * usual_power
+    contrast = np.where(is_other, table - near, usual_contrast)
     power = _dot(contrast, contrast)
-    away = table - piece.frame
-    shares = _dot(away, contrast) / np.maximum(power, 1e-9)
-    least = _LEAST_POWER + _LEAST_CONTRAST * float(quantile(power[mask > 0]))
-    shares = np.where(power < least, mask, shares)
+    away = table - frame
+    is_in_mask = mask.ravel()[rim] > 0
+    least = _LEAST_POWER
+    if is_in_mask.any():
+        least += _LEAST_CONTRAST * float(quantile(power[is_in_mask]))
+    shares = np.where(
+        power < least, is_in_mask, _dot(away, contrast) / np.maximum(power, 1e-9))
     # Of a texture, the rim happens to look like the table: its usual colour tells more. The dark
     # face of a box has one colour, and that is the rim's.
     by_usual = _dot(away, usual_contrast) / np.maximum(usual_power, 1e-9)
-    shares = np.where(
-        (power < cv2.min(usual_power, _TEXTURED * spread)) & (by_usual > _LIGHTER),
-        by_usual, shares)
-    return np.minimum(np.maximum(np.minimum(shares, 1), 0), cv2.dilate(mask, square(3)))
+    is_texture = (power < np.minimum(usual_power, _TEXTURED * spread)) & (by_usual > _LIGHTER)
+    return np.clip(np.where(is_texture, by_usual, shares), 0, 1)
 
 
 def _core(mask: np.ndarray) -> np.ndarray:
@@ -192,35 +236,39 @@ def _core(mask: np.ndarray) -> np.ndarray:
     return next((core for core in cores if cv2.countNonZero(core) >= _LEAST_CORE), mask)
 
 
-def _light_at_rim(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
+def _light_at_rim(rim: np.ndarray, ratios: np.ndarray, mask: np.ndarray) -> np.ndarray:
     # Seen 2 px outside of the rim and 4 px: what changes in between goes on towards the rim.
     covered = cv2.dilate(mask, disc(5))
     near, farther = 1 - covered, 1 - cv2.dilate(covered, disc(5))
     if not near.any():
-        return np.ones_like(ratio)
-    light = _continued(ratio, near, _TABLE_WINDOW)
+        return np.ones((3, len(rim)), np.float32)
+    light = _continued(rim, ratios, near, _TABLE_WINDOW)
     if not farther.any():
         return light
-    beyond = np.maximum(_continued(ratio, farther, _TABLE_WINDOW), _LEAST_LIGHT)
+    beyond = np.maximum(_continued(rim, ratios, farther, _TABLE_WINDOW), _LEAST_LIGHT)
     # The square root: half of the change, as the way to the rim is half as long.
-    return light * np.sqrt(
-        np.minimum(np.maximum(light / beyond, 1 - _STEEPEST), 1 + _STEEPEST))
+    return light * np.sqrt(np.clip(light / beyond, 1 - _STEEPEST, 1 + _STEEPEST))
 
 
-def _continued(values: np.ndarray, known: np.ndarray, window: int) -> np.ndarray:
-    """Continue values by their mean over a window, over a wider one, or over all."""
-    # The fourth channel counts the known pixels.
-    weighted = cv2.copyTo(cv2.cvtColor(values, cv2.COLOR_BGR2BGRA), known)
-    total = cv2.scaleAdd(_mean(weighted, _WIDER_WINDOW), _WIDER, _mean(weighted, window))
-    anywhere = cv2.mean(values, known)[:3]
-    total = cv2.add(total, (*(_ANYWHERE * value for value in anywhere), _ANYWHERE))
-    count = cv2.cvtColor(cv2.extractChannel(total, 3), cv2.COLOR_GRAY2BGR)
-    return cv2.cvtColor(total, cv2.COLOR_BGRA2BGR) / count
+def _continued(
+    rim: np.ndarray, values: np.ndarray, known: np.ndarray, window: int
+) -> np.ndarray:
+    """
+    Continue values to some places by their mean over a window, over a wider one, or over all.
+
+    :param values: Its last channel is 1 and counts the known pixels.
+    """
+    weighted = cv2.copyTo(values, known)
+    anywhere = np.float32(cv2.mean(values, known)[:values.shape[-1]])
+    near, wider = (_at(rim, cv2.blur(weighted, (size, size))) for size in (window, _WIDER_WINDOW))
+    total = near + np.float32(_WIDER) * wider + _ANYWHERE * anywhere[:, None]
+    return total[:-1] / total[-1]
 
 
-def _mean(values: np.ndarray, window: int) -> np.ndarray:
-    return cv2.blur(values, (window, window))
+def _at(places: np.ndarray, values: np.ndarray) -> np.ndarray:
+    # Long rows are faster than short ones.
+    return values.reshape(-1, values.shape[-1]).take(places, axis=0).T.copy()
 
 
 def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return channel_sum(one * other)
+    return (one * other).sum(axis=0)

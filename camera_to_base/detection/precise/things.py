@@ -94,11 +94,9 @@ def things_in(
     seen = seen_closely(region, frame)
     window, scale = grown(seen, _MARGIN, frame), work(seen).scale
     changed = filled(region.outline, window)
-    size = [-(-length // scale) for length in (window.width, window.height)]
-    seen, usual, changed = (picture if scale == 1 else cv2.resize(
-        picture, size, interpolation=way) for picture, way in (
-            (frame[slices(window)], cv2.INTER_AREA),
-            (reference.lit[slices(window)], cv2.INTER_AREA), (changed, cv2.INTER_NEAREST)))
+    seen, usual = (_reduced(picture[slices(window)], scale)
+                   for picture in (frame, reference.lit))
+    changed = np.ascontiguousarray(changed[::scale, ::scale])
     found = evidence(seen, usual, reference.noise / scale, reference.drift, tint)
     # Light from outside of the picture may end as sharply as a thing.
     masks = _masks(seen, usual, changed, found, min_area / scale ** 2,
@@ -115,6 +113,15 @@ def things_in(
     return [Region(outline, box, int(cv2.contourArea(outline)), box, is_thing=True,
                    neighbours=(*outlines[:index], *outlines[index + 1:]), doubt=scale * doubt)
             for index, (outline, box, (_, doubt)) in enumerate(zip(outlines, boxes, masks))]
+
+
+def _reduced(picture: np.ndarray, scale: int) -> np.ndarray:
+    # By a whole number, cv2.resize is much faster.
+    height, width = picture.shape[:2]
+    whole = picture if scale == 1 else cv2.copyMakeBorder(
+        picture, 0, -height % scale, 0, -width % scale, cv2.BORDER_REPLICATE)
+    return cv2.resize(whole, (whole.shape[1] // scale, whole.shape[0] // scale),
+                      interpolation=cv2.INTER_AREA)
 
 
 def seen_closely(region: Region, frame: np.ndarray) -> Box:
@@ -200,15 +207,19 @@ def _solid(
     core = cv2.erode(things, square(_SIZE))
     print_ = cv2.dilate((gradient(found.usual) > _PRINT ** 2).view(np.uint8), square(_JPEG))
     solid = thin = 0.0
+    part = np.zeros_like(things)
     for outline in outlines_in(things):
-        area = enclosed(outline)
-        inside = filled(outline, Box(0, 0, *things.shape[::-1]))
-        if detail_of(found, inside & things).is_table:
+        area, box = enclosed(outline), Box(*cv2.boundingRect(outline))
+        near, inside = slices(box), filled(outline, box)
+        part[near] = inside & things[near]
+        is_table = detail_of(found, part).is_table
+        part[near] = 0
+        if is_table:
             continue
-        if area >= min_area and cv2.countNonZero(core & inside) >= _LEAST_CORE * area:
+        if area >= min_area and cv2.countNonZero(core[near] & inside) >= _LEAST_CORE * area:
             solid += area
-            kept |= inside
-        elif cv2.countNonZero(inside & print_) < _MOSTLY * cv2.countNonZero(inside):
+            kept[near] |= inside
+        elif cv2.countNonZero(inside & print_[near]) < _MOSTLY * cv2.countNonZero(inside):
             # Beside the edges of a print, JPEG leaves neither.
             thin += area
     return None if thin > max(min_area, _MOST_THIN * solid) else kept
@@ -223,8 +234,16 @@ def _up_to_edges(
     seeds = np.int32(things) + 2 * (1 - np.int32(cv2.dilate(unknown | things, square(3))))
     reached = (cv2.watershed(np.ascontiguousarray(frame), seeds) == 1).view(np.uint8)
     logs, things = cv2.LUT(frame, log_levels()), things.copy()
-    for outline in outlines_in(reached & (1 - things)):
-        box = grown(Box(*cv2.boundingRect(outline)), _BESIDE, things)
+    added = reached & (1 - things)
+    # What is too narrow for a core shows no step.
+    cores = cv2.dilate(cv2.erode(added, square(3)), square(3))
+    for outline in outlines_in(added):
+        box = Box(*cv2.boundingRect(outline))
+        part = filled(outline, box) & added[slices(box)]
+        if not cv2.countNonZero(cores[slices(box)] & part):
+            things[slices(box)] |= part
+            continue
+        box = grown(box, _BESIDE, things)
         near = slices(box)
         part = filled(outline, box) & reached[near] & (1 - things[near])
         if not _has_step(logs[near], things[near], part):

@@ -32,7 +32,11 @@ export function createHealth(store) {
   store.on('health', (health) => {
     show(none, !health.nodes.length);
     fillState(whole, health.state);
-    sync(nodes, health.nodes, (node) => node.name, makeNode, fillNode);
+    sync(nodes, health.nodes, (node) => node.name, makeNode, (node, told) => {
+      fillNode(node, told);
+      // What is the cell's state is read there.
+      show(node.querySelector('.sentence'), told.sentence !== health.state.sentence);
+    });
     charts.update(health.charts);
   });
   store.on('log', log.update);
