@@ -97,8 +97,8 @@ HEIGHT_SPECS = [
                   (0, 10000), unit='cm'),
     ParameterSpec('object_heights_cm', [],
                   'Several heights, in place of object_height_cm: each object takes the one that '
-                  'its outline fits, and is left out where that is not clear. The camera must be '
-                  'tilted.', (0.01, 10000), unit='cm'),
+                  "its outline or its top's rim tells, and is left out where that is not clear. "
+                  'The camera must be tilted.', (0.01, 10000), unit='cm'),
     ParameterSpec('flat_middle_cm', 0.05,
                   'How far the middle of a flat object is above the plane that was calibrated: '
                   "half of a coin's thickness, less that of the board; 0 for prints. A tilted "

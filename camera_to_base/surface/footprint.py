@@ -136,8 +136,8 @@ class RayedSilhouette:
 
         :param height_share: The object's height as a share of the camera's, 0 to below 1.
         :returns: Shape (3, n, 2), in cm, on the n rays that an object of the height can have:
-            where each enters the silhouette, where it meets the rim, and where it leaves. None,
-            n = 0, of an object above the camera's foot, whose sides are not seen.
+            where each enters the silhouette, where it meets the rim, and where it leaves. There
+            are none of an object above the camera's foot, whose sides are not seen.
         """
         rim = self._near / (1.0 - height_share)
         stands = (rim < self._far) & (self._near > 0.0)
