@@ -15,7 +15,7 @@ from the camera's foot by as much as the object is high, and the picture has a s
 it, as top and side are lit differently.
 """
 
-from typing import Dict, Optional, Sequence
+from typing import Callable, Dict, Optional, Sequence
 
 from camera_to_base.coordinate_transform import CameraPlace
 from camera_to_base.surface import RayedSilhouette, Surface
@@ -31,6 +31,9 @@ _LEAST_FIT, _BAD_FIT, _INEXACT = 0.9, 0.955, 0.25
 # height is so many times that of the others. In rendered cells (600 discs, boxes and cylinders
 # below a tilted camera), 96 of 100 rims are 15 to 80 levels high, and what is none 0 to 6.
 _RIM, _NO_RIM, _TIMES = 8.0, 4.0, 3.0
+# A step of so many grey levels is the lower end of a side, or of fewer, as a rim, where other
+# heights have none: that of flat discs' surroundings is up to 13 on wood.
+_FOOT = 16.0
 # A rim is seen apart from the outline where it is farther from it than this, in px, along so large
 # a share of its length.
 _APART_PX, _LEAST_SHARE = 6.0, 0.5
@@ -62,7 +65,7 @@ def told_height(
     gaps = np.diff([0.0, *heights_cm])
     fits = {height: rayed.footprint((height - _INEXACT * gap) / camera.height_cm).fit
             for height, gap in zip(heights_cm, gaps.tolist())}
-    rims = _rims(rayed, outline, frame, surface, camera, heights_cm)
+    rims = _steps(rayed.near_rim, outline, frame, surface, camera, heights_cm)
     best = max(rims, key=rims.__getitem__, default=None)
     if best is not None and rims[best] >= _RIM:
         others = [step for height, step in rims.items() if height != best]
@@ -75,7 +78,13 @@ def told_height(
                 rayed.footprint(height / camera.height_cm).fit <= _BAD_FIT))
         for height in higher)
     # No rim is seen of what is lower than the rim's distance from the outline.
-    return lowest if are_excluded and fits[lowest] > _BAD_FIT else None
+    if not are_excluded or fits[lowest] <= _BAD_FIT:
+        return None
+    # The side may have been taken for shade: then it ends where that of a height would.
+    feet = sorted(_steps(rayed.near_foot, outline, frame, surface, camera, higher).values())
+    is_foot = bool(feet) and feet[-1] >= _FOOT or len(feet) > 1 and (
+        feet[-1] >= max(_NO_RIM, _TIMES * feet[-2]))
+    return None if is_foot else lowest
 
 
 def _side_px(
@@ -101,25 +110,31 @@ def sees_rim(
     :raises HorizonError: If a part of it lies on the horizon or beyond it.
     """
     rayed = RayedSilhouette(surface.locate(outline), camera.foot_cm)
-    rims = _rims(rayed, outline, frame, surface, camera, [height_cm])
+    rims = _steps(rayed.near_rim, outline, frame, surface, camera, [height_cm])
     return rims.get(height_cm, 0.0) >= _RIM
 
 
-def _rims(
-    rayed: RayedSilhouette, outline: np.ndarray, frame: np.ndarray, surface: Surface,
-    camera: CameraPlace, heights_cm: Sequence[float],
+def _steps(
+    edge_of: Callable[[float], np.ndarray], outline: np.ndarray, frame: np.ndarray,
+    surface: Surface, camera: CameraPlace, heights_cm: Sequence[float],
 ) -> Dict[float, float]:
-    """Return the step at the rim of each height, in grey levels, where one would be seen."""
-    low = np.maximum(np.floor(outline.min(axis=0)).astype(int) - _MARGIN_PX, 0)
-    high = np.ceil(outline.max(axis=0)).astype(int) + _MARGIN_PX + 1
-    seen = cv2.GaussianBlur(
-        frame[low[1]:high[1], low[0]:high[0]], (0, 0), _BLUR_PX).astype(np.float32)
+    """
+    Return the step at an edge of an object of each height, in grey levels, where one can be seen.
+
+    :param edge_of: RayedSilhouette.near_rim, or another of its edges.
+    """
     shares = np.outer(heights_cm, np.add(1.0, _BESIDE)) / camera.height_cm
-    rims = [rayed.near_rim(share) for share in shares.ravel()]
+    rims = [edge_of(share) for share in shares.ravel()]
     # To ask the surface once is faster.
     ends = np.cumsum([3 * rim.shape[1] for rim in rims])
-    pixels = surface.pixels(np.concatenate([rim.reshape(-1, 2) for rim in rims])) - low
-    steps = [_step(part.reshape(3, -1, 2), seen) for part in np.split(pixels, ends[:-1])]
+    pixels = surface.pixels(np.concatenate([rim.reshape(-1, 2) for rim in rims]))
+    parts = [part.reshape(3, -1, 2) for part in np.split(pixels, ends[:-1])]
+    around = np.concatenate([outline, *(at for _, at, _ in parts)])
+    low = np.maximum(np.floor(np.nanmin(around, axis=0)).astype(int) - _MARGIN_PX, 0)
+    high = np.ceil(np.nanmax(around, axis=0)).astype(int) + _MARGIN_PX + 1
+    seen = cv2.GaussianBlur(
+        frame[low[1]:high[1], low[0]:high[0]], (0, 0), _BLUR_PX).astype(np.float32)
+    steps = [_step(part - low, seen) for part in parts]
     by_height = zip(heights_cm, zip(*[iter(steps)] * len(_BESIDE)))
     return {height_cm: max(near) for height_cm, near in by_height if None not in near}
 

@@ -144,6 +144,19 @@ class RayedSilhouette:
         distances = np.stack([self._near, rim, self._far])[:, stands, None]
         return self._foot + distances * self._directions[stands]
 
+    def near_foot(self, height_share: float) -> np.ndarray:
+        """
+        Return where the near side of an object of a height ends, if the silhouette is its top.
+
+        :param height_share: The object's height as a share of the camera's, 0 to below 1.
+        :returns: Shape (3, n, 2), in cm: a place before the side's lower end on each of n rays,
+            that end, and where the ray enters the silhouette. There are none of an object above
+            the camera's foot.
+        """
+        stands, below = self._near > 0.0, 1.0 - height_share
+        distances = np.stack([self._near * below ** 2, self._near * below, self._near])
+        return self._foot + distances[:, stands, None] * self._directions[stands]
+
     def _cut(self, offsets: np.ndarray) -> np.ndarray:
         """Return where each ray enters the silhouette and where it leaves: (2, rays), in cm."""
         (x, y), (c, s) = offsets.T, self._directions.T

@@ -13,10 +13,12 @@ import math
 
 from camera_to_base.detection import (
     DetectorSettings, HEIGHT_SPECS, looks_solid, object_heights, ObjectLocator)
+from camera_to_base.detection.top_rim import told_height
 from camera_to_base.drawing import draw_objects
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import checked_values
-from camera_to_base.surface import LensModel, make_surface, PinholeSurface, SURFACE_SPECS
+from camera_to_base.surface import (
+    LensModel, make_surface, PinholeSurface, RayedSilhouette, SURFACE_SPECS)
 import cv2
 import numpy as np
 import pytest
@@ -162,6 +164,20 @@ def test_straight_camera_cannot_tell_heights_apart():
     found = find(camera(0), [1.0, 5.0], (prism(np.zeros(2), 5.0, 3.0, 0.4), 5.0))
     assert not found.objects
     assert found.left_out[0].reason.kind == 'height_unclear'
+
+
+@pytest.mark.parametrize('side, told', [((150, 144, 138), None), (TABLE, 0.25)])
+def test_top_whose_side_was_taken_for_shade_is_no_flat_object(side, told):
+    surface, base, height = camera(35), prism(np.array([9.0, -6.0]), 4.0, 3.0, 0.4), 2.0
+    frame = picture(surface, (base, height, side))
+    top = surface.pixels_of(np.column_stack([base, np.full(4, height)]))
+    cv2.fillConvexPoly(frame, np.round(top).astype(np.int32), SIDE, cv2.LINE_AA)
+    shares = np.linspace(0.0, 1.0, 40, endpoint=False)[:, None]
+    outline = np.concatenate([one + shares * (other - one)
+                              for one, other in zip(top, np.roll(top, -1, axis=0))])
+    place = surface.camera_place
+    assert told_height(RayedSilhouette(surface.locate(outline), place.foot_cm), outline, frame,
+                       surface, place, [0.25, 2.0, 5.0]) == told
 
 
 def test_object_that_is_much_lower_than_told_is_left_out():
