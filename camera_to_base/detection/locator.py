@@ -151,8 +151,8 @@ class ObjectLocator:
         self, detections: List[Detection], frame: np.ndarray
     ) -> Tuple[List[Detection], List[Detection]]:
         """Tell objects apart of which one hides a part of the other, and what is hidden by it."""
-        camera = self._surface.camera_place
-        if camera is None or not self._settings.heights_cm:
+        camera = self._surface.camera_place if self._settings.heights_cm else None
+        if camera is None:
             return detections, []
 
         def distances(pixels: np.ndarray) -> np.ndarray:
@@ -216,10 +216,11 @@ class ObjectLocator:
         self, found: Union[LocatedObject, LeftOut], frame: np.ndarray
     ) -> Union[LocatedObject, LeftOut]:
         """Take the doubt whether its side is shade from an object whose rim is seen."""
-        detection, camera = found.detection, self._surface.camera_place
-        if isinstance(found, LeftOut) or found.solid is None or camera is None or not (
-                detection.doubt > _DOUBT_WITH_RIM) or not sees_rim(
-                silhouette(detection), frame, self._surface, camera, found.solid.height_cm):
+        detection = found.detection
+        if isinstance(found, LeftOut) or found.solid is None or (
+                detection.doubt <= _DOUBT_WITH_RIM) or not sees_rim(
+                    silhouette(detection), frame, self._surface, self._surface.camera_place,
+                    found.solid.height_cm):
             return found
         return found._replace(detection=replace(detection, doubt=_DOUBT_WITH_RIM))
 
