@@ -24,9 +24,8 @@ from camera_to_base.detection.precise.piece import (
 import cv2
 import numpy as np
 
-# Turns at most, and which part of an object may still change in the last one; of a thing, whose
-# mask is almost right before the first.
-_TURNS, _SETTLED, _SETTLED_THING = 3, 0.005, 0.02
+# Turns at most, and which part of an object may still change in the last one.
+_TURNS, _SETTLED = 3, 0.005
 # A larger piece, in px², of an object with this many px for each px of its outline starts small.
 _MANY, _WIDE = 12_000, 8.0
 # Ratios of light that no shade has, and of the largest to the smallest colour's.
@@ -129,7 +128,7 @@ def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
         area = cv2.countNonZero(mask)
         if not area:
             return place_whole(piece)
-        if cv2.countNonZero(mask ^ before) <= _SETTLED_THING * area:
+        if cv2.countNonZero(mask ^ before) <= _SETTLED * area:
             break
     return Placed(shares, mask)
 
