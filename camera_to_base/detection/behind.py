@@ -23,8 +23,8 @@ from typing import Callable, List, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.detection.precise.light import LINEAR
 from camera_to_base.detection.precise.piece import (
-    centre_of, largest_part, outline_of, square)
-from camera_to_base.detection.precise.regions import filled, slices
+    centre_of, filled, largest_part, outline_of, slices, square)
+from camera_to_base.detection.touching import halves, notches_in, Place
 import cv2
 import numpy as np
 
@@ -38,7 +38,6 @@ _MOSTLY_HIDDEN = 0.75
 # Colours of light differ by this angle, in rad. This much light has no colour.
 _OTHER_COLOUR, _DARK = 0.25, 0.003
 
-Place = Tuple[int, int]
 Cut = Tuple[Place, Place]
 
 
@@ -54,8 +53,11 @@ def apart(
         of it, or the detection itself where it is one; then what is hidden for the most part.
     :raises HorizonError: If one of them lies beyond the horizon.
     """
-    notches = [] if detection.cut_off else _notches(detection)
-    if not notches:
+    outline = (detection.outline - np.int32(detection.box[:2]))[:, None]
+    width = math.sqrt(cv2.contourArea(cv2.convexHull(outline)))
+    least = max(_LEAST_NOTCH * width, _PIXEL_NOTCH)
+    notches = notches_in(outline, least, _MOST_NOTCHES)
+    if detection.cut_off or not notches:
         return [detection], []
     mask, near = filled(detection.outline, detection.box), frame[slices(detection.box)]
     for cut in _cuts(mask, notches):
@@ -71,23 +73,6 @@ def apart(
             shift = hidden ** 2 / 4 / behind.area * width / 2
             return [front, replace(behind, doubt=math.hypot(behind.doubt, shift))], []
     return [detection], []
-
-
-def _notches(detection: Detection) -> List[Place]:
-    """List the deepest notches, in px of a detection's box."""
-    outline = detection.outline - np.int32(detection.box[:2])
-    hull = cv2.convexHull(outline, returnPoints=False)
-    try:
-        defects = cv2.convexityDefects(outline, hull)
-    except cv2.error:
-        return []  # An outline that touches itself has no order.
-    if defects is None:
-        return []
-    width = math.sqrt(max(cv2.contourArea(outline[hull[:, 0]]), 1.0))
-    deepest = sorted(((depth / 256, at) for _, _, at, depth in defects.reshape(-1, 4).tolist()),
-                     reverse=True)[:_MOST_NOTCHES]
-    least = max(_LEAST_NOTCH * width, _PIXEL_NOTCH)
-    return [tuple(outline[at].tolist()) for depth, at in deepest if depth >= least]
 
 
 def _cuts(mask: np.ndarray, notches: Sequence[Place]) -> List[Cut]:
@@ -108,22 +93,17 @@ def _parts(
     mask: np.ndarray, frame: np.ndarray, cut: Cut
 ) -> Optional[Tuple[np.ndarray, np.ndarray]]:
     """Part a silhouette at the frame's edge near a cut; None where that leaves too little."""
-    rest = mask.copy()
-    cv2.line(rest, *cut, 0, 2)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(rest, connectivity=4)
-    largest = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:2]
-    least = _LEAST_PART * cv2.countNonZero(mask)
-    if count < 3 or stats[largest[1], cv2.CC_STAT_AREA] < least:
+    pair = halves(mask, *cut)
+    if pair is None or cv2.countNonZero(pair[0]) < _LEAST_PART * cv2.countNonZero(mask):
         return None
     line = np.ones_like(mask)
     cv2.line(line, *cut, 0, 1)
     away = cv2.distanceTransform(line, cv2.DIST_L2, 5)
     cores = []
-    for one in largest:
-        part = labels == one
-        # Of a small part, its far side.
-        beyond = min(_AROUND * math.dist(*cut), float(np.quantile(away[part], _FAR_SIDE)))
-        cores.append(part & (away >= max(beyond, 2.0)))
+    for half in pair:
+        # Of a small one, its far side.
+        beyond = min(_AROUND * math.dist(*cut), float(np.quantile(away[half > 0], _FAR_SIDE)))
+        cores.append(half & (away >= max(beyond, 2.0)))
     seeds = np.int32(cores[0]) + 2 * np.int32(cores[1]) + 3 * (1 - np.int32(mask))
     reached = cv2.watershed(np.ascontiguousarray(frame), seeds)
     first, second = (largest_part((reached == one).view(np.uint8)) for one in (1, 2))
@@ -154,4 +134,5 @@ def _detected(
     area = cv2.countNonZero(mask) * detection.area / max(cv2.countNonZero(whole), 1)
     u, v = centre_of(mask)
     return replace(detection, box=box, centre=Pixel(u + box.x, v + box.y), area=area,
-                   outline=outline[:, 0], moments=None, cut_off=touches_edge(box, frame))
+                   outline=outline[:, 0], moments=None, cut_off=touches_edge(box, frame),
+                   is_part=True)

@@ -107,6 +107,7 @@ class Detection:
     :param cut_off: Whether the object touches the picture's edge, so that a part may be missing.
     :param moments: Moments of the object's pixels, from cv2.moments; None to use the outline's.
     :param doubt: Standard deviation of the centre because a part may be light, in px.
+    :param is_part: Whether it was parted from an object that hides it, or that it hides.
     """
 
     box: Box
@@ -116,6 +117,7 @@ class Detection:
     cut_off: bool
     moments: Optional[Mapping[str, float]] = field(default=None, compare=False, repr=False)
     doubt: float = 0.0
+    is_part: bool = False
 
     @property
     def spread(self) -> np.ndarray:

@@ -131,14 +131,10 @@ class ObjectLocator:
         :param frame: Shape (h, w, 3), uint8, BGR.
         :raises FrameSizeError: If the frame's size is not the background's.
         """
-        detected = self._detector.detect(frame)
-        detections, hidden = self._without_hiding(detected, frame)
+        detections, hidden = self._without_hiding(self._detector.detect(frame), frame)
         detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
         found = [self._located(detection, place, frame)
                  for detection, place in zip(detections, self._places(detections))]
-        # What is hidden of an object stays in doubt.
-        found = [self._with_rim(one, frame) if any(one.detection is whole for whole in detected)
-                 else one for one in found]
         no_object = [LeftOut(place, REASONS['taken_away'], self._point(place))
                      for place in self._detector.taken_away]
         no_object += [LeftOut(one, REASONS['hidden'], self._point(one)) for one in hidden]
@@ -198,9 +194,9 @@ class ObjectLocator:
         camera = self._surface.camera_place
         if camera is None:
             return LeftOut(detection, _PLACE_UNKNOWN, seen)
+        outline = silhouette(detection)
         try:
-            solid = solid_of(silhouette(detection), frame, self._surface, camera,
-                             self._settings.heights_cm)
+            solid = solid_of(outline, frame, self._surface, camera, self._settings.heights_cm)
         except HorizonError as error:
             return LeftOut(detection, _beyond_horizon(error), seen)
         if isinstance(solid, Reason):
@@ -210,19 +206,11 @@ class ObjectLocator:
         reason = self._reason_to_leave_out(detection, point, solid.footprint.area)
         if reason is not None:
             return LeftOut(detection, reason, point)
+        # What is hidden of a part stays in doubt.
+        if detection.doubt > _DOUBT_WITH_RIM and not detection.is_part and sees_rim(
+                outline, frame, self._surface, camera, solid.height_cm):
+            detection = replace(detection, doubt=_DOUBT_WITH_RIM)
         return LocatedObject(detection, point, None if detection.cut_off else solid.yaw, solid)
-
-    def _with_rim(
-        self, found: Union[LocatedObject, LeftOut], frame: np.ndarray
-    ) -> Union[LocatedObject, LeftOut]:
-        """Take the doubt whether its side is shade from an object whose rim is seen."""
-        detection = found.detection
-        if isinstance(found, LeftOut) or found.solid is None or (
-                detection.doubt <= _DOUBT_WITH_RIM) or not sees_rim(
-                    silhouette(detection), frame, self._surface, self._surface.camera_place,
-                    found.solid.height_cm):
-            return found
-        return found._replace(detection=replace(detection, doubt=_DOUBT_WITH_RIM))
 
     def _point(self, place: Detection) -> Optional[Point]:
         try:

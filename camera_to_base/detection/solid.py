@@ -202,42 +202,17 @@ def solid_of(
     return Solid(stands, height_cm, max(misfit_cm, notch_cm), surface)
 
 
-class Notch(NamedTuple):
-    """
-    The deepest notch of an outline.
-
-    :param depth: Below its convex hull, in px.
-    :param width: Of the whole outline, in px.
-    """
-
-    depth: float
-    width: float
-
-    @property
-    def is_of_two(self) -> bool:
-        """Whether the outline may be that of two objects, of which one hides the other."""
-        return self.depth >= max(_NOTCH_OF_TWO * self.width, _PIXEL_NOTCH)
-
-
-def notch_of(outline: np.ndarray) -> Notch:
-    """
-    Measure how far an outline is from being convex.
-
-    :param outline: Shape (n, 2), in px.
-    """
+def _notch_misfit(outline: np.ndarray, corners: np.ndarray) -> float:
+    """Return the standard deviation of a place because its silhouette is notched, in cm."""
     # Near the origin, so that float32 is exact enough.
     points = (outline - outline[0]).astype(np.float32)
     hull = cv2.convexHull(points)
-    depth = max(cv2.pointPolygonTest(hull, point, True) for point in points.tolist())
-    return Notch(depth, max(math.sqrt(cv2.contourArea(hull)), 1.0))
-
-
-def _notch_misfit(outline: np.ndarray, corners: np.ndarray) -> float:
-    """Return the standard deviation of a place because its silhouette is notched, in cm."""
-    notch, seen = notch_of(outline), Outline.of(corners)
-    cm_per_px = math.sqrt(seen.area) / notch.width
-    misfit_cm = _OF_NOTCH * max(notch.depth - _PIXEL_NOTCH, 0.0) * cm_per_px
-    if not notch.is_of_two:
+    deepest = max(cv2.pointPolygonTest(hull, point, True) for point in points.tolist())
+    seen = Outline.of(corners)
+    width = max(math.sqrt(cv2.contourArea(hull)), 1.0)
+    cm_per_px = math.sqrt(seen.area) / width
+    misfit_cm = _OF_NOTCH * max(deepest - _PIXEL_NOTCH, 0.0) * cm_per_px
+    if deepest < max(_NOTCH_OF_TWO * width, _PIXEL_NOTCH):
         return misfit_cm
     # The middle of either object may be meant.
     return max(size_of(seen, 0.0).length_cm / 4, misfit_cm)

@@ -23,8 +23,7 @@ from typing import Iterator, List, Optional, Tuple
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import WEAK_LEVELS
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, enclosed, largest_part, outline_of, outlines_in, square)
-from camera_to_base.detection.precise.regions import filled
+    channel_extremes, enclosed, filled, largest_part, outline_of, outlines_in, square)
 import cv2
 import numpy as np
 
@@ -43,6 +42,8 @@ _WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
 _ALIKE, _THIRD_COLOUR = 0.15, 0.1
 # What is off by less than this part of what is near it shows the table.
 _SURELY = 0.15
+
+Place = Tuple[int, int]
 
 
 def split_touching(mask: np.ndarray) -> List[np.ndarray]:
@@ -68,29 +69,47 @@ def split_touching(mask: np.ndarray) -> List[np.ndarray]:
 
 def _cut(mask: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
     for start, end in _necks(mask):
-        rest = mask.copy()
-        cv2.line(rest, start, end, 0, 1, cv2.LINE_8)
-        count, labels = cv2.connectedComponents(rest, connectivity=4)
-        if count < 3:
+        pair = halves(mask, start, end)
+        if pair is None:
             continue
-        first, second = sorted(((labels == label).astype(np.uint8) for label in range(1, count)),
-                               key=cv2.countNonZero)[-2:]
+        first, second = pair
         widest = _WIDEST_NECK * min(_width(first), _width(second))
         if cv2.countNonZero(first) >= _SMALLEST and np.hypot(*np.subtract(end, start)) <= widest:
             return first, second
     return None
 
 
-def _necks(mask: np.ndarray) -> Iterator[Tuple[Tuple[int, int], Tuple[int, int]]]:
-    notches = _notches(mask)
-    pairs = [tuple(tuple(map(int, notch)) for notch in pair) for pair in combinations(notches, 2)]
+def halves(
+    mask: np.ndarray, start: Place, end: Place
+) -> Optional[Tuple[np.ndarray, np.ndarray]]:
+    """Cut a mask along a line: the two largest parts, the largest last; None where it is one."""
+    rest = mask.copy()
+    cv2.line(rest, start, end, 0, 1, cv2.LINE_8)
+    count, labels = cv2.connectedComponents(rest, connectivity=4)
+    if count < 3:
+        return None
+    first, second = sorted(((labels == label).astype(np.uint8) for label in range(1, count)),
+                           key=cv2.countNonZero)[-2:]
+    return first, second
+
+
+def _necks(mask: np.ndarray) -> Iterator[Tuple[Place, Place]]:
+    outline = outline_of(mask)
+    if outline is None or len(outline) < 8:
+        return iter(())
+    least = max(_DEEPEST_FLAW, _LEAST_NOTCH * np.sqrt(cv2.countNonZero(mask)))
+    pairs = combinations(notches_in(outline, least, _MOST_NOTCHES), 2)
     return iter(sorted(pairs, key=lambda pair: np.hypot(*np.subtract(*pair))))
 
 
-def _notches(mask: np.ndarray) -> List[np.ndarray]:
-    outline = outline_of(mask)
-    if outline is None or len(outline) < 8:
-        return []
+def notches_in(outline: np.ndarray, least: float, most: int) -> List[Place]:
+    """
+    List the notches of an outline, the deepest first.
+
+    :param outline: Shape (n, 1, 2), int32, in px.
+    :param least: Their depth below the convex hull, in px.
+    :param most: How many are listed.
+    """
     hull = cv2.convexHull(outline, returnPoints=False)
     try:
         defects = cv2.convexityDefects(outline, hull)
@@ -98,10 +117,9 @@ def _notches(mask: np.ndarray) -> List[np.ndarray]:
         return []  # an outline that touches itself has no order
     if defects is None:
         return []
-    least = max(_DEEPEST_FLAW, _LEAST_NOTCH * np.sqrt(cv2.countNonZero(mask)))
-    deep = sorted((defect for defect in defects.reshape(-1, 4) if defect[3] / 256 >= least),
-                  key=lambda defect: -defect[3])
-    return [outline[defect[2], 0] for defect in deep[:_MOST_NOTCHES]]
+    deep = sorted((defect for defect in defects.reshape(-1, 4).tolist()
+                   if defect[3] / 256 >= least), key=lambda defect: -defect[3])
+    return [tuple(outline[at, 0].tolist()) for _, _, at, _ in deep[:most]]
 
 
 def _width(mask: np.ndarray) -> float:

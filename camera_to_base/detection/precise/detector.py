@@ -51,9 +51,8 @@ from camera_to_base.detection.precise.changes import (
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, outline_of, ratio_of, square)
+    channel_extremes, filled, grown, outline_of, ratio_of, slices, square)
 from camera_to_base.detection.precise.placer import Placer, unplaced
-from camera_to_base.detection.precise.regions import filled, grown, slices
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)
 import cv2

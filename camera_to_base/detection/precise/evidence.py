@@ -27,8 +27,8 @@ from typing import List, NamedTuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR, Reference
-from camera_to_base.detection.precise.piece import square
-from camera_to_base.detection.precise.regions import filled, grown, Region, slices
+from camera_to_base.detection.precise.piece import filled, grown, slices, square
+from camera_to_base.detection.precise.regions import Region
 import cv2
 import numpy as np
 

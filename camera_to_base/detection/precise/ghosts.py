@@ -25,8 +25,9 @@ from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.evidence import SATURATED
-from camera_to_base.detection.precise.piece import channel_extremes, disc, largest_part, square
-from camera_to_base.detection.precise.regions import filled, grown, Region, slices
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, disc, filled, grown, largest_part, slices, square)
+from camera_to_base.detection.precise.regions import Region
 import cv2
 import numpy as np
 

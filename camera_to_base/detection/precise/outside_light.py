@@ -20,7 +20,7 @@ from typing import Optional
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import grey_factors, LINEAR, log_light, Range
-from camera_to_base.detection.precise.piece import channel_extremes
+from camera_to_base.detection.precise.piece import channel_extremes, padded, shrunk
 import cv2
 import numpy as np
 
@@ -122,14 +122,8 @@ def _smooth_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
 
 
 def _shrunk(picture: np.ndarray) -> np.ndarray:
-    # Halving a whole number of pixels twice is much faster than one step.
-    height, width = picture.shape[:2]
-    picture = cv2.copyMakeBorder(
-        picture, 0, -height % _SHRINK, 0, -width % _SHRINK, cv2.BORDER_REPLICATE)
-    for _ in range(2):
-        size = picture.shape[1] // 2, picture.shape[0] // 2
-        picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-    return picture
+    # Halving twice is faster than one step.
+    return shrunk(shrunk(padded(picture, _SHRINK), 2), 2)
 
 
 def _reaches_border(changed: np.ndarray) -> np.ndarray:

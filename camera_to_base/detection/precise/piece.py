@@ -8,7 +8,7 @@
 # the License.
 
 """
-A piece of the frame around a region: its levels, its highlights, and its half size.
+A piece of the frame around a region: its levels, outline, highlights, and reduced size.
 
 Light is averaged, so that a pixel on the rim still shows the share that the object covers.
 
@@ -213,6 +213,26 @@ def outline_of(mask: np.ndarray, window: Box = _AT_ORIGIN) -> Optional[np.ndarra
     return max(outlines, key=cv2.contourArea) if outlines else None
 
 
+def filled(outline: np.ndarray, box: Box, value: int = 1) -> np.ndarray:
+    """Draw a region's outline, filled: shape (height, width) of a box, uint8, `value` inside."""
+    mask = np.zeros((box.height, box.width), np.uint8)
+    return cv2.drawContours(mask, [outline], 0, value, cv2.FILLED, offset=(-box.x, -box.y))
+
+
+def slices(box: Box) -> tuple:
+    """Give a box as indices of a picture."""
+    return slice(box.y, box.y + box.height), slice(box.x, box.x + box.width)
+
+
+def grown(box: Box, margin: int, picture: np.ndarray) -> Box:
+    """Grow a box by some px to all sides, as far as the picture goes."""
+    height, width = picture.shape[:2]
+    left, top = max(box.x - margin, 0), max(box.y - margin, 0)
+    right = min(box.x + box.width + margin, width)
+    bottom = min(box.y + box.height + margin, height)
+    return Box(left, top, right - left, bottom - top)
+
+
 def reduced(piece: Piece, most: int) -> Tuple[Piece, int]:
     """
     Reduce a piece until it has few pixels.
@@ -237,15 +257,28 @@ def enlarged(picture: np.ndarray, scale: int, like: np.ndarray) -> np.ndarray:
 
 
 def _halved(piece: Piece) -> Piece:
-    frame, table, mask = (_half(picture) for picture in piece)
+    frame, table, mask = (shrunk(picture, 2) for picture in piece)
     return Piece(frame, table, mask)
 
 
-def _half(picture: np.ndarray) -> np.ndarray:
+def padded(picture: np.ndarray, scale: int) -> np.ndarray:
+    """
+    Repeat a picture's last row and column, until its lengths are multiples of a scale.
+
+    So what touches the border still touches it on the reduced picture.
+    """
     height, width = picture.shape[:2]
-    # A last odd row or column is doubled, so that what touches the border still touches it.
-    even = cv2.copyMakeBorder(picture, 0, height % 2, 0, width % 2, cv2.BORDER_REPLICATE)
-    return cv2.resize(even, (even.shape[1] // 2, even.shape[0] // 2), interpolation=cv2.INTER_AREA)
+    if not (height % scale or width % scale):
+        return picture
+    return cv2.copyMakeBorder(
+        picture, 0, -height % scale, 0, -width % scale, cv2.BORDER_REPLICATE)
+
+
+def shrunk(picture: np.ndarray, scale: int) -> np.ndarray:
+    """Reduce a picture by a whole number: cv2.resize is much faster then."""
+    whole = padded(picture, scale)
+    return cv2.resize(whole, (whole.shape[1] // scale, whole.shape[0] // scale),
+                      interpolation=cv2.INTER_AREA)
 
 
 # How far a spot's surroundings reach, in px.

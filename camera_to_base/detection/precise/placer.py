@@ -17,11 +17,10 @@ from camera_to_base.detection.detection import Box, Detection, Pixel, touches_ed
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
-    centre_of, close_around_highlights, enclosed, enlarged, make_piece, outline_of, outlines_in,
-    Piece, reduced)
+    centre_of, close_around_highlights, enclosed, enlarged, filled, grown, make_piece, outline_of,
+    outlines_in, Piece, reduced, slices)
 from camera_to_base.detection.precise.plain import place_plain, Plain
-from camera_to_base.detection.precise.regions import (
-    filled, find_shaded, grown, places_to_look, Region, slices)
+from camera_to_base.detection.precise.regions import find_shaded, places_to_look, Region
 from camera_to_base.detection.precise.shares import place, place_thing, place_whole, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2

@@ -31,8 +31,8 @@ from typing import Iterable, List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR, Reference
-from camera_to_base.detection.precise.piece import has_holes, outlines_in, square
-from camera_to_base.detection.precise.regions import filled, SHORTEST_OUTLINE, slices
+from camera_to_base.detection.precise.piece import filled, has_holes, outlines_in, slices, square
+from camera_to_base.detection.precise.regions import SHORTEST_OUTLINE
 from camera_to_base.detection.precise.shares import Placed
 import cv2
 import numpy as np

@@ -29,8 +29,8 @@ from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
-    channel_of_most_contrast, enclosed, has_holes, Look, look_at, outlines_in,
-    Piece, quantile, smooth_channel, square)
+    channel_of_most_contrast, enclosed, filled, grown, has_holes, Look, look_at, outlines_in,
+    Piece, quantile, slices, smooth_channel, square)
 import cv2
 import numpy as np
 
@@ -143,26 +143,6 @@ def _joined(windows: List[Box]) -> List[Box]:
 def _overlap(one: Box, other: Box) -> bool:
     return (one.x < other.x + other.width and other.x < one.x + one.width
             and one.y < other.y + other.height and other.y < one.y + one.height)
-
-
-def filled(outline: np.ndarray, box: Box, value: int = 1) -> np.ndarray:
-    """Draw a region's outline, filled: shape (height, width) of a box, uint8, `value` inside."""
-    mask = np.zeros((box.height, box.width), np.uint8)
-    return cv2.drawContours(mask, [outline], 0, value, cv2.FILLED, offset=(-box.x, -box.y))
-
-
-def slices(box: Box) -> tuple:
-    """Give a box as indices of a picture."""
-    return slice(box.y, box.y + box.height), slice(box.x, box.x + box.width)
-
-
-def grown(box: Box, margin: int, picture: np.ndarray) -> Box:
-    """Grow a box by some px to all sides, as far as the picture goes."""
-    height, width = picture.shape[:2]
-    left, top = max(box.x - margin, 0), max(box.y - margin, 0)
-    right = min(box.x + box.width + margin, width)
-    bottom = min(box.y + box.height + margin, height)
-    return Box(left, top, right - left, bottom - top)
 
 
 def _regions_in(

@@ -22,10 +22,10 @@ from camera_to_base.detection.precise.evidence import measure_tint
 from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
-from camera_to_base.detection.precise.piece import centre_of, enclosed, outlines_in
+from camera_to_base.detection.precise.piece import (
+    centre_of, enclosed, filled, grown, outlines_in, slices)
 from camera_to_base.detection.precise.plain import find_plain, Plain
-from camera_to_base.detection.precise.regions import (
-    filled, find_regions, grown, is_much, Region, slices)
+from camera_to_base.detection.precise.regions import find_regions, is_much, Region
 from camera_to_base.detection.precise.things import seen_closely, things_in, work
 import cv2
 import numpy as np

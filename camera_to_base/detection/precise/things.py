@@ -24,9 +24,9 @@ from camera_to_base.detection.precise.evidence import (
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
-    chosen, enclosed, enlarged, find_highlight, make_piece, outline_of, outlines_in, quantile,
-    square)
-from camera_to_base.detection.precise.regions import filled, grown, Region, slices
+    chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
+    quantile, shrunk, slices, square)
+from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure
 from camera_to_base.detection.touching import cut_at_gaps, table_between
 import cv2
@@ -94,7 +94,7 @@ def things_in(
     seen = seen_closely(region, frame)
     window, scale = grown(seen, _MARGIN, frame), work(seen).scale
     changed = filled(region.outline, window)
-    seen, usual = (_reduced(picture[slices(window)], scale)
+    seen, usual = (shrunk(picture[slices(window)], scale)
                    for picture in (frame, reference.lit))
     changed = np.ascontiguousarray(changed[::scale, ::scale])
     found = evidence(seen, usual, reference.noise / scale, reference.drift, tint)
@@ -113,15 +113,6 @@ def things_in(
     return [Region(outline, box, int(cv2.contourArea(outline)), box, is_thing=True,
                    neighbours=(*outlines[:index], *outlines[index + 1:]), doubt=scale * doubt)
             for index, (outline, box, (_, doubt)) in enumerate(zip(outlines, boxes, masks))]
-
-
-def _reduced(picture: np.ndarray, scale: int) -> np.ndarray:
-    # By a whole number, cv2.resize is much faster.
-    height, width = picture.shape[:2]
-    whole = picture if scale == 1 else cv2.copyMakeBorder(
-        picture, 0, -height % scale, 0, -width % scale, cv2.BORDER_REPLICATE)
-    return cv2.resize(whole, (whole.shape[1] // scale, whole.shape[0] // scale),
-                      interpolation=cv2.INTER_AREA)
 
 
 def seen_closely(region: Region, frame: np.ndarray) -> Box:
