@@ -19,6 +19,8 @@ import numpy as np
 
 # The tutorial draws them from this range in both directions.
 _LOWEST, _HIGHEST = 250, 450
+# Which part of a box lies in another that shows the same thing.
+_MOSTLY = 0.8
 
 
 class PrincipalAxes(NamedTuple):
@@ -92,6 +94,17 @@ class Box(NamedTuple):
         """Tell whether all of it lies in another."""
         return (other.x <= self.x and self.x + self.width <= other.x + other.width
                 and other.y <= self.y and self.y + self.height <= other.y + other.height)
+
+    def is_mostly_inside(self, other: 'Box') -> bool:
+        """Tell whether more than 4/5 of its area lies in another, so that both show one thing."""
+        across = min(self.x + self.width, other.x + other.width) - max(self.x, other.x)
+        down = min(self.y + self.height, other.y + other.height) - max(self.y, other.y)
+        return max(across, 0) * max(down, 0) > _MOSTLY * self.width * self.height
+
+    def overlaps(self, other: 'Box') -> bool:
+        """Tell whether both have a pixel in common."""
+        return (self.x < other.x + other.width and other.x < self.x + self.width
+                and self.y < other.y + other.height and other.y < self.y + self.height)
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ Each step is a module of its own:
   pixel by pixel and edge by edge; they say nothing where the picture cannot tell.
 - `search`, `regions`: where such pixels are connected, for the long way, and what lies in the
   shade of an arm.
+- `still`: what was told of regions that lie still, so that it need not be told again.
 - `outside_light`: shade from outside of the picture and a lamp that flickers: both no objects.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
 - `own_shadow`, `piece`: where `things` says nothing, what of a region is its object's shade, and
@@ -35,14 +36,14 @@ Each step is a module of its own:
 The largest detection is the first.
 
 Nothing on a frame changes the background; only what it is compared with is painted over where an
-object of the background has left, for as long as it is away. Noise and that apart, a frame gives
-the same result whatever came before.
+object of the background has left, for as long as it is away. Noise, that and the budget apart, a
+frame gives the same result whatever came before.
 """
 
 from dataclasses import replace
 from itertools import takewhile
 import math
-from typing import List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from camera_to_base.checks import check_frame, check_same_size, finite_number
 from camera_to_base.detection.detection import Box, Detection, NoObject, touches_edge
@@ -52,9 +53,10 @@ from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import (
     channel_extremes, filled, grown, outline_of, ratio_of, slices, square)
-from camera_to_base.detection.precise.placer import Placer, unplaced
+from camera_to_base.detection.precise.placer import Placer, Placing, unplaced
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)
+from camera_to_base.detection.precise.still import StillRegions
 import cv2
 import numpy as np
 
@@ -154,6 +156,7 @@ class PreciseDifferenceDetector:
         self._background = background.copy()
         self._reference = Reference(self._background, faintest)
         self._ghosts: List[Ghost] = []
+        self._still = StillRegions()
         self._strips = Strips(background.shape)
         self._is_light_moving = True
         self._dropped: List[NoObject] = []
@@ -190,27 +193,35 @@ class PreciseDifferenceDetector:
         parts = changed_parts(frame, lit, rows, limits)
         self._strips.remember(parts)
         budget = Budget(self._budget, [one.box for one in self._last])
-        found = search(frame, parts, self._reference, self._min_area, budget)
+        found = search(frame, parts, self._reference, self._min_area, budget,
+                       self._still.on(frame, self._reference))
         if self._notice_ghosts(found):
             parts = parts_of(found.frame, self._reference)
             found = search(found.frame, parts, self._reference, self._min_area, budget)
-        placed, unclear = self._placed(found)
+        placed, unclear, places = self._placed(found)
         if self._publishes_unclear:
             placed, unclear = placed + unclear, []
         self._dropped = left_over(
             found, parts, placed, unclear, self._reference, self._min_area)
+        self._still.remember(
+            found.frame, self._reference, found.held, found.told, found.left, places,
+            self._dropped)
         self._last = placed
         return placed
 
-    def _placed(self, found: Candidates) -> Tuple[List[Detection], List[Detection]]:
-        """Give the detections, and what may be light as well."""
+    def _placed(
+        self, found: Candidates
+    ) -> Tuple[List[Detection], List[Detection], Dict[Box, Placing]]:
+        """Give the detections, what may be light as well, and how each region was placed."""
         frame, unclear = found.frame, []
+        places: Dict[Box, Placing] = {}
         placed = [detection for one in found.plain for detection in self._placer.place_plain(one)]
         for index, region in enumerate(found.regions):
             if index >= _MOST_EXACT:
                 placed += unplaced(region.outline, frame)
                 continue
-            parts = self._placer.place_region(frame, region, self._reference)
+            place = self._placer.place_region(frame, region, self._reference)
+            places[region.box], parts = place, place.detections
             if not region.in_other_light:
                 parts, faint = self._without_faint(parts, frame)
                 unclear += faint
@@ -227,7 +238,7 @@ class PreciseDifferenceDetector:
             # Most frames have no such shadow: only until an object is the first.
             first = [*takewhile(lambda one: _is_shadow(one, frame, self._reference.lit), placed)]
             placed, unclear = placed[len(first):], unclear + first
-        return placed, [*map(_doubtful, _largest_first(unclear))]
+        return placed, [*map(_doubtful, _largest_first(unclear))], places
 
     def _without_faint(
         self, parts: List[Detection], frame: np.ndarray
@@ -311,6 +322,7 @@ class PreciseDifferenceDetector:
 
     def _use_ghosts(self, ghosts: List[Ghost], frame: np.ndarray) -> None:
         self._ghosts = ghosts
+        self._still.forget()
         picture = self._background.copy()
         for ghost in ghosts:
             ghost.paint_over(picture)

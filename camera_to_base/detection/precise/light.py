@@ -351,9 +351,9 @@ class Reference:
         self._frame_count += 1
         count = self._frame_count
         is_noise_due = count & (count - 1) == 0 or count % _NOISE_PERIOD == 0
-        if gain == self._gain and not is_noise_due:
+        if gain == self.gain and not is_noise_due:
             return False
-        if gain != self._gain:
+        if gain != self.gain:
             self._use_gain(gain)
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
@@ -365,7 +365,7 @@ class Reference:
         return True
 
     def _use_gain(self, gain: Gain) -> None:
-        self._gain = gain
+        self.gain = gain
         self._linear_levels = gain.linear_levels
         self.lit = gain.lit(self.picture)
 
@@ -379,7 +379,7 @@ class Reference:
 
     def at_this_light(self, picture: np.ndarray) -> np.ndarray:
         """Give a picture of the background's shape as it looks at the frame's light."""
-        return self._gain.lit(picture)
+        return self.gain.lit(picture)
 
     def light(self, part: tuple) -> np.ndarray:
         """Give the light of a part of the background at the frame's light, float32."""

@@ -11,7 +11,7 @@
 
 from dataclasses import replace
 import math
-from typing import Callable, List, Tuple
+from typing import Callable, List, NamedTuple, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.detection.precise.light import Reference
@@ -40,6 +40,18 @@ _OF_SHADE = 0.3
 _MOST_CUT = 0.2
 
 
+class Placing(NamedTuple):
+    """
+    How a region was placed.
+
+    :param detections: The objects in it.
+    :param region: The region as another frame that shows the same may be placed from.
+    """
+
+    detections: List[Detection]
+    region: Region
+
+
 class Placer:
     """
     Makes detections of what was found.
@@ -57,11 +69,16 @@ class Placer:
 
     def place_region(
         self, frame: np.ndarray, region: Region, reference: Reference
-    ) -> List[Detection]:
+    ) -> Placing:
         """Give the objects in a region of a frame; none where all of it may be light."""
-        if region.is_thing:
-            return [replace(one, doubt=region.doubt)
-                    for one in self._thing(frame, region, reference)]
+        if not region.is_thing:
+            return Placing(self._unclear(frame, region, reference), region)
+        found, region = self._thing(frame, region, reference)
+        return Placing([replace(one, doubt=region.doubt) for one in found], region)
+
+    def _unclear(
+        self, frame: np.ndarray, region: Region, reference: Reference
+    ) -> List[Detection]:
         is_at_edge = touches_edge(region.box, frame)
         if is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return unplaced(region.outline, frame)
@@ -83,16 +100,26 @@ class Placer:
 
     def _thing(
         self, frame: np.ndarray, region: Region, reference: Reference
-    ) -> List[Detection]:
+    ) -> Placing:
         if touches_edge(region.box, frame):
-            return unplaced(region.outline, frame)
+            return Placing(unplaced(region.outline, frame), region)
         box = grown(region.box, _SURROUNDINGS, frame)
         window = _Window(frame, reference, box, filled(region.outline, box))
-        if not region.neighbours or window.mask.size > _MOST_TO_PLACE:
-            return self._at(window, window.mask, place_thing)
-        others = np.zeros_like(window.mask)
-        cv2.drawContours(others, region.neighbours, -1, 1, cv2.FILLED, offset=(-box.x, -box.y))
-        return self._placed(place_thing(window.piece, others), box)
+        coarse, scale = window.reduced(_MOST_TO_PLACE)
+        others = None
+        if region.neighbours and scale == 1:
+            others = np.zeros_like(window.mask)
+            cv2.drawContours(
+                others, region.neighbours, -1, 1, cv2.FILLED, offset=(-box.x, -box.y))
+        placed, last = place_thing(coarse, others, region.is_settled)
+        shares, mask, last = (enlarged(one, scale, window.mask)
+                              for one in (placed.shares, placed.mask, last))
+        outline = outline_of(last, box)
+        # What comes apart must do so on each frame.
+        if (outline is not None and len(outlines_in(mask)) == 1
+                and not cv2.countNonZero(last ^ filled(outline, box))):
+            region = region._replace(outline=outline, is_settled=True)
+        return Placing(self._placed(Placed(shares, mask), box), region)
 
     def _long_way(
         self, window: '_Window', is_at_edge: bool, may_be_light: bool

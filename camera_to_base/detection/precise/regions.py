@@ -74,6 +74,7 @@ class Region(NamedTuple):
     :param neighbours: Outlines of the things near it, as its own.
     :param may_be_light: Whether all of it may be light, as well as a thing.
     :param doubt: See :class:`Detection`.
+    :param is_settled: Whether the thing was placed before, and how its outline lies is known.
     """
 
     outline: np.ndarray
@@ -85,6 +86,7 @@ class Region(NamedTuple):
     neighbours: Tuple[np.ndarray, ...] = ()
     may_be_light: bool = False
     doubt: float = 0.0
+    is_settled: bool = False
 
 
 def find_regions(
@@ -128,21 +130,16 @@ def _joined(windows: List[Box]) -> List[Box]:
     """Join boxes that overlap."""
     joined: List[Box] = []
     for window in windows:
-        near = [one for one in joined if _overlap(one, window)]
+        near = [one for one in joined if one.overlaps(window)]
         while near:
             joined = [one for one in joined if one not in near]
             left, top = (min(one[axis] for one in (window, *near)) for axis in range(2))
             right, bottom = (max(one[axis] + one[axis + 2] for one in (window, *near))
                              for axis in range(2))
             window = Box(left, top, right - left, bottom - top)
-            near = [one for one in joined if _overlap(one, window)]
+            near = [one for one in joined if one.overlaps(window)]
         joined.append(window)
     return joined
-
-
-def _overlap(one: Box, other: Box) -> bool:
-    return (one.x < other.x + other.width and other.x < one.x + one.width
-            and one.y < other.y + other.height and other.y < one.y + one.height)
 
 
 def _regions_in(

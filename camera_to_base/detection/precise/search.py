@@ -26,6 +26,7 @@ from camera_to_base.detection.precise.piece import (
     centre_of, enclosed, filled, grown, outlines_in, slices)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.regions import find_regions, is_much, Region
+from camera_to_base.detection.precise.still import Still
 from camera_to_base.detection.precise.things import seen_closely, things_in, work
 import cv2
 import numpy as np
@@ -39,8 +40,6 @@ _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 _FAR, _FAINT = 0.04, 0.15
 # What is left over where light was taken out is an object where this part of it differs strongly.
 _MOSTLY = 0.4
-# A region of which this part lies in a plain object's window is the same object.
-_SAME = 0.8
 # What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
 # is wider than the edge of a shade, in px.
 _LEAST_HAND, _NARROW = 0.2, 8
@@ -76,16 +75,21 @@ class Candidates(NamedTuple):
     :param plain: The plain objects.
     :param regions: The other regions, the largest first.
     :param left: What the budget does not reach.
+    :param told: The regions that were looked at closely, each with the things in it.
+    :param held: What lies still, with what was told of it before; `regions` has its things.
     """
 
     frame: np.ndarray
     plain: List[Plain]
     regions: List[Region]
     left: Sequence[Region] = ()
+    told: Sequence[Tuple[Region, Sequence[Region]]] = ()
+    held: Sequence[Still] = ()
 
 
 def search(
-    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float, budget: Budget
+    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float, budget: Budget,
+    still: Sequence[Still] = (),
 ) -> Candidates:
     """
     Find what may be objects in the parts of a frame that have changed.
@@ -93,11 +97,12 @@ def search(
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param parts: See :func:`changes.changed_parts`.
     :param min_area: What shows less is noise, in px².
+    :param still: What the frame shows again, see `still`.
     """
     are_bands_likely = _are_bands_likely(frame, parts)
     found = _without_bands(frame, reference, min_area, budget) if are_bands_likely else None
     if found is None:
-        found = _search(frame, parts, reference, min_area, budget)
+        found = _search(frame, parts, reference, min_area, budget, still)
     if not any(_may_reach_border(frame, region) for region in found.regions):
         return found
     if not are_bands_likely:
@@ -114,9 +119,11 @@ def _settled(found: Candidates) -> Candidates:
 
 
 def _search(
-    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float, budget: Budget
+    frame: np.ndarray, parts: List[Box], reference: Reference, min_area: float, budget: Budget,
+    still: Sequence[Still] = (),
 ) -> Candidates:
     plain, others = [], []
+    parts = [part for part in parts if not any(one.fills(part) for one in still)]
     if is_much(parts, frame):
         reference.limits.mark(frame)
     for part in parts:
@@ -127,13 +134,35 @@ def _search(
             others.append(part)
         else:
             plain.append(one)
-    regions, left = _within(budget, _regions(frame, others, reference, min_area), frame)
-    tint = measure_tint(frame, regions, reference)
-    regions = [thing for region in regions
-               for thing in _things_of(frame, region, reference, tint, min_area)]
+    regions, held = _without_still(_regions(frame, others, reference, min_area), still)
+    regions, left = _within(budget, regions, frame)
+    told: List[Tuple[Region, Sequence[Region]]] = []
+    if regions:
+        tint = measure_tint(frame, regions + [one.region for one in held], reference)
+        told = [(region, _things_of(frame, region, reference, tint, min_area))
+                for region in regions]
+    things = [thing for _, found in told for thing in found]
+    things += [thing for one in held for thing in one.things]
     # A window that grew may hold a plain object of another part.
-    return Candidates(frame, plain, [region for region in regions if not any(
-        _is_same(region.box, one.window) for one in plain)], left)
+    regions = [thing for thing in things if not any(
+        thing.box.is_mostly_inside(one.window) for one in plain)]
+    regions.sort(key=lambda region: -region.strong_area)
+    return Candidates(frame, plain, regions, left, told, held)
+
+
+def _without_still(
+    regions: List[Region], still: Sequence[Still]
+) -> Tuple[List[Region], List[Still]]:
+    """Give the regions that do not lie still, and what does: unless it is a part of another."""
+    rest: List[Region] = []
+    held = list(still)
+    for region in regions:
+        inside = [one.is_in(region) for one in held]
+        if sum(inside) == 1 and held[inside.index(True)].is_all_of(region):
+            continue
+        rest.append(region)
+        held = [one for one, is_in in zip(held, inside) if not is_in]
+    return rest, held
 
 
 def _regions(
@@ -200,19 +229,13 @@ def _within(
 ) -> Tuple[List[Region], List[Region]]:
     """Give the regions that a budget reaches, and the others; at least one is reached."""
     order = sorted(regions, key=lambda region: not any(
-        _is_same(box, region.box) for box in budget.first))
+        box.is_mostly_inside(region.box) for box in budget.first))
     areas = [work(seen_closely(region, frame)).area for region in order]
     reached = np.cumsum(areas) <= budget.area
     kept = {id(region) for region, is_reached in zip(order, reached) if is_reached}
     kept |= {id(region) for region in order[:1]}
     return ([region for region in regions if id(region) in kept],
             [region for region in regions if id(region) not in kept])
-
-
-def _is_same(box: Box, window: Box) -> bool:
-    across = min(box.x + box.width, window.x + window.width) - max(box.x, window.x)
-    down = min(box.y + box.height, window.y + window.height) - max(box.y, window.y)
-    return max(across, 0) * max(down, 0) > _SAME * box.width * box.height
 
 
 def _things_of(
@@ -266,9 +289,9 @@ def _without_foreign_light(found: Candidates, reference: Reference, min_area: fl
     boxes = [region.box for region in known] + [one.window for one in found.plain]
     others = [region._replace(in_other_light=has_light(field, region.box)) for region in regions
               if touches_edge(region.box, frame) or (
-                  not any(_is_same(box, region.box) for box in boxes)
+                  not any(box.is_mostly_inside(region.box) for box in boxes)
                   and region.strong_area > _MOSTLY * cv2.contourArea(region.outline))]
-    return Candidates(frame, found.plain, known + others, found.left)
+    return found._replace(regions=known + others)
 
 
 def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float) -> bool:
@@ -316,8 +339,11 @@ def left_over(
     """
     dropped = [NoObject('light_or_thing', one.centre, one.area) for one in unclear]
     dropped += [_too_much(region.box) for region in found.left]
+    dropped += [one for still in found.held for one in still.no_objects]
     # Beside a plain object there is nothing else, see `plain`.
-    parts = [part for part in parts if not any(one.window.is_inside(part) for one in found.plain)]
+    parts = [part for part in parts if not any(
+        one.window.is_inside(part) for one in found.plain) and not any(
+        one.fills(part) for one in found.held)]
     parts = sorted(parts, key=lambda part: -part.width * part.height)[:_MOST_DROPPED]
     if not parts:
         return dropped
@@ -328,7 +354,7 @@ def left_over(
     for detection in detections + unclear:
         for width in cv2.FILLED, _RIM:
             cv2.drawContours(left, [detection.outline[:, None]], 0, 0, width)
-    for region in found.left:
+    for region in [*found.left, *(one.region for one in found.held)]:
         cv2.drawContours(left, [region.outline], 0, 0, cv2.FILLED)
     for part in parts:
         dropped += _dropped(found.frame, reference.lit, left, part, min_area)

@@ -111,26 +111,30 @@ def place_whole(piece: Piece) -> Placed:
     return Placed(shares, piece.mask)
 
 
-def place_thing(piece: Piece, others: Optional[np.ndarray] = None) -> Placed:
+def place_thing(
+    piece: Piece, others: Optional[np.ndarray] = None, is_settled: bool = False
+) -> Tuple[Placed, np.ndarray]:
     """
     Place a thing whose mask is right to a pixel.
 
     :param others: The things near it, shape (h, w), uint8, 1 inside: no table is seen there.
-    :returns: The mask has two parts where a gap shows that these are two things.
+    :param is_settled: Whether the mask is one that a last turn began with: there is one turn then.
+    :returns: Its place, and the mask that the last turn began with. The place's own mask has two
+        parts where a gap shows that these are two things.
     """
     values, mask = _values(piece, _ratio(piece)), piece.mask
     sure = square(5 if _is_of_one_colour(piece) else 3)
-    for _ in range(_TURNS):
+    for _ in range(1 if is_settled else _TURNS):
         shares = _shares(values, mask, cv2.erode(mask, sure), others)
         if others is not None:
             shares *= 1 - others
         before, mask = mask, (shares > 0.5).view(np.uint8)
         area = cv2.countNonZero(mask)
         if not area:
-            return place_whole(piece)
+            return place_whole(piece), piece.mask
         if cv2.countNonZero(mask ^ before) <= _SETTLED * area:
             break
-    return Placed(shares, mask)
+    return Placed(shares, mask), before
 
 
 def _is_of_one_colour(piece: Piece) -> bool:
