@@ -176,7 +176,8 @@ class CameraSettings:
         :param damage: None where a reader finds damaged frames, and for recordings.
         """
         return CameraPipeline(
-            self.surface, self.detector, self.limits,
+            self.surface, self.detector if kind.is_live else self.detector.without_budget,
+            self.limits,
             self.background_frames if background_frames is None else background_frames, kind,
             self.markers, self.calibrated_for.own_camera(source), damage)
 
