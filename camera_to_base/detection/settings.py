@@ -271,7 +271,8 @@ class DetectorSettings:
     :param faintest: precise: least difference of an object from the surface, grey levels, 0..255.
     :param split_touching: precise: whether convex objects that touch are separated.
     :param light_or_thing: precise: 'leave_out' or 'publish' what the picture does not tell.
-    :param budget_px: precise: how much is looked at closely on a frame, in px.
+    :param budget_px: precise: how much is looked at closely on a frame, in px. Without the
+        parameter, there is no limit.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
     :param max_area_cm2: Larger objects do not count, in cm² on the surface.
     :param area: Objects outside this area do not count; None for no limit.
@@ -291,7 +292,7 @@ class DetectorSettings:
     faintest: float = DETECTOR_DEFAULTS['faintest']
     split_touching: bool = DETECTOR_DEFAULTS['split_touching']
     light_or_thing: str = DETECTOR_DEFAULTS['light_or_thing']
-    budget_px: int = DETECTOR_DEFAULTS['budget_px']
+    budget_px: int = _NO_BUDGET
     min_area_cm2: float = DETECTOR_DEFAULTS['min_area_cm2']
     max_area_cm2: float = DETECTOR_DEFAULTS['max_area_cm2']
     publish_cut_off: bool = DETECTOR_DEFAULTS['publish_cut_off']
@@ -316,7 +317,8 @@ class DetectorSettings:
     def without_effect(self) -> List[str]:
         """Names of settings that were changed but belong to another method."""
         return [name for method, names in _METHOD_SETTINGS.items() if method != self.method
-                for name in names if getattr(self, name) != getattr(type(self), name)]
+                for name in names if getattr(self, name) not in (
+                    DETECTOR_DEFAULTS[name], getattr(type(self), name))]
 
     def faintness(self, noise: float) -> str:
         """Say how faint an object may be with some noise, see :attr:`Detector.noise`."""

@@ -45,10 +45,10 @@ _LEAST_VARIANCE = 0.3
 # How much chroma light may change for each change of the level, and anyway (steps of the gain,
 # rounding); how far a camera trembles, in px.
 _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
-# The tint of a frame's shade: how strong, in which bins, how common among the places that are
-# darker by this logarithm, and on how many of them.
-_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
-_MOST_REGIONS, _MOST_PLACES, _NOTHING = 30, 4000, 1e-9
+# The tint of a frame's shade, and of its sun: how strong, in which bins, how common among the
+# places that are darker or brighter by this logarithm, and on how many of them.
+_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_CHANGE = 0.12, 24, 0.3, 60, 0.25
+_MOST_REGIONS, _MOST_PLACES = 30, 4000
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
 # on its own (the range of logarithms over the noise).
 _PRIOR, _OWN = 12.0, 3.5
@@ -66,7 +66,7 @@ WORST_LIGHT = 3.0
 _LEAST_LIGHT = 1e-3
 # How much of the table's detail is seen where only the light has changed; how many deviations of
 # chance tell that; how much of a variance is the background's noise, and what may be left.
-_LEAST_SLOPE, _MOST_SLOPE, LEAST_LIKENESS = 0.5, 1.6, 8.0
+_LEAST_SLOPE, _MOST_SLOPE, LEAST_LIKENESS = 0.3, 1.6, 8.0
 OWN_NOISE, _MOST_LEFT = 0.4, 2.5
 # From this part of the table's power on, what is seen is a texture of another kind.
 _OTHER_TEXTURE = 0.5
@@ -108,13 +108,21 @@ class Evidence(NamedTuple):
     detail: np.ndarray
 
 
-def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> np.ndarray:
+class Tint(NamedTuple):
     """
-    Measure how much chroma the shade of a frame has for each change of the level.
+    How much chroma light has for each change of the level, each of shape (2,); zeros for none.
 
-    :returns: Shape (2,); zeros where no such colour is common.
+    :param shade: Where there is less light.
+    :param sun: Where there is more.
     """
-    slopes = []
+
+    shade: np.ndarray
+    sun: np.ndarray
+
+
+def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> Tint:
+    """Measure which tints are common where a frame is darker or brighter than the background."""
+    changes = [np.zeros((0, 3), np.float32)]
     for region in regions[:_MOST_REGIONS]:
         part, box = slices(region.box), region.box
         scale = max(2, math.ceil(math.sqrt(box.width * box.height / _MOST_PLACES)))
@@ -122,10 +130,15 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
         seen, usual = (cv2.transform(cv2.LUT(np.ascontiguousarray(cv2.blur(
             picture[part][::scale], (2, 1))[:, ::scale]), log_levels()), _AXES)
             for picture in (frame, reference.lit))
-        change = (seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0]
-        change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > _DARKEST / _LEVEL_SCALE)]
-        slopes.append(change[:, :2] / change[:, 2:])
-    slopes = np.concatenate(slopes) if slopes else np.zeros((0, 2))
+        changes.append((seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0])
+    change = np.concatenate(changes)
+    level = change[:, 2]
+    return Tint(_most_common(change[(level < -_LEAST_CHANGE) & (level > _DARKEST / _LEVEL_SCALE)]),
+                _most_common(change[(level > _LEAST_CHANGE) & (level < _BRIGHTEST / _LEVEL_SCALE)]))
+
+
+def _most_common(change: np.ndarray) -> np.ndarray:
+    slopes = change[:, :2] / change[:, 2:]
     places = np.floor((slopes / _STRONGEST_TINT + 1) * (_BINS / 2)).astype(int)
     places = places[((places >= 0) & (places < _BINS)).all(axis=1)] @ (_BINS, 1)
     counts = np.bincount(places, minlength=_BINS ** 2).reshape(_BINS, _BINS).astype(float)
@@ -137,7 +150,7 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
 
 
 def evidence(
-    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, tint: np.ndarray
+    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, tint: Tint
 ) -> Evidence:
     """
     Compare both explanations of a part of a frame.
@@ -198,22 +211,25 @@ def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[n
 
 
 def _light(
-    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray, size: int
+    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: Tint, size: int
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
     count = size ** 2
     means, variance = ([box_mean(one, size) for one in planes] for planes in (change, variance))
-    shade = cv2.min(means[2], 0)
+    shade, sun = cv2.min(means[2], 0), cv2.max(means[2], 0)
     # Tint and gain are the same all over a window.
-    known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2)
-    part, power = np.float32(0), float(tint @ tint)
-    if power:
-        # The chroma may be any between none and the tint's.
-        along = means[0] * np.float32(tint[0]) + means[1] * np.float32(tint[1])
-        part = np.clip(along / power, np.minimum(shade, -_NOTHING), 0)
+    known = count * (_LEAST_TINT ** 2 + (_TINT * means[2]) ** 2)
+    tinted = [np.float32(0), np.float32(0)]
+    for vector, least, most in ((tint.shade, shade, 0), (tint.sun, 0, sun)):
+        power = float(vector @ vector)
+        if power:
+            # The chroma may be any between none and the tint's.
+            along = means[0] * np.float32(vector[0]) + means[1] * np.float32(vector[1])
+            part = cv2.max(cv2.min(along / np.float32(power), most), least)
+            tinted = [one + part * np.float32(axis) for one, axis in zip(tinted, vector)]
     light = _off_plane(change[2], means[2], size) / variance[2]
     for axis in range(2):
-        off_tint = means[axis] - part * np.float32(tint[axis])
+        off_tint = means[axis] - tinted[axis]
         light += (count * (box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
                   + count * off_tint ** 2 / (
                       variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)

@@ -32,8 +32,9 @@ _FLAT, _NOISE, _LEAST_FLAT = 0.02, 2.5, 12
 # that the background has to this part, too, tells nothing.
 _FAR, _LEAST_STEP, _STEP_NOISE, _SAME_STEP = 9, 0.1, 5.0, 0.5
 # A step is soft where its near part is less than this part of that of the sharpest ones, which
-# are this part of all.
-_SOFT, _SHARPEST = 0.7, 0.8
+# are this part of all, or of what a lens that is in focus gives, 1/px: an edge with a deviation of
+# 1.3 px.
+_SOFT, _SHARPEST, _IN_FOCUS = 0.7, 0.8, 0.26
 # Fitted to 1,225 segments of rendered scenes with two soft lamps, noise and JPEG; 13 pale faces
 # are taken for light. Nats for a rim without a penumbra, and less for one that is all penumbra;
 # how much the colour may count for light and for a thing, and the table's texture for either.
@@ -72,11 +73,13 @@ class Parted(NamedTuple):
     :param things: The things.
     :param light: The light.
     :param unsure: Segments of both that may be the other.
+    :param is_light: Whether all of it is light, for sure.
     """
 
     things: np.ndarray
     light: np.ndarray
     unsure: List[Unsure]
+    is_light: bool = False
 
 
 class _Segment(NamedTuple):
@@ -132,7 +135,7 @@ def parted(
     thing, light = (cv2.morphologyEx(pixels.view(np.uint8), cv2.MORPH_OPEN, square(5))
                     for pixels in sure)
     cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
-    surest, penumbra = 0.0, 0
+    surest, penumbra = -_MOST_THING, 0
     result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
     segments = [_look((labels == number).view(np.uint8), at_table, steps, found)
                 for number in np.unique(labels[changed > 0]) if number > 1]
@@ -156,6 +159,8 @@ def parted(
         return None
     # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
     is_soft = penumbra > _LEAST_PENUMBRA * area
+    if surest < -_SURE and any(one.detail.is_table for one in segments):
+        return result._replace(things=np.zeros_like(changed), is_light=True)
     if area < min_area or surest <= (_SURE_BESIDE_SHADE if is_soft else _SURE):
         return result._replace(things=np.zeros_like(changed)) if is_soft else None
     # A dark face may have no segment of its own, for the same reason.
@@ -260,7 +265,7 @@ def _steps(
     borders[[0, -1]] = borders[:, [0, -1]] = 0
     if not borders.any():
         return None
-    sharpest = quantile(sharpness[borders > 0], _SHARPEST)
+    sharpest = max(float(quantile(sharpness[borders > 0], _SHARPEST)), _IN_FOCUS)
     return _Steps(borders, borders & (sharpness < _SOFT * sharpest).view(np.uint8))
 
 
