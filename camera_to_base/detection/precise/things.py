@@ -161,7 +161,7 @@ def _masks(
     if by_edges is not None:
         things, unsure = by_edges.things, by_edges.unsure
     elif solid is None or not solid.any():
-        return None
+        return [] if detail_of(found, changed).is_table and not has_highlight else None
     else:
         things = _up_to_edges(solid, changed, found, frame)
         if _goes_on(things, changed, frame, min_area) or not _is_clear(
