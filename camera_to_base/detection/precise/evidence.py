@@ -45,10 +45,10 @@ _LEAST_VARIANCE = 0.3
 # How much chroma light may change for each change of the level, and anyway (steps of the gain,
 # rounding); how far a camera trembles, in px.
 _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
-# The tint of a frame's shade, and of its sun: how strong, in which bins, how common among the
-# places that are darker or brighter by this logarithm, and on how many of them.
-_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_CHANGE = 0.12, 24, 0.3, 60, 0.25
-_MOST_REGIONS, _MOST_PLACES = 30, 4000
+# The tint of a frame's shade: how strong, in which bins, how common among the places that are
+# darker by this logarithm, and on how many of them.
+_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
+_MOST_REGIONS, _MOST_PLACES, _NOTHING = 30, 4000, 1e-9
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
 # on its own (the range of logarithms over the noise).
 _PRIOR, _OWN = 12.0, 3.5
@@ -108,21 +108,13 @@ class Evidence(NamedTuple):
     detail: np.ndarray
 
 
-class Tint(NamedTuple):
+def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> np.ndarray:
     """
-    How much chroma light has for each change of the level, each of shape (2,); zeros for none.
+    Measure how much chroma the shade of a frame has for each change of the level.
 
-    :param shade: Where there is less light.
-    :param sun: Where there is more.
+    :returns: Shape (2,); zeros where no such colour is common.
     """
-
-    shade: np.ndarray
-    sun: np.ndarray
-
-
-def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> Tint:
-    """Measure which tints are common where a frame is darker or brighter than the background."""
-    changes = [np.zeros((0, 3), np.float32)]
+    slopes = []
     for region in regions[:_MOST_REGIONS]:
         part, box = slices(region.box), region.box
         scale = max(2, math.ceil(math.sqrt(box.width * box.height / _MOST_PLACES)))
@@ -130,15 +122,10 @@ def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference)
         seen, usual = (cv2.transform(cv2.LUT(np.ascontiguousarray(cv2.blur(
             picture[part][::scale], (2, 1))[:, ::scale]), log_levels()), _AXES)
             for picture in (frame, reference.lit))
-        changes.append((seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0])
-    change = np.concatenate(changes)
-    level = change[:, 2]
-    return Tint(_most_common(change[(level < -_LEAST_CHANGE) & (level > _DARKEST / _LEVEL_SCALE)]),
-                _most_common(change[(level > _LEAST_CHANGE) & (level < _BRIGHTEST / _LEVEL_SCALE)]))
-
-
-def _most_common(change: np.ndarray) -> np.ndarray:
-    slopes = change[:, :2] / change[:, 2:]
+        change = (seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0]
+        change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > _DARKEST / _LEVEL_SCALE)]
+        slopes.append(change[:, :2] / change[:, 2:])
+    slopes = np.concatenate(slopes) if slopes else np.zeros((0, 2))
     places = np.floor((slopes / _STRONGEST_TINT + 1) * (_BINS / 2)).astype(int)
     places = places[((places >= 0) & (places < _BINS)).all(axis=1)] @ (_BINS, 1)
     counts = np.bincount(places, minlength=_BINS ** 2).reshape(_BINS, _BINS).astype(float)
@@ -150,7 +137,7 @@ def _most_common(change: np.ndarray) -> np.ndarray:
 
 
 def evidence(
-    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, tint: Tint
+    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, tint: np.ndarray
 ) -> Evidence:
     """
     Compare both explanations of a part of a frame.
@@ -211,25 +198,22 @@ def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[n
 
 
 def _light(
-    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: Tint, size: int
+    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray, size: int
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
     count = size ** 2
     means, variance = ([box_mean(one, size) for one in planes] for planes in (change, variance))
-    shade, sun = cv2.min(means[2], 0), cv2.max(means[2], 0)
+    shade = cv2.min(means[2], 0)
     # Tint and gain are the same all over a window.
-    known = count * (_LEAST_TINT ** 2 + (_TINT * means[2]) ** 2)
-    tinted = [np.float32(0), np.float32(0)]
-    for vector, least, most in ((tint.shade, shade, 0), (tint.sun, 0, sun)):
-        power = float(vector @ vector)
-        if power:
-            # The chroma may be any between none and the tint's.
-            along = means[0] * np.float32(vector[0]) + means[1] * np.float32(vector[1])
-            part = cv2.max(cv2.min(along / np.float32(power), most), least)
-            tinted = [one + part * np.float32(axis) for one, axis in zip(tinted, vector)]
+    known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2)
+    part, power = np.float32(0), float(tint @ tint)
+    if power:
+        # The chroma may be any between none and the tint's.
+        along = means[0] * np.float32(tint[0]) + means[1] * np.float32(tint[1])
+        part = np.clip(along / power, np.minimum(shade, -_NOTHING), 0)
     light = _off_plane(change[2], means[2], size) / variance[2]
     for axis in range(2):
-        off_tint = means[axis] - tinted[axis]
+        off_tint = means[axis] - part * np.float32(tint[axis])
         light += (count * (box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
                   + count * off_tint ** 2 / (
                       variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)
@@ -278,18 +262,20 @@ class Detail(NamedTuple):
     :param left: The variance of the rest, over the noise.
     :param nats: How much more likely it is that none of it is seen than that all of it is; 0
         where the background has none.
+    :param added: Which part of the light is the table's, if a reflection was added to it.
     """
 
     likeness: float
     slope: float
     left: float
     nats: float
+    added: float
 
     @property
     def is_table(self) -> bool:
         """Whether the table is seen, so that light alone has changed."""
         return (self.likeness > LEAST_LIKENESS
-                and _LEAST_SLOPE < self.slope < _MOST_SLOPE
+                and _LEAST_SLOPE * self.added < self.slope < _MOST_SLOPE
                 and self.left < _MOST_LEFT)
 
 
@@ -300,12 +286,21 @@ def detail_of(found: Evidence, part: np.ndarray) -> Detail:
     count = cv2.countNonZero(inside)
     # The noise of the background alone makes the slope less steep.
     texture = max(1 - OWN_NOISE / max(own, OWN_NOISE), 0.0)
-    nats = count / _SPREAD * texture * (texture / 2 * own - both)
+    # A reflection adds light, so that all of the detail is a smaller part of it.
+    added = _added(found, near, inside)
+    nats = count / _SPREAD * texture * min(
+        part * (texture * part / 2 * own - both) for part in (1.0, added))
     if nats > 0 and seen - OWN_NOISE > _OTHER_TEXTURE * (own - OWN_NOISE):
         # Another texture: a thing's own, or the table's, from where the camera was before a push.
         nats = 0.0
     if both <= 0:
-        return Detail(0.0, 0.0, seen, nats)
+        return Detail(0.0, 0.0, seen, nats, added)
     slope = both / max(own - OWN_NOISE, own / 4)
     likeness = both * np.sqrt(count / (own * seen))
-    return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4), nats)
+    return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4), nats, added)
+
+
+def _added(found: Evidence, near: tuple, inside: np.ndarray) -> float:
+    """Tell which part of a light is left of the table's, if the rest was added; 1 where darker."""
+    seen, usual = (cv2.mean(level[near], inside)[0] for level in (found.seen, found.usual))
+    return math.exp(min((usual - seen) * _LEVEL_SCALE, 0.0))

@@ -18,7 +18,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
-from camera_to_base.detection.precise.evidence import measure_tint, Tint
+from camera_to_base.detection.precise.evidence import measure_tint
 from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.outside_light import (
     find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
@@ -239,7 +239,7 @@ def _within(
 
 
 def _things_of(
-    frame: np.ndarray, region: Region, reference: Reference, tint: Tint, min_area: float
+    frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
 ) -> List[Region]:
     things = things_in(frame, region, reference, tint, min_area)
     if things is None:

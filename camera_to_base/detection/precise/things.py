@@ -19,7 +19,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
-    box_mean, detail_of, Evidence, evidence, gradient, LEAST_LIKENESS, log_levels, OWN_NOISE, Tint,
+    box_mean, detail_of, Evidence, evidence, gradient, LEAST_LIKENESS, log_levels, OWN_NOISE,
     WORST_LIGHT)
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.own_shadow import has_free_rim
@@ -79,7 +79,7 @@ class Work(NamedTuple):
 
 
 def things_in(
-    frame: np.ndarray, region: Region, reference: Reference, tint: Tint, min_area: float
+    frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
 ) -> Optional[List[Region]]:
     """
     Find the things in a region, without their shade.
@@ -150,8 +150,6 @@ def _masks(
         return []
     by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
-    if by_edges is not None and by_edges.is_light:
-        return []
     if by_edges is not None and by_edges.is_light:
         return []
     if by_edges is not None and not by_edges.things.any():
