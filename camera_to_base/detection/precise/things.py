@@ -158,13 +158,13 @@ def _masks(
     unsure: Sequence[Unsure] = ()
     if by_edges is not None:
         things, unsure = by_edges.things, by_edges.unsure
-    elif solid is None or not solid.any():
-        return [] if detail_of(found, changed).is_table and not has_highlight else None
     else:
-        things = _up_to_edges(solid, changed, found, frame)
-        if _goes_on(things, changed, frame, min_area) or not _is_clear(
+        things = None if solid is None or not solid.any() else _up_to_edges(
+            solid, changed, found, frame)
+        if things is None or _goes_on(things, changed, frame, min_area) or not _is_clear(
                 things, changed, found, has_highlight, min_area):
-            return None
+            # The table's texture all over it tells of light.
+            return [] if detail_of(found, changed).is_table and not has_highlight else None
     # Where a thing was seen, parts that are too small do not make it light.
     return [(thing, doubt_of(thing, unsure))
             for thing in cut_at_gaps(things, frame, background, min_area)] or None
