@@ -111,12 +111,12 @@ class StillRegions:
     def on(self, frame: np.ndarray, reference: Reference) -> List[Still]:
         """Give what a frame shows again; the rest is to be told anew."""
         self._frame_count += 1
-        self._kept, self._unsure = ([one for one in stills if one.holds(frame, reference)]
-                                    for stills in (self._kept, self._unsure))
-        if self._frame_count % _PERIOD == 0:
-            self._unsure += self._kept[:1]
-            self._kept = self._kept[1:]
-        return self._kept
+        again = int(self._frame_count % _PERIOD == 0)
+        kept = [one for one in self._kept[again:] if one.holds(frame, reference)]
+        # Where noise or a passing shadow has changed it, one look will do if it tells the same.
+        self._unsure += [one for one in self._kept if not any(one is other for other in kept)]
+        self._kept = kept
+        return kept
 
     def remember(
         self, frame: np.ndarray, reference: Reference, held: Sequence[Still],
