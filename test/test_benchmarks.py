@@ -36,6 +36,7 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('uncertainty', {'what', 'contained'}),
     ('nodes', {'node'}),
     ('dashboard_load', {'what', 'pages'}),
+    ('busy_table', {'width', 'part', 'found', 'p50_ratio'}),
     ('whole_way', {'table', 'scene', 'ratio', 'damage_ms', 'detection_ms', 'location_ms'}),
     ('camera_node', {'picture', 'p50_ms', 'p99_ms', 'cpu_percent', 'lost', 'resident_mb'})])
 def test_benchmark_runs_and_writes_its_rows(tmp_path, name, columns):

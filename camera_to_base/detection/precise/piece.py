@@ -32,6 +32,8 @@ _AT_ORIGIN = Box(0, 0, 0, 0)
 
 _BRIGHTER, _LARGEST_SHARE, _LEAST_AREA = 1.05, 0.35, 4
 _SATURATED = 0.95
+# So many values give a quantile.
+_ENOUGH = 500
 
 
 @lru_cache(maxsize=None)
@@ -75,8 +77,11 @@ def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:
 
     It is one of the values, without interpolation, and much faster than numpy's for few values.
 
+    Of many values, some tell as much as all.
+
     :param values: Shape (n, ...), n at least 1.
     """
+    values = values[::max(len(values) // _ENOUGH, 1)]
     index = int(share * len(values))
     return np.partition(values, index, axis=0)[index]
 
