@@ -178,3 +178,19 @@ def test_positions_are_those_on_the_topics(file, ros):
         np.testing.assert_allclose(
             covariance_cm2, objects[numbers[-1]].base_covariance_cm2, rtol=1e-9)
     assert numbers == sorted(set(numbers))
+
+
+def test_single_pictures_have_no_budget(file):
+    Path(file).write_text(FILE + '    detector: {budget_px: 1000}\n')
+    places = (60, 60), (160, 120), (250, 180)
+    shade = np.zeros(SIZE[::-1], np.float32)
+    for u, v in places:
+        cv2.circle(shade, (u + 8, v + 6), RADIUS, 1.0, cv2.FILLED)
+    dimmed = disc_frame(None) * (1 - 0.4 * cv2.GaussianBlur(shade, (0, 0), 2))[..., None]
+    for u, v in places:
+        cv2.circle(dimmed, (u, v), RADIUS, (40, 50, 170), cv2.FILLED)
+    cell = Cell.open(file)
+    cell.take_background(disc_frame(None))
+    seen = cell.locate(dimmed.astype(np.uint8))
+    assert len(seen.objects) == 3
+    assert 'too_much' not in [one.reason.kind for one in seen.left_out]

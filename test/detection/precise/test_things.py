@@ -381,3 +381,40 @@ def test_print_that_was_pushed_is_no_object_and_hides_none(pushed):
     assert detect(moved, background) == []
     found, = detect(painted(moved, square(100, 105, 12), (0.1, 0.2, 0.7)), background)
     assert found.centre == pytest.approx((99.5, 104.5), abs=1.5)
+
+
+def patch(half=40, blur=1.0, u=160, v=120):
+    return cv2.GaussianBlur(square(u, v, half)[..., 0], (0, 0), blur)[..., None]
+
+
+def under(kind, light):
+    """Give a table's light with no more than a patch of sun, a moved shade, or a reflection."""
+    if kind == 'sun':
+        return light * (1 + 0.8 * patch())
+    if kind == 'shade':
+        return light * (1 - 0.5 * patch())
+    return light + 0.12 * cv2.GaussianBlur(patch(), (0, 0), 10)[..., None]
+
+
+@pytest.mark.parametrize('kind', ['sun', 'shade', 'reflection'])
+@pytest.mark.parametrize('texture', [0.03, 0.06])
+@pytest.mark.parametrize('seed', range(3))
+def test_texture_however_faint_tells_of_light(kind, texture, seed):
+    surface = table(texture)
+    detector = PreciseDifferenceDetector(coded(surface, 1))
+    assert detector.detect(coded(under(kind, surface), 2 + seed)) == []
+    assert max(detector.dropped, key=lambda one: one.area).kind in ('light', 'shade')
+
+
+def test_thing_that_lies_in_a_patch_of_sun_is_found():
+    surface = table(0.06)
+    lit = painted(under('sun', surface), square(160, 120, 12), (0.1, 0.12, 0.5))
+    found, = PreciseDifferenceDetector(coded(surface, 1)).detect(coded(lit, 2))
+    assert found.centre == pytest.approx((159.5, 119.5), abs=1)
+
+
+@pytest.mark.parametrize('gain', [0.6, 1.6])
+def test_what_fades_all_around_on_a_plain_table_is_light_or_thing(gain):
+    detector = PreciseDifferenceDetector(coded(table(0), 1))
+    assert detector.detect(coded(table(0) * (1 + (gain - 1) * patch(blur=5.0)), 2)) == []
+    assert 'light_or_thing' in [one.kind for one in detector.dropped]
