@@ -73,8 +73,7 @@ class Placer:
         """Give the objects in a region of a frame; none where all of it may be light."""
         if not region.is_thing:
             return Placing(self._unclear(frame, region, reference), region)
-        found, region = self._thing(frame, region, reference)
-        return Placing([replace(one, doubt=region.doubt) for one in found], region)
+        return self._thing(frame, region, reference)
 
     def _unclear(
         self, frame: np.ndarray, region: Region, reference: Reference
@@ -102,7 +101,7 @@ class Placer:
         self, frame: np.ndarray, region: Region, reference: Reference
     ) -> Placing:
         if touches_edge(region.box, frame):
-            return Placing(unplaced(region.outline, frame), region)
+            return Placing(_doubted(unplaced(region.outline, frame), region), region)
         box = grown(region.box, _SURROUNDINGS, frame)
         window = _Window(frame, reference, box, filled(region.outline, box))
         coarse, scale = window.reduced(_MOST_TO_PLACE)
@@ -112,14 +111,15 @@ class Placer:
             cv2.drawContours(
                 others, region.neighbours, -1, 1, cv2.FILLED, offset=(-box.x, -box.y))
         placed, last = place_thing(coarse, others, region.is_settled)
-        shares, mask, last = (enlarged(one, scale, window.mask)
-                              for one in (placed.shares, placed.mask, last))
-        outline = outline_of(last, box)
+        placed = _at_full_size(placed, scale, window.mask)
+        found = _doubted(self._placed(placed, box), region)
         # What comes apart must do so on each frame.
-        if (outline is not None and len(outlines_in(mask)) == 1
-                and not cv2.countNonZero(last ^ filled(outline, box))):
-            region = region._replace(outline=outline, is_settled=True)
-        return Placing(self._placed(Placed(shares, mask), box), region)
+        if not region.is_settled and len(outlines_in(placed.mask)) == 1:
+            last = enlarged(last, scale, window.mask)
+            outline = outline_of(last, box)
+            if outline is not None and not cv2.countNonZero(last ^ filled(outline, box)):
+                region = region._replace(outline=outline, is_settled=True)
+        return Placing(found, region)
 
     def _long_way(
         self, window: '_Window', is_at_edge: bool, may_be_light: bool
@@ -163,10 +163,7 @@ class Placer:
         # Only what is near the object takes time.
         near = window.around(mask)
         coarse, scale = near.reduced(_MOST_TO_PLACE)
-        placed = way(coarse)
-        return self._placed(
-            Placed(enlarged(placed.shares, scale, near.mask),
-                   enlarged(placed.mask, scale, near.mask)), near.box)
+        return self._placed(_at_full_size(way(coarse), scale, near.mask), near.box)
 
     def _placed(self, placed: Placed, window: Box) -> List[Detection]:
         parts = [placed.mask]
@@ -230,6 +227,14 @@ class _Window:
     def _cut(self, near: Box, mask: np.ndarray) -> '_Window':
         box = near._replace(x=near.x + self.box.x, y=near.y + self.box.y)
         return _Window(self.frame, self._reference, box, np.ascontiguousarray(mask[slices(near)]))
+
+
+def _at_full_size(placed: Placed, scale: int, like: np.ndarray) -> Placed:
+    return Placed(*(enlarged(one, scale, like) for one in (placed.shares, placed.mask)))
+
+
+def _doubted(found: List[Detection], thing: Region) -> List[Detection]:
+    return [replace(one, doubt=thing.doubt) for one in found]
 
 
 def _detection(placed: Placed, window: Box) -> List[Detection]:

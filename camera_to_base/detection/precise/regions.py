@@ -74,7 +74,7 @@ class Region(NamedTuple):
     :param neighbours: Outlines of the things near it, as its own.
     :param may_be_light: Whether all of it may be light, as well as a thing.
     :param doubt: See :class:`Detection`.
-    :param is_settled: Whether the thing was placed before, and how its outline lies is known.
+    :param is_settled: Whether its outline is one that a placing ended with: one more turn will do.
     """
 
     outline: np.ndarray

@@ -112,11 +112,12 @@ class StillRegions:
         """Give what a frame shows again; the rest is to be told anew."""
         self._frame_count += 1
         again = int(self._frame_count % _PERIOD == 0)
-        kept = [one for one in self._kept[again:] if one.holds(frame, reference)]
-        # Where noise or a passing shadow has changed it, one look will do if it tells the same.
-        self._unsure += [one for one in self._kept if not any(one is other for other in kept)]
-        self._kept = kept
-        return kept
+        known, self._kept = self._kept, []
+        for index, one in enumerate(known):
+            is_kept = index >= again and one.holds(frame, reference)
+            # Where noise or a passing shadow has changed it, one look that tells the same will do.
+            (self._kept if is_kept else self._unsure).append(one)
+        return self._kept
 
     def remember(
         self, frame: np.ndarray, reference: Reference, held: Sequence[Still],
