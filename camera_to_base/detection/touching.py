@@ -21,9 +21,10 @@ from itertools import combinations
 from typing import Iterator, List, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import WEAK_LEVELS
+from camera_to_base.detection.precise.light import LINEAR, WEAK_LEVELS
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, enclosed, filled, largest_part, outline_of, outlines_in, square)
+    channel_extremes, chosen, enclosed, filled, grown, largest_part, outline_of, outlines_in,
+    quantile, slices, square)
 import cv2
 import numpy as np
 
@@ -40,6 +41,8 @@ _WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
 _ALIKE, _THIRD_COLOUR = 0.15, 0.1
+# The same for what is narrow, and print: as a part of its light.
+_THIRD_LIGHT = 0.25
 # What is off by less than this part of what is near it shows the table.
 _SURELY = 0.15
 
@@ -175,6 +178,34 @@ def cut_at_gaps(
         elif enclosed(outline) >= min_area:
             found.append(inside)
     return found
+
+
+def with_stripes(things: np.ndarray, frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    """
+    Add what is narrow between things, and of a third colour: a print on one thing.
+
+    :param things: Shape (h, w), uint8, 1 inside.
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    """
+    gaps = cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_WIDEST_GAP)) & (1 - things)
+    gaps = cv2.morphologyEx(gaps, cv2.MORPH_OPEN, square(3))
+    if not gaps.any():
+        return things
+    things = things.copy()
+    light, usual = (cv2.LUT(picture, LINEAR) for picture in (frame, background))
+    for outline in outlines_in(gaps):
+        box = grown(Box(*cv2.boundingRect(outline)), _WIDEST_GAP, things)
+        near, part = slices(box), filled(outline, box)
+        part &= gaps[near]
+        sides = things[near] & cv2.dilate(part, square(_WIDEST_GAP))
+        seen, side = (quantile(chosen(light[near], where)) for where in (part, sides))
+        # The table in any light, and mixtures with the side's colour.
+        span = np.stack([side, cv2.mean(usual[near], part)[:3]])
+        off = seen - seen @ np.linalg.pinv(span, _ALIKE) @ span
+        if np.linalg.norm(off) > _THIRD_LIGHT * np.linalg.norm(seen):
+            things[near] |= part
+    return things
 
 
 def table_between(frame: np.ndarray, background: np.ndarray) -> np.ndarray:

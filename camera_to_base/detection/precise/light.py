@@ -29,7 +29,7 @@ _LEAST_LIGHT = 1e-3
 _LEAST_USABLE = 1 / 12
 _DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
 # Grey levels grow with about this power of the light.
-_POWER = 1 / 2.2
+POWER = 1 / 2.2
 
 # A camera that trembles shows at a place what lies beside it on the background.
 _TREMBLE = np.ones((3, 3), np.uint8)
@@ -76,7 +76,7 @@ def log_light(picture: np.ndarray) -> np.ndarray:
 
 def grey_factors(light: np.ndarray) -> np.ndarray:
     """Give the factors on grey levels, times 128, uint8, of the logarithms of factors on light."""
-    return np.clip(np.rint(128 * np.exp(_POWER * light)), 1, 255).astype(np.uint8)
+    return np.clip(np.rint(128 * np.exp(POWER * light)), 1, 255).astype(np.uint8)
 
 
 class Gain(NamedTuple):

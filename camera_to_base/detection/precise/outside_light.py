@@ -16,11 +16,12 @@ one factor for all colours. What is small beside a median filter's window is no 
 They are taken out of the frame, as exactly as a gain is: whatever follows sees one light.
 """
 
-from typing import Optional
+from typing import NamedTuple, Optional, Sequence
 
-from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import grey_factors, LINEAR, log_light, Range
-from camera_to_base.detection.precise.piece import channel_extremes, padded, shrunk
+from camera_to_base.detection.detection import Box, NoObject, Pixel
+from camera_to_base.detection.precise.light import (
+    grey_factors, LINEAR, log_light, POWER, Range)
+from camera_to_base.detection.precise.piece import channel_extremes, padded, shrunk, square
 import cv2
 import numpy as np
 
@@ -34,6 +35,11 @@ _EDGE = np.ones((9, 9), np.uint8)
 # Shade takes this much light at most, and colours it little.
 _DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
 _LEAST_MARKED, _LEAST_LIGHT = 0.1, 1e-3
+# Smooth light changes by less per shrunk px; logarithm: the edge of the faintest thing is steeper.
+_STEEPEST = 0.05
+# The mean that tells it exactly, in shrunk px: of what is off the median by less than a thing is,
+# where this part of the window is such.
+_MEAN, _NO_THING, _LEAST_KNOWN = (9, 9), 0.15, 0.2
 # Light of a field that changes an object's place, in steps of a factor.
 _LEAST_STEPS = 4
 
@@ -90,6 +96,57 @@ def in_usual_light(
     return usual
 
 
+class Even(NamedTuple):
+    """
+    A frame as it looks at one light.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param light: What was taken out and could be taken for an object.
+    """
+
+    frame: np.ndarray
+    light: Sequence[NoObject]
+
+
+def without_smooth_light(frame: np.ndarray, background: np.ndarray) -> Optional[Even]:
+    """
+    Give a frame as it looks without light that changes smoothly, wherever that comes from.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :returns: None where there is no such light.
+    """
+    ratio = log_light(_shrunk(frame)) - log_light(_shrunk(background))
+    rough = _median_around(ratio)
+    labels = cv2.connectedComponents((np.abs(rough) > _LEAST_CHANGE).view(np.uint8))[1]
+    # A thing that is larger than the median's window has edges.
+    steep = cv2.morphologyEx(rough, cv2.MORPH_GRADIENT, square(3)) > 2 * _STEEPEST
+    is_smooth = (labels > 0) & ~np.isin(labels, labels[steep])
+    if not is_smooth.any():
+        return None
+    # The median is too flat where light is the strongest.
+    known = cv2.erode((np.abs(ratio - rough) < _NO_THING).astype(np.float32), square(3))
+    share = cv2.blur(known, _MEAN)
+    mean = cv2.blur(ratio * known, _MEAN) / np.maximum(share, _LEAST_KNOWN)
+    level = np.where(share > _LEAST_KNOWN, mean, rough)
+    light = [_as_no_object(labels == label, level)
+             for label in np.unique(labels[is_smooth & (np.abs(level) > _LEAST_MARKED)])]
+    level[cv2.dilate(is_smooth.view(np.uint8), square(3)) == 0] = 0
+    x, y, width, height = (_SHRINK * one for one in cv2.boundingRect((level != 0).view(np.uint8)))
+    near = np.s_[y:y + height, x:x + width]
+    level = cv2.resize(level, None, fx=_SHRINK, fy=_SHRINK)[:frame.shape[0], :frame.shape[1]]
+    even = frame.copy()
+    even[near] = _evened(frame[near], background[near], cv2.cvtColor(
+        cv2.exp(-POWER * level[near]), cv2.COLOR_GRAY2BGR))
+    return Even(even, light)
+
+
+def _as_no_object(inside: np.ndarray, level: np.ndarray) -> NoObject:
+    kind = 'light' if level[inside].mean() > 0 else 'shade'
+    v, u = (_SHRINK * float(axis.mean()) for axis in np.nonzero(inside))
+    return NoObject(kind, Pixel(u, v), float(_SHRINK ** 2 * np.count_nonzero(inside)))
+
+
 def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
     """
     Find light that comes from outside of the picture.
@@ -99,7 +156,7 @@ def find_field(frame: np.ndarray, background: np.ndarray) -> Optional[Range]:
     :returns: Factors on the background's grey levels, times 128, each of shape (h / 4, w / 4),
         rounded up; None where there is none.
     """
-    field = _smooth_ratio(frame, background)
+    field = _median_around(log_light(_shrunk(frame)) - log_light(_shrunk(background)))
     field[~_reaches_border(np.abs(field) > _LEAST_CHANGE)] = 0
     if not field.any():
         return None
@@ -115,8 +172,7 @@ def has_light(field: Range, box: Box) -> bool:
             or field.lightest[part].max() > 128 + _LEAST_STEPS)
 
 
-def _smooth_ratio(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
-    ratio = log_light(_shrunk(frame)) - log_light(_shrunk(background))
+def _median_around(ratio: np.ndarray) -> np.ndarray:
     steps = np.clip(np.rint(128 + _STEPS * ratio), 0, 255).astype(np.uint8)
     return (cv2.medianBlur(steps, _WINDOW).astype(np.float32) - 128) / _STEPS
 
@@ -167,11 +223,16 @@ def without_bands(frame: np.ndarray, background: np.ndarray, bands: np.ndarray) 
     """
     rows, usual = (picture.reshape(len(frame), -1) for picture in (frame, background))
     factors = np.repeat(grey_factors(-bands)[:, None], rows.shape[1], axis=1)
-    even = cv2.multiply(rows, factors, scale=1 / 128)
-    cut_off = _above(rows, _LIGHTEST - 1)
-    even = cv2.max(even, cv2.min(cut_off, usual))
-    even = cv2.min(even, cv2.max(usual, cv2.bitwise_not(_above(usual, _LIGHTEST - 1))))
-    return even.reshape(frame.shape)
+    return _evened(rows, usual, factors, 1 / 128).reshape(frame.shape)
+
+
+def _evened(
+    frame: np.ndarray, background: np.ndarray, factors: np.ndarray, scale: float = 1
+) -> np.ndarray:
+    even = cv2.multiply(frame, factors, scale=scale, dtype=cv2.CV_8U)
+    even = cv2.max(even, cv2.min(_above(frame, _LIGHTEST - 1), background))
+    return cv2.min(even, cv2.max(
+        background, cv2.bitwise_not(_above(background, _LIGHTEST - 1))))
 
 
 def _above(levels: np.ndarray, limit: int) -> np.ndarray:

@@ -21,7 +21,8 @@ from camera_to_base.detection.precise.changes import changed_parts, Strips
 from camera_to_base.detection.precise.evidence import measure_tint
 from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.outside_light import (
-    find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands)
+    Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands,
+    without_smooth_light)
 from camera_to_base.detection.precise.piece import (
     centre_of, enclosed, filled, grown, outlines_in, slices)
 from camera_to_base.detection.precise.plain import find_plain, Plain
@@ -77,6 +78,7 @@ class Candidates(NamedTuple):
     :param left: What the budget does not reach.
     :param told: The regions that were looked at closely, each with the things in it.
     :param held: What lies still, with what was told of it before; `regions` has its things.
+    :param light: What light was taken out of the frame.
     """
 
     frame: np.ndarray
@@ -85,6 +87,7 @@ class Candidates(NamedTuple):
     left: Sequence[Region] = ()
     told: Sequence[Tuple[Region, Sequence[Region]]] = ()
     held: Sequence[Still] = ()
+    light: Sequence[NoObject] = ()
 
 
 def search(
@@ -99,14 +102,14 @@ def search(
     :param min_area: What shows less is noise, in px².
     :param still: What the frame shows again, see `still`.
     """
-    are_bands_likely = _are_bands_likely(frame, parts)
-    found = _without_bands(frame, reference, min_area, budget) if are_bands_likely else None
-    if found is None:
-        found = _search(frame, parts, reference, min_area, budget, still)
+    even = _evened(frame, parts, reference)
+    if even is not None:
+        frame, parts, still = even.frame, parts_of(even.frame, reference), ()
+    found = _search(frame, parts, reference, min_area, budget, still)
+    if even is not None:
+        found = found._replace(light=even.light)
     if not any(_may_reach_border(frame, region) for region in found.regions):
         return found
-    if not are_bands_likely:
-        found = _without_bands(frame, reference, min_area, budget) or found
     return _settled(_without_foreign_light(found, reference, min_area))
 
 
@@ -134,7 +137,8 @@ def _search(
             others.append(part)
         else:
             plain.append(one)
-    regions, held = _without_still(_regions(frame, others, reference, min_area), still)
+    regions = _regions(frame, others, reference, min_area)
+    regions, held = _without_still(regions, still)
     regions, left = _within(budget, regions, frame)
     told: List[Tuple[Region, Sequence[Region]]] = []
     if regions:
@@ -264,15 +268,16 @@ def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
             and sum(part.width * part.height for part in parts) > _LEAST_BANDS * height * width)
 
 
-def _without_bands(
-    frame: np.ndarray, reference: Reference, min_area: float, budget: Budget
-) -> Optional[Candidates]:
-    # What is found where the bands were taken out; None without bands.
-    bands = find_bands(frame, reference.lit)
-    if bands is None:
-        return None
-    even = without_bands(frame, reference.lit, bands)
-    return _search(even, parts_of(even, reference), reference, min_area, budget)
+def _evened(frame: np.ndarray, parts: List[Box], reference: Reference) -> Optional[Even]:
+    """Give a frame as it looks without the bands or the lobes of a lamp; None without any."""
+    lit, limits = reference.lit, reference.limits
+    is_lit = any(_is_lit(frame, limits.weak(frame, slices(part)), part, lit) for part in parts
+                 if _may_be_lit(part.width * part.height, frame))
+    if is_lit or _are_bands_likely(frame, parts):
+        bands = find_bands(frame, lit)
+        if bands is not None:
+            return Even(without_bands(frame, lit, bands), [])
+    return without_smooth_light(frame, lit) if is_lit else None
 
 
 def _without_foreign_light(found: Candidates, reference: Reference, min_area: float) -> Candidates:
@@ -312,12 +317,17 @@ def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
 
 
 def _may_be_light(frame: np.ndarray, region: Region, lit: np.ndarray) -> bool:
-    area = cv2.contourArea(region.outline) / frame[..., 0].size
-    if not _LEAST_LIGHT < area < _MOST_LIGHT or not _may_reach_border(frame, region):
-        return False
-    part = slices(region.box)
-    return looks_like_light(
-        frame[part], lit[part], filled(region.outline, region.box))
+    return (_may_be_lit(cv2.contourArea(region.outline), frame)
+            and _may_reach_border(frame, region)
+            and _is_lit(frame, filled(region.outline, region.box), region.box, lit))
+
+
+def _may_be_lit(area: float, frame: np.ndarray) -> bool:
+    return _LEAST_LIGHT < area / frame[..., 0].size < _MOST_LIGHT
+
+
+def _is_lit(frame: np.ndarray, mask: np.ndarray, box: Box, lit: np.ndarray) -> bool:
+    return looks_like_light(frame[slices(box)], lit[slices(box)], mask)
 
 
 def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
@@ -339,7 +349,7 @@ def left_over(
     """
     dropped = [NoObject('light_or_thing', one.centre, one.area) for one in unclear]
     dropped += [_too_much(region.box) for region in found.left]
-    dropped += [one for still in found.held for one in still.no_objects]
+    dropped += [*found.light, *(one for still in found.held for one in still.no_objects)]
     # Beside a plain object there is nothing else, see `plain`.
     parts = [part for part in parts if not any(
         one.window.is_inside(part) for one in found.plain) and not any(

@@ -28,6 +28,8 @@ import numpy as np
 # Where a frame is flat, so that a segment may start: logarithms per px, and deviations of the
 # noise; on how many px.
 _FLAT, _NOISE, _LEAST_FLAT = 0.02, 2.5, 12
+# Where the rim of a region is, px, and how much of a narrow part of a thing lies there, at most.
+_RIM, _MOST_AT_RIM = 7, 0.4
 # A step is looked at in windows of two sizes, px; what is a step, logarithm of the light; a step
 # that the background has to this part, too, tells nothing.
 _FAR, _LEAST_STEP, _STEP_NOISE, _SAME_STEP = 9, 0.1, 5.0, 0.5
@@ -248,7 +250,18 @@ def _segments(
     numbers[large] = np.arange(2, len(large) + 2)
     marks = numbers[parts]
     marks[cv2.dilate(changed, square(5)) == 0] = 1
-    return cv2.watershed(np.ascontiguousarray(frame), marks), len(large) + 2
+    labels, count = cv2.watershed(np.ascontiguousarray(frame), marks), len(large) + 2
+    # What is too narrow to be flat, as a stripe on a thing, is none of the table: it lies inside.
+    narrow = cv2.morphologyEx(changed & (labels == 1), cv2.MORPH_OPEN, square(3))
+    if narrow.any():
+        found, parts = cv2.connectedComponents(narrow, connectivity=4)
+        at_rim = np.bincount(parts[cv2.erode(changed, square(_RIM)) == 0], minlength=found)
+        is_inside = at_rim < _MOST_AT_RIM * np.bincount(parts.ravel(), minlength=found)
+        is_inside[0] = False
+        chosen = is_inside[parts]
+        labels[chosen] = parts[chosen] + count - 1
+        count += found - 1
+    return labels, count
 
 
 def _steps(

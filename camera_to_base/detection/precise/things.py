@@ -21,14 +21,14 @@ from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     box_mean, detail_of, Evidence, evidence, gradient, LEAST_LIKENESS, log_levels, OWN_NOISE,
     WORST_LIGHT)
-from camera_to_base.detection.precise.light import LINEAR, Reference
+from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
-    chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
+    chosen, enclosed, enlarged, filled, grown, outline_of, outlines_in,
     quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure
-from camera_to_base.detection.touching import cut_at_gaps, table_between
+from camera_to_base.detection.touching import cut_at_gaps, table_between, with_stripes
 import cv2
 import numpy as np
 
@@ -140,15 +140,12 @@ def _masks(
     # Between two colours of a thing, pixels show neither; on a strip of 2 px they show the table.
     things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
         1 - table_between(frame, background))
-    solid = _solid(things, found, min_area)
-    has_highlight = find_highlight(
-        make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
-    if solid is not None and not solid.any() and _is_clear(
-            solid, changed, found, has_highlight, min_area):
+    wide, solid = _solid(things, found, min_area)
+    if solid is not None and not solid.any() and _is_clear(solid, changed, found, min_area):
         return []
     if solid is not None and not solid.any() and _keeps_texture(found, changed):
         return []
-    by_edges = None if has_highlight or not do_edges_tell else _by_segments(
+    by_edges = None if not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
     if by_edges is not None and by_edges.is_light:
         return []
@@ -162,9 +159,15 @@ def _masks(
         things = None if solid is None or not solid.any() else _up_to_edges(
             solid, changed, found, frame)
         if things is None or _goes_on(things, changed, frame, min_area) or not _is_clear(
-                things, changed, found, has_highlight, min_area):
-            # The table's texture all over it tells of light.
-            return [] if detail_of(found, changed).is_table and not has_highlight else None
+                things, changed, found, min_area):
+            # The table's texture all over it tells of light, but for what is surely none.
+            things = _no_light(wide, found)
+            rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
+            if not detail_of(found, rest).is_table:
+                return None
+            if not things.any():
+                return []
+    things = with_stripes(things, frame, background)
     # Where a thing was seen, parts that are too small do not make it light.
     return [(thing, doubt_of(thing, unsure))
             for thing in cut_at_gaps(things, frame, background, min_area)] or None
@@ -194,8 +197,8 @@ def _smooth(found: Evidence) -> np.ndarray:
 
 def _solid(
     things: np.ndarray, found: Evidence, min_area: float
-) -> Optional[np.ndarray]:
-    """Keep the parts that are wide enough for a window; None where much else is left out."""
+) -> Tuple[np.ndarray, Optional[np.ndarray]]:
+    """Give the parts that are wide enough for a window; None, too, where much else is left out."""
     kept = np.zeros_like(things)
     core = cv2.erode(things, square(_SIZE))
     print_ = cv2.dilate((gradient(found.usual) > _PRINT ** 2).view(np.uint8), square(_JPEG))
@@ -215,7 +218,18 @@ def _solid(
         elif cv2.countNonZero(inside & print_[near]) < _MOSTLY * cv2.countNonZero(inside):
             # Beside the edges of a print, JPEG leaves neither.
             thin += area
-    return None if thin > max(min_area, _MOST_THIN * solid) else kept
+    return kept, None if thin > max(min_area, _MOST_THIN * solid) else kept
+
+
+def _no_light(things: np.ndarray, found: Evidence) -> np.ndarray:
+    """Keep the parts that light explains badly."""
+    bad, kept = (found.light > WORST_LIGHT).view(np.uint8), np.zeros_like(things)
+    for outline in outlines_in(things):
+        box = Box(*cv2.boundingRect(outline))
+        inside = filled(outline, box)
+        if cv2.countNonZero(inside & bad[slices(box)]) > _MOST_BAD * cv2.countNonZero(inside):
+            kept[slices(box)] |= inside
+    return kept
 
 
 def _up_to_edges(
@@ -276,8 +290,7 @@ def _step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> Optional[floa
 
 
 def _is_clear(
-    things: np.ndarray, changed: np.ndarray, found: Evidence, has_highlight: bool,
-    min_area: float
+    things: np.ndarray, changed: np.ndarray, found: Evidence, min_area: float
 ) -> bool:
     beside = 1 - cv2.dilate(things, square(7))
     rest = changed & beside
@@ -296,7 +309,7 @@ def _is_clear(
             or things.any() and _ends_softly(found, changed, things)):
         return True
     # A highlight or a lamp's mirror image is small and surrounded; a thing is not.
-    return things.any() and not has_highlight and (
+    return things.any() and (
         cv2.countNonZero(things) > _LEAST_SHARE * total
         or has_free_rim(things, changed | things)
         and not _is_dark_alone(things, found, sure))
