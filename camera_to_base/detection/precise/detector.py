@@ -196,16 +196,16 @@ class PreciseDifferenceDetector:
         found = search(frame, parts, self._reference, self._min_area, budget,
                        self._still.on(frame, self._reference))
         if self._notice_ghosts(found):
-            parts = parts_of(found.frame, self._reference)
-            found = search(found.frame, parts, self._reference, self._min_area, budget)
+            parts = parts_of(frame, self._reference)
+            found = search(frame, parts, self._reference, self._min_area, budget)
         placed, unclear, places = self._placed(found)
         if self._publishes_unclear:
             placed, unclear = placed + unclear, []
         self._dropped = left_over(
             found, parts, placed, unclear, self._reference, self._min_area)
         self._still.remember(
-            found.frame, self._reference, found.held, found.told, found.left, places,
-            self._dropped)
+            frame, self._reference, found.held, found.told, found.left, places,
+            [one for one in self._dropped if one not in found.light])
         self._last = placed
         return placed
 

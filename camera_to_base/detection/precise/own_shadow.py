@@ -19,13 +19,15 @@ shade where it has two parts, of which one can be shade and the other cannot: it
 the table, or coloured, or clearly darker than the shade. each such pair is tested.
 
 An object may be lighter than its shadow: then the shadow is a crescent, and the object is convex.
+A box seen from the side has a light top and a dark wall, which look the same, but the wall lies
+away from the picture's middle. Such a pair stays together.
 """
 
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.piece import (
-    find_highlight, in_clearest_colour, largest_part, Look, look_at, outline_of, Piece, quantile,
-    square)
+    centre_of, channel_extremes, find_highlight, in_clearest_colour, largest_part, Look, look_at,
+    outline_of, Piece, quantile, square, surrounds)
 import cv2
 import numpy as np
 
@@ -45,6 +47,7 @@ _LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
 # which it ends, and what shows at all.
 _MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
 _LEAST_CORE, _LEAST_SHADE_PART = 20, 8
+_SATURATED, _MOST_SATURATED = 0.97, 0.02
 # A highlight on glass lies inside of the rim; an object's rim is free where no shadow lies.
 _LEAST_FREE_RIM_OF_SPOT = 0.45
 _LEAST_DULL, _LEAST_SHADE_BESIDE = 0.6, 0.15
@@ -53,8 +56,10 @@ _LEVELS_APART = 0.15
 # JPEG and a sensor's colour filter make a step between colours less sharp.
 _STEEPEST_COLOUR = 0.35
 _STEPS, _LOWEST = 80, -3.0
-# How much more convex an object is than its shadow, where it is lighter.
-_MORE_CONVEX = 0.2
+# Cosine of the angle between a wall and the way out of the picture, and how much more convex an
+# object is than its shadow, where it is lighter.
+_OUTWARD, _MORE_CONVEX = 0.8, 0.2
+_LEAST_LIGHT = 1e-3
 # A thing is of one colour where this part of it has that colour.
 _MOSTLY = 0.7
 # A shadow's median ratio, where it surrounds a light thing.
@@ -190,8 +195,12 @@ class Thing(NamedTuple):
     is_sure: bool = True
 
 
-def split_off_shade(piece: Piece) -> Optional[Thing]:
-    """Find the object in a region that is an object and its shade; None for other regions."""
+def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Optional[Thing]:
+    """
+    Find the object in a region that is an object and its shade; None for other regions.
+
+    :param outward: From the picture's middle to the region, u and v, in px.
+    """
     core = cv2.erode(piece.mask, square(5))
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
@@ -203,10 +212,31 @@ def split_off_shade(piece: Piece) -> Optional[Thing]:
     if thing is not None and spot is not None and not has_free_rim(
             thing.mask, piece.mask, _LEAST_FREE_RIM_OF_SPOT):
         thing = None
-    if thing is None and share < 0.5:
+    if thing is None and share < 0.5 and not _is_dazzled(piece):
         special = special if spot is None else special | spot & piece.mask
-        thing = _darker_thing(piece, look, core, special)
+        thing = _darker_thing(piece, look, look.ratio, core, special, outward)
+        if thing is None:
+            # An object as dark as its shadow may have another colour.
+            ratio = _clearest_ratio(piece, core)
+            thing = _darker_thing(piece, look, ratio, core, special, outward)
+        if thing is not None and spot is not None and surrounds(
+                spot, thing.mask, _lighter_side(thing.mask, piece.mask)):
+            thing = None
     return thing
+
+
+def _clearest_ratio(piece: Piece, core: np.ndarray) -> np.ndarray:
+    ratio = np.log(np.maximum(piece.frame, _LEAST_LIGHT) / np.maximum(piece.table, _LEAST_LIGHT))
+    ratio = cv2.blur(ratio, (5, 5))
+    return ratio[..., int(np.argmax(cv2.meanStdDev(ratio, mask=core)[1]))]
+
+
+def _is_dazzled(piece: Piece) -> bool:
+    # Beside a lamp's mirror image on the table, ratios tell nothing of shade.
+    around = cv2.dilate(piece.mask, square(9))
+    bright = (channel_extremes(piece.table)[1] > _SATURATED).astype(np.uint8)
+    share = cv2.countNonZero(around & bright) / cv2.countNonZero(around)
+    return _MOST_SATURATED < share < 1 - _MOST_SATURATED
 
 
 def _special(look: Look, mask: np.ndarray) -> np.ndarray:
@@ -263,9 +293,9 @@ def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
 
 
 def _darker_thing(
-    piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
+    piece: Piece, look: Look, ratio: np.ndarray, core: np.ndarray, special: np.ndarray,
+    outward: Tuple[float, float],
 ) -> Optional[Thing]:
-    ratio = look.ratio
     ratios = ratio[(core & (1 - special)) > 0]
     if len(ratios) < _LEAST_CORE:
         return None
@@ -282,6 +312,8 @@ def _darker_thing(
     rest = _lighter_side(thing, piece.mask)
     if not special.any() and _solidity(rest) > _solidity(thing) + _MORE_CONVEX:
         # A shadow is what its object leaves of it, a crescent.
+        if _is_wall(thing, rest, outward):
+            return None
         thing = darker = rest
     is_thing = is_thing_and_shade(thing, darker, piece, look)
     return Thing(thing, False, is_sure=False) if is_thing else None
@@ -292,6 +324,12 @@ def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
     rest = cv2.erode(mask, square(5)) & (1 - dark)
     rest = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
     return cv2.dilate(rest, square(5)) & mask & (1 - dark)
+
+
+def _is_wall(dark: np.ndarray, rest: np.ndarray, outward: Tuple[float, float]) -> bool:
+    away = np.subtract(centre_of(dark), centre_of(rest))
+    length = np.hypot(*away) * np.hypot(*outward)
+    return bool(length == 0 or away @ outward >= _OUTWARD * length)
 
 
 def _solidity(mask: np.ndarray) -> float:

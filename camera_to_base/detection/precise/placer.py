@@ -17,7 +17,7 @@ from camera_to_base.detection.detection import Box, Detection, Pixel, touches_ed
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, enlarged, filled, grown, make_piece, outline_of,
+    centre_of, close_around_highlights, enclosed, enlarged, filled, grown, make_piece, outline_of,
     outlines_in, Piece, reduced, slices)
 from camera_to_base.detection.precise.plain import place_plain, Plain
 from camera_to_base.detection.precise.regions import find_shaded, places_to_look, Region
@@ -125,11 +125,15 @@ class Placer:
         self, window: '_Window', is_at_edge: bool, may_be_light: bool
     ) -> List[Detection]:
         coarse, scale = window.reduced(_MOST_AT_EDGE if is_at_edge else _MOST_TO_TELL)
-        thing = split_off_shade(coarse)
+        thing = split_off_shade(coarse, window.outward)
         if thing is None and may_be_light:
             return []
+        kept = coarse if thing is None else coarse._replace(mask=thing.mask)
         is_whole = thing is not None and thing.is_light
-        mask = window.mask if thing is None else enlarged(thing.mask, scale, window.mask)
+        if not is_whole:
+            kept = kept._replace(mask=close_around_highlights(kept))
+        mask = (window.mask if kept.mask is coarse.mask
+                else enlarged(kept.mask, scale, window.mask))
         outline = outline_of(mask, window.box)
         if outline is None:
             return []
@@ -193,6 +197,13 @@ class _Window:
     ) -> None:
         self.frame, self._reference = frame, reference
         self.box, self.mask = box, mask
+
+    @property
+    def outward(self) -> Tuple[float, float]:
+        """From the picture's middle to the window's, u and v, in px."""
+        height, width = self.frame.shape[:2]
+        return (self.box.x + (self.box.width - width) / 2,
+                self.box.y + (self.box.height - height) / 2)
 
     @property
     def piece(self) -> Piece:

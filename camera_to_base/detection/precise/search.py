@@ -104,7 +104,7 @@ def search(
     """
     even = _evened(frame, parts, reference)
     if even is not None:
-        frame, parts, still = even.frame, parts_of(even.frame, reference), ()
+        frame, parts = even.frame, parts_of(even.frame, reference)
     found = _search(frame, parts, reference, min_area, budget, still)
     if even is not None:
         found = found._replace(light=even.light)

@@ -19,8 +19,8 @@ is covered make the next, better mask: three turns are enough.
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_sum, chosen, disc, enlarged, largest_part, outline_of, Piece,
-    quantile, reduced, square)
+    channel_extremes, channel_sum, chosen, complete_shares, disc, enlarged, find_highlight,
+    largest_part, outline_of, Piece, quantile, reduced, square)
 import cv2
 import numpy as np
 
@@ -72,13 +72,15 @@ class Placed(NamedTuple):
 
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
-    mask, ratio, turns = piece.mask, _ratio(piece), _TURNS
+    highlight, mask, ratio, turns = find_highlight(piece), piece.mask, _ratio(piece), _TURNS
     if mask.size > _MANY and _is_wide(mask):
         # All turns but the last one at half of the size.
         coarse, scale = reduced(piece, mask.size - 1)
         mask, turns = enlarged(_covered(coarse, _ratio(coarse), _TURNS)[1], scale, mask), 1
     shares, mask = _covered(piece._replace(mask=mask), ratio, turns)
     shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
+    if highlight is not None:
+        shares = complete_shares(shares, piece.mask, highlight)
     return Placed(shares.astype(np.float32), mask)
 
 

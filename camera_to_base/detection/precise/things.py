@@ -21,10 +21,10 @@ from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     box_mean, detail_of, Evidence, evidence, gradient, LEAST_LIKENESS, log_levels, OWN_NOISE,
     WORST_LIGHT)
-from camera_to_base.detection.precise.light import Reference
+from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
-    chosen, enclosed, enlarged, filled, grown, outline_of, outlines_in,
+    chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure
@@ -141,11 +141,14 @@ def _masks(
     things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
         1 - table_between(frame, background))
     wide, solid = _solid(things, found, min_area)
-    if solid is not None and not solid.any() and _is_clear(solid, changed, found, min_area):
+    has_highlight = find_highlight(
+        make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
+    if solid is not None and not solid.any() and _is_clear(
+            solid, changed, found, has_highlight, min_area):
         return []
     if solid is not None and not solid.any() and _keeps_texture(found, changed):
         return []
-    by_edges = None if not do_edges_tell else _by_segments(
+    by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
     if by_edges is not None and by_edges.is_light:
         return []
@@ -159,11 +162,11 @@ def _masks(
         things = None if solid is None or not solid.any() else _up_to_edges(
             solid, changed, found, frame)
         if things is None or _goes_on(things, changed, frame, min_area) or not _is_clear(
-                things, changed, found, min_area):
+                things, changed, found, has_highlight, min_area):
             # The table's texture all over it tells of light, but for what is surely none.
             things = _no_light(wide, found)
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
-            if not detail_of(found, rest).is_table:
+            if has_highlight or not detail_of(found, rest).is_table:
                 return None
             if not things.any():
                 return []
@@ -290,7 +293,8 @@ def _step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> Optional[floa
 
 
 def _is_clear(
-    things: np.ndarray, changed: np.ndarray, found: Evidence, min_area: float
+    things: np.ndarray, changed: np.ndarray, found: Evidence, has_highlight: bool,
+    min_area: float
 ) -> bool:
     beside = 1 - cv2.dilate(things, square(7))
     rest = changed & beside
@@ -309,7 +313,7 @@ def _is_clear(
             or things.any() and _ends_softly(found, changed, things)):
         return True
     # A highlight or a lamp's mirror image is small and surrounded; a thing is not.
-    return things.any() and (
+    return things.any() and not has_highlight and (
         cv2.countNonZero(things) > _LEAST_SHARE * total
         or has_free_rim(things, changed | things)
         and not _is_dark_alone(things, found, sure))

@@ -80,6 +80,16 @@ def test_what_lies_still_is_looked_at_three_times_and_now_and_then_again(detecto
     assert 8 <= len(looks) <= 12
 
 
+def test_what_lies_still_in_a_lobe_of_light_is_told_once_and_so_is_the_light(detector, looks):
+    v, u = np.mgrid[:SIZE[0], :SIZE[1]]
+    lobe = 1 - 0.15 * np.exp(-((u - 150) ** 2 + (v - 110) ** 2) / 2 / 60 ** 2)[..., None]
+    picture = lobe * shaded_disc(table(), (150, 110))
+    for seed in range(1, 10):
+        assert len(detector.detect(seen(picture, seed))) == 1
+        assert sum(one.area > 5000 for one in detector.dropped) == 1
+    assert len(looks) <= 5
+
+
 def test_what_noise_turns_over_does_not_last(detector, monkeypatch):
     picture = with_disc(shade(table(), (145, 130), 40), (120, 120), RED)
     picture = with_disc(picture, (170, 120), RED)
