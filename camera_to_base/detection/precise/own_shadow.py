@@ -19,15 +19,13 @@ shade where it has two parts, of which one can be shade and the other cannot: it
 the table, or coloured, or clearly darker than the shade. each such pair is tested.
 
 An object may be lighter than its shadow: then the shadow is a crescent, and the object is convex.
-A box seen from the side has a light top and a dark wall, which look the same, but the wall lies
-away from the picture's middle. Such a pair stays together.
 """
 
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.piece import (
-    centre_of, channel_extremes, find_highlight, in_clearest_colour, largest_part, Look, look_at,
-    outline_of, Piece, quantile, square, surrounds)
+    channel_extremes, find_highlight, in_clearest_colour, largest_part, Look, look_at, outline_of,
+    Piece, quantile, square, surrounds)
 import cv2
 import numpy as np
 
@@ -43,27 +41,19 @@ _NEAR, _CLOSE, _FARTHER = (1.5, 4.0), (3.0, 5.0), (6.0, 9.0)
 
 # What shade cannot be: lighter, or of a colour.
 _LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
-# Logarithms of ratios: from where a thing is much lighter than the table, the part of that at
-# which it ends, and what shows at all.
-_MUCH_LIGHTER, _END_OF_LIGHT, _MARKED = 0.4, 0.35, 0.1
 _LEAST_CORE, _LEAST_SHADE_PART = 20, 8
 _SATURATED, _MOST_SATURATED = 0.97, 0.02
 # A highlight on glass lies inside of the rim; an object's rim is free where no shadow lies.
 _LEAST_FREE_RIM_OF_SPOT = 0.45
-_LEAST_DULL, _LEAST_SHADE_BESIDE = 0.6, 0.15
 # Two levels are apart by this much, logarithm.
 _LEVELS_APART = 0.15
 # JPEG and a sensor's colour filter make a step between colours less sharp.
 _STEEPEST_COLOUR = 0.35
 _STEPS, _LOWEST = 80, -3.0
-# Cosine of the angle between a wall and the way out of the picture, and how much more convex an
-# object is than its shadow, where it is lighter.
-_OUTWARD, _MORE_CONVEX = 0.8, 0.2
-_LEAST_LIGHT = 1e-3
+# How much more convex an object is than its shadow, where it is lighter.
+_MORE_CONVEX = 0.2
 # A thing is of one colour where this part of it has that colour.
 _MOSTLY = 0.7
-# A shadow's median ratio, where it surrounds a light thing.
-_DEEPEST_AROUND = -1.0
 
 
 def is_thing_and_shade(
@@ -127,19 +117,6 @@ def _has_sharp_step(
     return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
 
 
-def has_step(
-    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
-) -> bool:
-    """
-    Tell whether the frame has a step between two parts of a region.
-
-    Where only the ratio has one, the table has it, and nothing ends there.
-    """
-    sides, _, level, ratio = _sides(thing, marked, rest, piece)
-    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
-    return in_frame is None or abs(in_frame) >= _FRAME_STEP * abs(in_ratio)
-
-
 def _sides(
     thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
 ) -> Tuple['_Sides', np.ndarray, np.ndarray, np.ndarray]:
@@ -185,22 +162,16 @@ class Thing(NamedTuple):
     An object without its shade.
 
     :param mask: Shape (h, w), uint8, 1 inside.
-    :param is_light: Whether it is much lighter than the table, so that `mask` is all of it.
     :param is_sure: Whether it has what shade cannot have. Else what was split off may be its
         lighter face, or it is a face of what was split off.
     """
 
     mask: np.ndarray
-    is_light: bool
     is_sure: bool = True
 
 
-def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Optional[Thing]:
-    """
-    Find the object in a region that is an object and its shade; None for other regions.
-
-    :param outward: From the picture's middle to the region, u and v, in px.
-    """
+def split_off_shade(piece: Piece) -> Optional[Thing]:
+    """Find the object in a region that is an object and its shade; None for other regions."""
     core = cv2.erode(piece.mask, square(5))
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
@@ -208,27 +179,17 @@ def split_off_shade(piece: Piece, outward: Tuple[float, float] = (0, 0)) -> Opti
     special = _special(look, piece.mask)
     share = cv2.countNonZero(special & core) / cv2.countNonZero(core)
     spot = find_highlight(piece)
-    thing = _special_thing(piece, look, core, special) if share > _LEAST_SPECIAL else None
+    thing = _special_thing(piece, look, special) if share > _LEAST_SPECIAL else None
     if thing is not None and spot is not None and not has_free_rim(
             thing.mask, piece.mask, _LEAST_FREE_RIM_OF_SPOT):
         thing = None
     if thing is None and share < 0.5 and not _is_dazzled(piece):
         special = special if spot is None else special | spot & piece.mask
-        thing = _darker_thing(piece, look, look.ratio, core, special, outward)
-        if thing is None:
-            # An object as dark as its shadow may have another colour.
-            ratio = _clearest_ratio(piece, core)
-            thing = _darker_thing(piece, look, ratio, core, special, outward)
+        thing = _darker_thing(piece, look, core, special)
         if thing is not None and spot is not None and surrounds(
                 spot, thing.mask, _lighter_side(thing.mask, piece.mask)):
             thing = None
     return thing
-
-
-def _clearest_ratio(piece: Piece, core: np.ndarray) -> np.ndarray:
-    ratio = np.log(np.maximum(piece.frame, _LEAST_LIGHT) / np.maximum(piece.table, _LEAST_LIGHT))
-    ratio = cv2.blur(ratio, (5, 5))
-    return ratio[..., int(np.argmax(cv2.meanStdDev(ratio, mask=core)[1]))]
 
 
 def _is_dazzled(piece: Piece) -> bool:
@@ -245,18 +206,14 @@ def _special(look: Look, mask: np.ndarray) -> np.ndarray:
 
 
 def _special_thing(
-    piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
+    piece: Piece, look: Look, special: np.ndarray
 ) -> Optional[Thing]:
     thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(9)))
     thing = cv2.dilate(thing, square(3)) & piece.mask
-    ratios = look.ratio[(thing & core) > 0]
-    light = quantile(ratios, 0.75) if len(ratios) else 0.0
-    if light > _MUCH_LIGHTER:
-        return _light_thing(piece, look, _END_OF_LIGHT * light)
     if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
         thing = _up_to_half(thing, piece)
     is_thing = is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
-    return Thing(thing, False) if is_thing else None
+    return Thing(thing) if is_thing else None
 
 
 def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
@@ -273,29 +230,10 @@ def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
     return largest_part(cv2.morphologyEx(like, cv2.MORPH_CLOSE, square(9))) & piece.mask
 
 
-def _light_thing(piece: Piece, look: Look, end: float) -> Optional[Thing]:
-    light = piece.mask & (look.ratio > end).astype(np.uint8)
-    thing = largest_part(cv2.morphologyEx(light, cv2.MORPH_CLOSE, square(7))) & piece.mask
-    rest = piece.mask & (1 - cv2.dilate(thing, square(5)))
-    if cv2.countNonZero(rest) < _LEAST_SHADE_PART:
-        return None
-    marked = piece.mask & (np.abs(look.ratio) > _MARKED)
-    dull = ((look.ratio < end) & (look.tint < 2)).astype(np.uint8)
-    shade = (look.ratio < -_MARKED).astype(np.uint8)
-    if (cv2.countNonZero(rest & marked & dull) < _LEAST_DULL * cv2.countNonZero(rest & marked)
-            or cv2.countNonZero(rest & shade) < _LEAST_SHADE_BESIDE * cv2.countNonZero(rest)):
-        return None
-    is_large = cv2.countNonZero(thing) >= least_area(marked)
-    may_surround = quantile(look.ratio[rest > 0]) > _DEEPEST_AROUND
-    if not is_large or not (may_surround or has_free_rim(thing, piece.mask)):
-        return None
-    return Thing(thing, True) if has_step(thing, thing, rest, piece) else None
-
-
 def _darker_thing(
-    piece: Piece, look: Look, ratio: np.ndarray, core: np.ndarray, special: np.ndarray,
-    outward: Tuple[float, float],
+    piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
 ) -> Optional[Thing]:
+    ratio = look.ratio
     ratios = ratio[(core & (1 - special)) > 0]
     if len(ratios) < _LEAST_CORE:
         return None
@@ -312,11 +250,9 @@ def _darker_thing(
     rest = _lighter_side(thing, piece.mask)
     if not special.any() and _solidity(rest) > _solidity(thing) + _MORE_CONVEX:
         # A shadow is what its object leaves of it, a crescent.
-        if _is_wall(thing, rest, outward):
-            return None
         thing = darker = rest
     is_thing = is_thing_and_shade(thing, darker, piece, look)
-    return Thing(thing, False, is_sure=False) if is_thing else None
+    return Thing(thing, is_sure=False) if is_thing else None
 
 
 def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -324,12 +260,6 @@ def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
     rest = cv2.erode(mask, square(5)) & (1 - dark)
     rest = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
     return cv2.dilate(rest, square(5)) & mask & (1 - dark)
-
-
-def _is_wall(dark: np.ndarray, rest: np.ndarray, outward: Tuple[float, float]) -> bool:
-    away = np.subtract(centre_of(dark), centre_of(rest))
-    length = np.hypot(*away) * np.hypot(*outward)
-    return bool(length == 0 or away @ outward >= _OUTWARD * length)
 
 
 def _solidity(mask: np.ndarray) -> float:

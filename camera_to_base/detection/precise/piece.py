@@ -308,14 +308,6 @@ def find_highlight(piece: Piece) -> Optional[np.ndarray]:
     return cv2.dilate(light, _AROUND)
 
 
-def close_around_highlights(piece: Piece) -> np.ndarray:
-    """Give a piece's mask with what lies between its highlights and its rim."""
-    if find_highlight(piece) is None:
-        return piece.mask
-    light = _lighter(piece, cv2.dilate(piece.mask, disc(5)))
-    return largest_part(cv2.morphologyEx(piece.mask | light, cv2.MORPH_CLOSE, _AROUND))
-
-
 def surrounds(highlight: np.ndarray, thing: np.ndarray, rest: np.ndarray) -> bool:
     """
     Tell whether a part that looks like an object's shade lies between its highlight and its rim.

@@ -11,17 +11,17 @@
 
 from dataclasses import replace
 import math
-from typing import Callable, List, NamedTuple, Tuple
+from typing import List, NamedTuple, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
-    centre_of, close_around_highlights, enclosed, enlarged, filled, grown, make_piece, outline_of,
+    centre_of, enclosed, enlarged, filled, grown, make_piece, outline_of,
     outlines_in, Piece, reduced, slices)
-from camera_to_base.detection.precise.plain import place_plain, Plain
+from camera_to_base.detection.precise.plain import Plain
 from camera_to_base.detection.precise.regions import find_shaded, places_to_look, Region
-from camera_to_base.detection.precise.shares import place, place_thing, place_whole, Placed
+from camera_to_base.detection.precise.shares import place, place_thing, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
 import numpy as np
@@ -81,12 +81,6 @@ class Placer:
         is_at_edge = touches_edge(region.box, frame)
         if is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
             return unplaced(region.outline, frame)
-        if not is_at_edge and not region.in_other_light:
-            window = grown(region.box, 1, frame)
-            placed = place_plain(frame, window, filled(region.outline, window, 255),
-                                 region.outline, reference)
-            if placed is not None:
-                return self._placed(placed, window)
         box = grown(region.box, _SURROUNDINGS, frame)
         window = _Window(frame, reference, box, filled(region.outline, box))
         if is_at_edge and window.mask.size > _MOST_AT_EDGE:
@@ -125,21 +119,16 @@ class Placer:
         self, window: '_Window', is_at_edge: bool, may_be_light: bool
     ) -> List[Detection]:
         coarse, scale = window.reduced(_MOST_AT_EDGE if is_at_edge else _MOST_TO_TELL)
-        thing = split_off_shade(coarse, window.outward)
+        thing = split_off_shade(coarse)
         if thing is None and may_be_light:
             return []
-        kept = coarse if thing is None else coarse._replace(mask=thing.mask)
-        is_whole = thing is not None and thing.is_light
-        if not is_whole:
-            kept = kept._replace(mask=close_around_highlights(kept))
-        mask = (window.mask if kept.mask is coarse.mask
-                else enlarged(kept.mask, scale, window.mask))
+        mask = window.mask if thing is None else enlarged(thing.mask, scale, window.mask)
         outline = outline_of(mask, window.box)
         if outline is None:
             return []
         if touches_edge(Box(*cv2.boundingRect(outline)), window.frame):
             return unplaced(outline, window.frame)
-        found = self._at(window, mask, place_whole if is_whole else place)
+        found = self._at(window, mask)
         if thing is None or thing.is_sure:
             return found
         doubt = _OF_SHADE * scale * math.dist(centre_of(thing.mask), centre_of(coarse.mask))
@@ -148,7 +137,7 @@ class Placer:
     def _in_shade_of(self, window: '_Window') -> List[Detection]:
         return [detection for part in self._parts_in_shade(window)
                 for mask in find_shaded(part.piece, self._min_area)
-                for detection in self._at(part, mask, place)]
+                for detection in self._at(part, mask)]
 
     def _parts_in_shade(self, window: '_Window') -> List['_Window']:
         coarse, scale = window.reduced(_MOST_TO_TELL)
@@ -157,13 +146,11 @@ class Placer:
         return [window.part(box, scale)
                 for box in places_to_look(coarse, self._min_area / scale ** 2)]
 
-    def _at(
-        self, window: '_Window', mask: np.ndarray, way: Callable[[Piece], Placed]
-    ) -> List[Detection]:
+    def _at(self, window: '_Window', mask: np.ndarray) -> List[Detection]:
         # Only what is near the object takes time.
         near = window.around(mask)
         coarse, scale = near.reduced(_MOST_TO_PLACE)
-        return self._placed(_at_full_size(way(coarse), scale, near.mask), near.box)
+        return self._placed(_at_full_size(place(coarse), scale, near.mask), near.box)
 
     def _placed(self, placed: Placed, window: Box) -> List[Detection]:
         parts = [placed.mask]
@@ -197,13 +184,6 @@ class _Window:
     ) -> None:
         self.frame, self._reference = frame, reference
         self.box, self.mask = box, mask
-
-    @property
-    def outward(self) -> Tuple[float, float]:
-        """From the picture's middle to the window's, u and v, in px."""
-        height, width = self.frame.shape[:2]
-        return (self.box.x + (self.box.width - width) / 2,
-                self.box.y + (self.box.height - height) / 2)
 
     @property
     def piece(self) -> Piece:

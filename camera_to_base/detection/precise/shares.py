@@ -19,17 +19,12 @@ is covered make the next, better mask: three turns are enough.
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_sum, chosen, complete_shares, disc, enlarged, find_highlight,
-    largest_part, outline_of, Piece, quantile, reduced, square)
+    channel_sum, chosen, complete_shares, disc, find_highlight, Piece, quantile, square)
 import cv2
 import numpy as np
 
 # Turns at most, and which part of an object may still change in the last one.
 _TURNS, _SETTLED = 3, 0.005
-# A larger piece, in px², of an object with this many px for each px of its outline starts small.
-_MANY, _WIDE = 12_000, 8.0
-# Ratios of light that no shade has, and of the largest to the smallest colour's.
-_LIGHT, _COLOURED = 1.15, 1.35
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
 # which part of that way is still to go.
 _STEEPEST = 0.3
@@ -43,7 +38,7 @@ _TEXTURED = 4.0
 _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
-_LEAST_CORE, _SMALLEST = 6, 6
+_LEAST_CORE = 6
 # How much the colour of most of a thing of one colour varies, beside its contrast.
 _ONE_COLOUR, _MOSTLY = 0.15, 0.85
 
@@ -72,36 +67,10 @@ class Placed(NamedTuple):
 
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
-    highlight, mask, ratio, turns = find_highlight(piece), piece.mask, _ratio(piece), _TURNS
-    if mask.size > _MANY and _is_wide(mask):
-        # All turns but the last one at half of the size.
-        coarse, scale = reduced(piece, mask.size - 1)
-        mask, turns = enlarged(_covered(coarse, _ratio(coarse), _TURNS)[1], scale, mask), 1
-    shares, mask = _covered(piece._replace(mask=mask), ratio, turns)
-    shares = np.maximum(shares * cv2.dilate(mask, square(3)), cv2.erode(mask, square(5)))
-    if highlight is not None:
-        shares = complete_shares(shares, piece.mask, highlight)
-    return Placed(shares.astype(np.float32), mask)
-
-
-def _is_wide(mask: np.ndarray) -> bool:
-    outline = outline_of(mask)
-    return outline is not None and cv2.countNonZero(mask) >= _WIDE * len(outline)
-
-
-def _covered(piece: Piece, ratio: np.ndarray, turns: int) -> Tuple[np.ndarray, np.ndarray]:
-    """Give the shares, and the mask of the pixels of which more than half is covered."""
-    mask, values = piece.mask, _values(piece, ratio)
-    sure = _no_shade(ratio, mask)
-    for _ in range(turns):
-        shares = _shares(values, mask, sure)
-        covered = (shares > 0.5).view(np.uint8)
-        covered = largest_part(cv2.morphologyEx(covered, cv2.MORPH_CLOSE, disc(5)))
-        area = cv2.countNonZero(covered)
-        if area < _SMALLEST or cv2.countNonZero(covered ^ mask) <= _SETTLED * area:
-            break
-        mask = covered
-    return shares, mask
+    placed, highlight = place_thing(piece)[0], find_highlight(piece)
+    if highlight is None:
+        return placed
+    return placed._replace(shares=complete_shares(placed.shares, piece.mask, highlight))
 
 
 def place_whole(piece: Piece) -> Placed:
@@ -147,15 +116,6 @@ def _is_of_one_colour(piece: Piece) -> bool:
     off = np.linalg.norm(levels - usual, axis=1)
     contrast = float(np.linalg.norm(usual - cv2.mean(piece.table, core)[:3]))
     return float(quantile(off, _MOSTLY)) < _ONE_COLOUR * contrast
-
-
-def _no_shade(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    # Well inside of the region, what is lighter than the table or of another colour is the object,
-    # whatever it looks like elsewhere.
-    smallest, largest = channel_extremes(ratio)
-    other = (largest > _LIGHT) | (largest > _COLOURED * smallest)
-    return cv2.morphologyEx(cv2.erode(mask, square(9)) & other.view(np.uint8),
-                            cv2.MORPH_OPEN, square(3))
 
 
 def _ratio(piece: Piece) -> np.ndarray:

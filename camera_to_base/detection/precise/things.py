@@ -19,10 +19,8 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
-    box_mean, detail_of, Evidence, evidence, gradient, LEAST_LIKENESS, log_levels, OWN_NOISE,
-    WORST_LIGHT)
+    detail_of, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
 from camera_to_base.detection.precise.light import LINEAR, Reference
-from camera_to_base.detection.precise.own_shadow import has_free_rim
 from camera_to_base.detection.precise.piece import (
     chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
@@ -46,8 +44,6 @@ _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 _PRINT, _JPEG = 0.1, 9
 # So many deviations of chance tell that the table's detail is seen.
 _SOME_LIKENESS = 4.0
-# Faint texture is told in windows of this size, px, by so many nats in each.
-_WIDE, _LEAST_NATS, _LEAST_OWN, _EDGE = 15, 2.0, 0.25, 4.0
 # Light without an edge changes less per px; logarithm of the level.
 _STEEPEST = 0.06
 # What fades into the table has such an edge on less of its rim.
@@ -144,9 +140,7 @@ def _masks(
     has_highlight = find_highlight(
         make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
     if solid is not None and not solid.any() and _is_clear(
-            solid, changed, found, has_highlight, min_area):
-        return []
-    if solid is not None and not solid.any() and _keeps_texture(found, changed):
+            solid, changed, found, has_highlight):
         return []
     by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
@@ -159,10 +153,10 @@ def _masks(
     if by_edges is not None:
         things, unsure = by_edges.things, by_edges.unsure
     else:
-        things = None if solid is None or not solid.any() else _up_to_edges(
-            solid, changed, found, frame)
-        if things is None or _goes_on(things, changed, frame, min_area) or not _is_clear(
-                things, changed, found, has_highlight, min_area):
+        things = solid
+        if things is None or not things.any() or _goes_on(
+                things, changed, frame, min_area) or not _is_clear(
+                things, changed, found, has_highlight):
             # The table's texture all over it tells of light, but for what is surely none.
             things = _no_light(wide, found)
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
@@ -235,32 +229,6 @@ def _no_light(things: np.ndarray, found: Evidence) -> np.ndarray:
     return kept
 
 
-def _up_to_edges(
-    things: np.ndarray, changed: np.ndarray, found: Evidence, frame: np.ndarray
-) -> np.ndarray:
-    """Give what is not clear to the things or to the light, up to the frame's edges."""
-    # Only where the frame has no step between them: else it is their shade, or not clear.
-    unknown = changed & (found.nats > -_CLEAR).view(np.uint8) & (1 - things)
-    seeds = np.int32(things) + 2 * (1 - np.int32(cv2.dilate(unknown | things, square(3))))
-    reached = (cv2.watershed(np.ascontiguousarray(frame), seeds) == 1).view(np.uint8)
-    logs, things = cv2.LUT(frame, log_levels()), things.copy()
-    added = reached & (1 - things)
-    # What is too narrow for a core shows no step.
-    cores = cv2.dilate(cv2.erode(added, square(3)), square(3))
-    for outline in outlines_in(added):
-        box = Box(*cv2.boundingRect(outline))
-        part = filled(outline, box) & added[slices(box)]
-        if not cv2.countNonZero(cores[slices(box)] & part):
-            things[slices(box)] |= part
-            continue
-        box = grown(box, _BESIDE, things)
-        near = slices(box)
-        part = filled(outline, box) & reached[near] & (1 - things[near])
-        if not _has_step(logs[near], things[near], part):
-            things[near] |= part
-    return things
-
-
 def _goes_on(
     things: np.ndarray, changed: np.ndarray, frame: np.ndarray, min_area: float
 ) -> bool:
@@ -276,11 +244,6 @@ def _goes_on(
     return any(step is not None and step < _LEAST_STEP for step in steps)
 
 
-def _has_step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> bool:
-    step = _step(logs, one, other)
-    return step is not None and step > _LEAST_STEP
-
-
 def _step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> Optional[float]:
     """Give the step between two parts of a frame, logarithm; None where they do not touch."""
     # Not at the border itself, where pixels are mixed.
@@ -293,12 +256,10 @@ def _step(logs: np.ndarray, one: np.ndarray, other: np.ndarray) -> Optional[floa
 
 
 def _is_clear(
-    things: np.ndarray, changed: np.ndarray, found: Evidence, has_highlight: bool,
-    min_area: float
+    things: np.ndarray, changed: np.ndarray, found: Evidence, has_highlight: bool
 ) -> bool:
     beside = 1 - cv2.dilate(things, square(7))
     rest = changed & beside
-    near = cv2.dilate(changed, square(_SIZE)) & (1 - cv2.dilate(things, square(13)))
     count, total = cv2.countNonZero(rest), cv2.countNonZero(changed)
     if count < _LEAST_REST * total:
         return count < total
@@ -309,14 +270,12 @@ def _is_clear(
         return False
     detail, sure = detail_of(found, rest), sure > _MOSTLY * count
     if (detail.is_table or sure and detail.likeness > _SOME_LIKENESS
-            or _is_smooth(found, near, min_area)
             or things.any() and _ends_softly(found, changed, things)):
         return True
     # A highlight or a lamp's mirror image is small and surrounded; a thing is not.
     return things.any() and not has_highlight and (
         cv2.countNonZero(things) > _LEAST_SHARE * total
-        or has_free_rim(things, changed | things)
-        and not _is_dark_alone(things, found, sure))
+        or not _is_dark_alone(things, found, sure))
 
 
 def _is_dark_alone(things: np.ndarray, found: Evidence, is_rest_sure: bool) -> bool:
@@ -326,32 +285,6 @@ def _is_dark_alone(things: np.ndarray, found: Evidence, is_rest_sure: bool) -> b
         # A face has the colour of its thing.
         dark &= (found.nats < _CLEAR).view(np.uint8)
     return cv2.countNonZero(dark) > _MOSTLY * cv2.countNonZero(things)
-
-
-def _keeps_texture(found: Evidence, changed: np.ndarray) -> bool:
-    """Tell whether the table's texture is seen all over a region, however faint it is."""
-    inside = cv2.erode(changed, square(_SIZE))
-    if detail_of(found, changed).likeness < LEAST_LIKENESS:
-        return False
-    own, seen = (level - box_mean(level, _SIZE) for level in (found.usual, found.seen))
-    # What a thing's edge adds is no texture.
-    own, seen = (np.clip(detail / cv2.sqrt(found.variance), -_EDGE, _EDGE)
-                 for detail in (own, seen))
-    power = cv2.mean(own * own, inside)[0]
-    # The background's noise makes the slope less steep.
-    slope = np.float32(max(1 - OWN_NOISE / max(power, 1e-6), _LEAST_OWN))
-    nats = slope * own * (seen - slope / 2 * own)
-    if cv2.mean(nats, inside)[0] * cv2.countNonZero(inside) < _CLEAR:
-        return False
-    nats = _WIDE ** 2 * box_mean(nats, _WIDE)
-    without = inside & (nats < _LEAST_NATS).view(np.uint8)
-    return not cv2.erode(without, square(_WIDE)).any()
-
-
-def _is_smooth(found: Evidence, near: np.ndarray, min_area: float) -> bool:
-    """Tell whether the light changes without an edge: a lamp, a cloud, a far shadow."""
-    steep = _steep(found) & near
-    return cv2.countNonZero(cv2.morphologyEx(steep, cv2.MORPH_OPEN, square(3))) < min_area
 
 
 def _ends_softly(found: Evidence, changed: np.ndarray, things: np.ndarray) -> bool:
