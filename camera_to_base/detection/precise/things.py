@@ -153,12 +153,14 @@ def _masks(
     if by_edges is not None:
         things, unsure = by_edges.things, by_edges.unsure
     else:
-        things = solid
+        sure = _no_light(wide, found)
+        # Beside what is surely none, what light explains is light.
+        things = sure if solid is not None and sure.any() else solid
         if things is None or not things.any() or _goes_on(
                 things, changed, frame, min_area) or not _is_clear(
                 things, changed, found, has_highlight):
             # The table's texture all over it tells of light, but for what is surely none.
-            things = _no_light(wide, found)
+            things = sure
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
             if has_highlight or not detail_of(found, rest).is_table:
                 return None
@@ -220,7 +222,7 @@ def _solid(
 
 def _no_light(things: np.ndarray, found: Evidence) -> np.ndarray:
     """Keep the parts that light explains badly."""
-    bad, kept = (found.light > WORST_LIGHT).view(np.uint8), np.zeros_like(things)
+    bad, kept = (found.light > WORST_LIGHT).view(np.uint8) | found.is_dark, np.zeros_like(things)
     for outline in outlines_in(things):
         box = Box(*cv2.boundingRect(outline))
         inside = filled(outline, box)
