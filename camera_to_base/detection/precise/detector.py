@@ -26,7 +26,7 @@ Each step is a module of its own:
 - `search`, `regions`: where such pixels are connected, for the long way, and what lies in the
   shade of an arm.
 - `still`: what was told of regions that lie still, so that it need not be told again.
-- `outside_light`: shade from outside of the picture and a lamp that flickers: both no objects.
+- `other_light`: smooth light, a lamp that flickers, shade from outside: taken out, no objects.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
 - `own_shadow`, `piece`: where `things` says nothing, what of a region is its object's shade, and
   what its gloss.

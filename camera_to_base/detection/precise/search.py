@@ -10,8 +10,8 @@
 """
 What may be an object on a frame: plain objects by the short way, and regions for the long way.
 
-Where a region may be light that comes from outside of the picture, all is looked at once more,
-with that light taken into account.
+Smooth light and bands are taken out of the frame first. Where a region may be light with an edge
+that comes from outside of the picture, all is looked at once more, with that taken into account.
 """
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -20,7 +20,7 @@ from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, 
 from camera_to_base.detection.precise.changes import changed_parts, Strips
 from camera_to_base.detection.precise.evidence import measure_tint
 from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
-from camera_to_base.detection.precise.outside_light import (
+from camera_to_base.detection.precise.other_light import (
     Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands,
     without_smooth_light)
 from camera_to_base.detection.precise.piece import (

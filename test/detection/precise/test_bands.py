@@ -12,7 +12,7 @@
 import math
 
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.precise.outside_light import find_bands, without_bands
+from camera_to_base.detection.precise.other_light import find_bands, without_bands
 import cv2
 import numpy as np
 import pytest

@@ -12,7 +12,7 @@
 import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
-from camera_to_base.detection.precise.outside_light import without_smooth_light
+from camera_to_base.detection.precise.other_light import without_smooth_light
 import cv2
 import numpy as np
 import pytest

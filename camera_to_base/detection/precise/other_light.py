@@ -8,10 +8,11 @@
 # the License.
 
 """
-Light and shade that come from outside of the picture, and the bands of a lamp that flickers.
+Other light than the background's: lobes of a lamp, bands of one that flickers, foreign shade.
 
-They change a part of the picture that reaches its border, smoothly or with an edge, and by about
-one factor for all colours. What is small beside a median filter's window is no such light.
+All of these change the picture by about one factor for all colours. A lobe, a cloud or a soft
+shadow does so smoothly, wherever it comes from; a foreign shade has an edge and reaches the
+picture's border. What is small beside a median filter's window is no such light.
 
 They are taken out of the frame, as exactly as a gain is: whatever follows sees one light.
 """
