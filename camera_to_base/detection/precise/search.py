@@ -272,7 +272,7 @@ def _evened(frame: np.ndarray, parts: List[Box], reference: Reference) -> Option
     """Give a frame as it looks without the bands or the lobes of a lamp; None without any."""
     lit, limits = reference.lit, reference.limits
     is_lit = any(_is_lit(frame, limits.weak(frame, slices(part)), part, lit) for part in parts
-                 if _may_be_lit(part.width * part.height, frame))
+                 if part.width * part.height > _LEAST_LIGHT * lit[..., 0].size)
     if is_lit or _are_bands_likely(frame, parts):
         bands = find_bands(frame, lit)
         if bands is not None:
@@ -317,13 +317,9 @@ def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
 
 
 def _may_be_light(frame: np.ndarray, region: Region, lit: np.ndarray) -> bool:
-    return (_may_be_lit(cv2.contourArea(region.outline), frame)
-            and _may_reach_border(frame, region)
+    area = cv2.contourArea(region.outline) / frame[..., 0].size
+    return (_LEAST_LIGHT < area < _MOST_LIGHT and _may_reach_border(frame, region)
             and _is_lit(frame, filled(region.outline, region.box), region.box, lit))
-
-
-def _may_be_lit(area: float, frame: np.ndarray) -> bool:
-    return _LEAST_LIGHT < area / frame[..., 0].size < _MOST_LIGHT
 
 
 def _is_lit(frame: np.ndarray, mask: np.ndarray, box: Box, lit: np.ndarray) -> bool:

@@ -99,3 +99,22 @@ def test_thing_in_a_soft_shade_with_its_own_hard_shade_is_found(texture, quality
     detector = PreciseDifferenceDetector(photograph(table(texture), 1, quality))
     found, = detector.detect(photograph(light, 2, quality))
     assert math.dist(found.centre, (330, 230)) < 1
+
+
+@pytest.mark.parametrize('texture', [0, 0.05])
+@pytest.mark.parametrize('slope', [(0.6, 0), (0.4, -0.4), (0, 0.8)])
+def test_lamp_at_one_side_hides_no_coin_and_is_none(texture, slope):
+    light = 1 + (slope[0] * (COLUMNS / SIZE[1] - 0.5) + slope[1] * (ROWS / SIZE[0] - 0.5))
+    light = with_coins(table(texture), (0.1, 0.3, 0.5)) * light[..., None]
+    detector = PreciseDifferenceDetector(photograph(table(texture), 1))
+    found = [one.centre for one in detector.detect(photograph(light, 2))]
+    assert len(found) == len(COINS)
+    for coin in COINS:
+        assert min(math.dist(one, coin) for one in found) < 0.4
+
+
+@pytest.mark.parametrize('cut', [(1, 0), (0, 3), (2, 1)])
+def test_size_of_a_picture_does_not_matter(cut):
+    part = np.s_[cut[0]:, cut[1]:]
+    detector = PreciseDifferenceDetector(photograph(table(0)[part], 1))
+    assert detector.detect(photograph((table(0) * lobe(0.7, 60))[part], 2)) == []
