@@ -41,7 +41,8 @@ _WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
 _ALIKE, _THIRD_COLOUR = 0.15, 0.1
-# The same for what is narrow, and print: as a part of its light.
+# What is narrow between things is a print on one where it is off such mixtures by more than this
+# part of its light.
 _THIRD_LIGHT = 0.25
 # What is off by less than this part of what is near it shows the table.
 _SURELY = 0.15
@@ -182,7 +183,7 @@ def cut_at_gaps(
 
 def with_stripes(things: np.ndarray, frame: np.ndarray, background: np.ndarray) -> np.ndarray:
     """
-    Add what is narrow between things, and of a third colour: a print on one thing.
+    Add what is narrow between things, and of a third colour: it is a print on one thing.
 
     :param things: Shape (h, w), uint8, 1 inside.
     :param frame: Shape (h, w, 3), uint8, BGR.
@@ -202,10 +203,14 @@ def with_stripes(things: np.ndarray, frame: np.ndarray, background: np.ndarray) 
         seen, side = (quantile(chosen(light[near], where)) for where in (part, sides))
         # The table in any light, and mixtures with the side's colour.
         span = np.stack([side, cv2.mean(usual[near], part)[:3]])
-        off = seen - seen @ np.linalg.pinv(span, _ALIKE) @ span
-        if np.linalg.norm(off) > _THIRD_LIGHT * np.linalg.norm(seen):
+        if _off_mixtures(seen, span) > _THIRD_LIGHT * np.linalg.norm(seen):
             things[near] |= part
     return things
+
+
+def _off_mixtures(seen: np.ndarray, span: np.ndarray) -> np.ndarray:
+    """Give how far colours, shape (..., 3), are off all mixtures of some, shape (n, 3)."""
+    return np.linalg.norm(seen - seen @ np.linalg.pinv(span, _ALIKE) @ span, axis=-1)
 
 
 def table_between(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
@@ -233,8 +238,7 @@ def _is_gap(
         return False
     # Through a blurred lens, it is a mixture of the table and the sides: no third colour.
     seen, contrasts = change[gap > 0], np.linalg.norm(span, axis=1)
-    off = np.linalg.norm(seen - seen @ np.linalg.pinv(span, _ALIKE) @ span, axis=1)
-    if np.median(off) > max(_THIRD_COLOUR * contrasts.min(), WEAK_LEVELS):
+    if np.median(_off_mixtures(seen, span)) > max(_THIRD_COLOUR * contrasts.min(), WEAK_LEVELS):
         return False
     # Not one side goes on. A dark joint of the table below a dark thing is no gap, either.
     for place, contrast in zip(places, contrasts):

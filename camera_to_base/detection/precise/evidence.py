@@ -66,8 +66,8 @@ WORST_LIGHT = 3.0
 _LEAST_LIGHT = 1e-3
 # How much of the table's detail is seen where only the light has changed; how many deviations of
 # chance tell that; how much of a variance is the background's noise, and what may be left.
-_LEAST_SLOPE, _MOST_SLOPE, LEAST_LIKENESS = 0.3, 1.6, 8.0
-OWN_NOISE, _MOST_LEFT = 0.4, 2.5
+_LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS = 0.3, 1.6, 8.0
+_OWN_NOISE, _MOST_LEFT = 0.4, 2.5
 # From this part of the table's power on, what is seen is a texture of another kind.
 _OTHER_TEXTURE = 0.5
 # How many pixels tell as much of a texture as one whose noise is its own: demosaicing and JPEG
@@ -175,7 +175,7 @@ def evidence(
 
 
 def _products(usual: np.ndarray, seen: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    own, now = (level - box_mean(level, _SIZE) for level in (usual, seen))
+    own, now = (level - _box_mean(level, _SIZE) for level in (usual, seen))
     per_noise = own / variance
     return cv2.merge([per_noise * now, per_noise * own, now * now / variance])
 
@@ -202,7 +202,7 @@ def _light(
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
     count = size ** 2
-    means, variance = ([box_mean(one, size) for one in planes] for planes in (change, variance))
+    means, variance = ([_box_mean(one, size) for one in planes] for planes in (change, variance))
     shade = cv2.min(means[2], 0)
     # Tint and gain are the same all over a window.
     known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2)
@@ -214,7 +214,7 @@ def _light(
     light = _off_plane(change[2], means[2], size) / variance[2]
     for axis in range(2):
         off_tint = means[axis] - part * np.float32(tint[axis])
-        light += (count * (box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
+        light += (count * (_box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
                   + count * off_tint ** 2 / (
                       variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)
                       + known))
@@ -227,20 +227,20 @@ def _off_constant(
     """Give the chi-square of one colour in the best window around each pixel: shape (h, w)."""
     # Small numbers: squares are taken.
     seen = [one - np.float32(cv2.mean(one)[0]) for one in seen]
-    means, variance = ([box_mean(one, size) for one in planes] for planes in (seen, variance))
+    means, variance = ([_box_mean(one, size) for one in planes] for planes in (seen, variance))
     thing = _off_plane(seen[2], means[2], size) / variance[2]
     for axis in range(2):
-        thing += size ** 2 * (box_mean(seen[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
+        thing += size ** 2 * (_box_mean(seen[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
     return cv2.erode(thing, square(size))
 
 
-def box_mean(values: np.ndarray, size: int) -> np.ndarray:
+def _box_mean(values: np.ndarray, size: int) -> np.ndarray:
     return cv2.blur(values, (size, size))
 
 
 def _off_plane(level: np.ndarray, mean: np.ndarray, size: int) -> np.ndarray:
     """Sum up the squares of what a plane leaves of a level in each window: shape (h, w)."""
-    left = size ** 2 * (box_mean(level ** 2, size) - mean ** 2)
+    left = size ** 2 * (_box_mean(level ** 2, size) - mean ** 2)
     ramp, flat = np.arange(size, dtype=np.float32) - size // 2, np.ones(size, np.float32)
     power = size * float((ramp ** 2).sum())
     for across, down in ((ramp, flat), (flat, ramp)):
@@ -274,7 +274,7 @@ class Detail(NamedTuple):
     @property
     def is_table(self) -> bool:
         """Whether the table is seen, so that light alone has changed."""
-        return (self.likeness > LEAST_LIKENESS
+        return (self.likeness > _LEAST_LIKENESS
                 and _LEAST_SLOPE * self.added < self.slope < _MOST_SLOPE
                 and self.left < _MOST_LEFT)
 
@@ -285,17 +285,17 @@ def detail_of(found: Evidence, part: np.ndarray) -> Detail:
     both, own, seen = cv2.mean(found.detail[near], inside)[:3]
     count = cv2.countNonZero(inside)
     # The noise of the background alone makes the slope less steep.
-    texture = max(1 - OWN_NOISE / max(own, OWN_NOISE), 0.0)
+    texture = max(1 - _OWN_NOISE / max(own, _OWN_NOISE), 0.0)
     # A reflection adds light, so that all of the detail is a smaller part of it.
     added = _added(found, near, inside)
     nats = count / _SPREAD * texture * min(
         part * (texture * part / 2 * own - both) for part in (1.0, added))
-    if nats > 0 and seen - OWN_NOISE > _OTHER_TEXTURE * (own - OWN_NOISE):
+    if nats > 0 and seen - _OWN_NOISE > _OTHER_TEXTURE * (own - _OWN_NOISE):
         # Another texture: a thing's own, or the table's, from where the camera was before a push.
         nats = 0.0
     if both <= 0:
         return Detail(0.0, 0.0, seen, nats, added)
-    slope = both / max(own - OWN_NOISE, own / 4)
+    slope = both / max(own - _OWN_NOISE, own / 4)
     likeness = both * np.sqrt(count / (own * seen))
     return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4), nats, added)
 

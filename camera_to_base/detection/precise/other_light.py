@@ -137,7 +137,7 @@ def without_smooth_light(frame: np.ndarray, background: np.ndarray) -> Optional[
     near = np.s_[y:y + height, x:x + width]
     level = cv2.resize(level, None, fx=_SHRINK, fy=_SHRINK)[:frame.shape[0], :frame.shape[1]]
     even = frame.copy()
-    even[near] = _evened(frame[near], background[near], cv2.cvtColor(
+    even[near] = _scaled(frame[near], background[near], cv2.cvtColor(
         cv2.exp(-POWER * level[near]), cv2.COLOR_GRAY2BGR))
     return Even(even, light)
 
@@ -216,20 +216,17 @@ def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray
 
 
 def without_bands(frame: np.ndarray, background: np.ndarray, bands: np.ndarray) -> np.ndarray:
-    """
-    Give a frame as it looks at one light, see :func:`find_bands`.
-
-    Levels that the sensor has cut off may stand for more light: they look like the background
-    where that is possible.
-    """
+    """Give a frame as it looks without its bands, see :func:`find_bands`."""
     rows, usual = (picture.reshape(len(frame), -1) for picture in (frame, background))
     factors = np.repeat(grey_factors(-bands)[:, None], rows.shape[1], axis=1)
-    return _evened(rows, usual, factors, 1 / 128).reshape(frame.shape)
+    return _scaled(rows, usual, factors, 1 / 128).reshape(frame.shape)
 
 
-def _evened(
+def _scaled(
     frame: np.ndarray, background: np.ndarray, factors: np.ndarray, scale: float = 1
 ) -> np.ndarray:
+    # Levels that the sensor has cut off may stand for more light: they look like the background
+    # where that is possible.
     even = cv2.multiply(frame, factors, scale=scale, dtype=cv2.CV_8U)
     even = cv2.max(even, cv2.min(_above(frame, _LIGHTEST - 1), background))
     return cv2.min(even, cv2.max(

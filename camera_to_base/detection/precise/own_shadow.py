@@ -56,7 +56,7 @@ _MORE_CONVEX = 0.2
 _MOSTLY = 0.7
 
 
-def is_thing_and_shade(
+def _is_thing_and_shade(
     thing: np.ndarray, marked: np.ndarray, piece: Piece, look: Look,
     steepest: float = _STEEPEST,
 ) -> bool:
@@ -69,13 +69,13 @@ def is_thing_and_shade(
     """
     mask = piece.mask
     rest = mask & (1 - cv2.dilate(thing, square(3)))
-    return (cv2.countNonZero(thing) >= least_area(mask)
+    return (cv2.countNonZero(thing) >= _least_area(mask)
             and _is_lump_of_shade(cv2.erode(rest, square(3)), look)
-            and has_free_rim(thing, mask)
+            and _has_free_rim(thing, mask)
             and _has_sharp_step(thing, marked, rest, piece, steepest))
 
 
-def least_area(mask: np.ndarray) -> float:
+def _least_area(mask: np.ndarray) -> float:
     """Give the least area of an object in a region, in px²."""
     return max(_LEAST_THING, _LEAST_SHARE_OF_REGION * cv2.countNonZero(mask))
 
@@ -91,7 +91,7 @@ def _is_lump_of_shade(rest: np.ndarray, look: Look) -> bool:
     return max(areas) > _LEAST_LUMP * sum(areas)
 
 
-def has_free_rim(
+def _has_free_rim(
     thing: np.ndarray, mask: np.ndarray, least: float = _LEAST_FREE_RIM
 ) -> bool:
     """
@@ -180,7 +180,7 @@ def split_off_shade(piece: Piece) -> Optional[Thing]:
     share = cv2.countNonZero(special & core) / cv2.countNonZero(core)
     spot = find_highlight(piece)
     thing = _special_thing(piece, look, special) if share > _LEAST_SPECIAL else None
-    if thing is not None and spot is not None and not has_free_rim(
+    if thing is not None and spot is not None and not _has_free_rim(
             thing.mask, piece.mask, _LEAST_FREE_RIM_OF_SPOT):
         thing = None
     if thing is None and share < 0.5 and not _is_dazzled(piece):
@@ -205,14 +205,12 @@ def _special(look: Look, mask: np.ndarray) -> np.ndarray:
     return cv2.morphologyEx(mask & special, cv2.MORPH_OPEN, square(3))
 
 
-def _special_thing(
-    piece: Piece, look: Look, special: np.ndarray
-) -> Optional[Thing]:
+def _special_thing(piece: Piece, look: Look, special: np.ndarray) -> Optional[Thing]:
     thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(9)))
     thing = cv2.dilate(thing, square(3)) & piece.mask
     if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
         thing = _up_to_half(thing, piece)
-    is_thing = is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
+    is_thing = _is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
     return Thing(thing) if is_thing else None
 
 
@@ -251,7 +249,7 @@ def _darker_thing(
     if not special.any() and _solidity(rest) > _solidity(thing) + _MORE_CONVEX:
         # A shadow is what its object leaves of it, a crescent.
         thing = darker = rest
-    is_thing = is_thing_and_shade(thing, darker, piece, look)
+    is_thing = _is_thing_and_shade(thing, darker, piece, look)
     return Thing(thing, is_sure=False) if is_thing else None
 
 

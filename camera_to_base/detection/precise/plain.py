@@ -89,7 +89,7 @@ def find_plain(
         return None
     mask = weak[y - 1:y + height + 1, x - 1:x + width + 1]
     window = Box(part.x + x - 1, part.y + y - 1, width + 2, height + 2)
-    placed = place_plain(frame, window, mask, outline, reference)
+    placed = _place(frame, window, mask, outline, reference)
     return None if placed is None else Plain(placed, window)
 
 
@@ -101,7 +101,7 @@ def _shows_more(
     return cv2.countNonZero(cv2.subtract(strong, weak)) >= min_area / 2
 
 
-def place_plain(
+def _place(
     frame: np.ndarray, window: Box, mask: np.ndarray, outline: np.ndarray, reference: Reference
 ) -> Optional[Placed]:
     """

@@ -78,7 +78,7 @@ class Candidates(NamedTuple):
     :param left: What the budget does not reach.
     :param told: The regions that were looked at closely, each with the things in it.
     :param held: What lies still, with what was told of it before; `regions` has its things.
-    :param light: What light was taken out of the frame.
+    :param light: The smooth light that was taken out of the frame.
     """
 
     frame: np.ndarray
@@ -137,8 +137,7 @@ def _search(
             others.append(part)
         else:
             plain.append(one)
-    regions = _regions(frame, others, reference, min_area)
-    regions, held = _without_still(regions, still)
+    regions, held = _without_still(_regions(frame, others, reference, min_area), still)
     regions, left = _within(budget, regions, frame)
     told: List[Tuple[Region, Sequence[Region]]] = []
     if regions:

@@ -250,18 +250,28 @@ def _segments(
     numbers[large] = np.arange(2, len(large) + 2)
     marks = numbers[parts]
     marks[cv2.dilate(changed, square(5)) == 0] = 1
-    labels, count = cv2.watershed(np.ascontiguousarray(frame), marks), len(large) + 2
-    # What is too narrow to be flat, as a stripe on a thing, is none of the table: it lies inside.
+    labels = cv2.watershed(np.ascontiguousarray(frame), marks)
+    return labels, _label_narrow(labels, len(large) + 2, changed)
+
+
+def _label_narrow(labels: np.ndarray, count: int, changed: np.ndarray) -> int:
+    """
+    Give labels of their own, in place, to stripes on a thing that went to the table.
+
+    They are too narrow to be flat, and lie inside of the region.
+
+    :returns: The number of labels then.
+    """
     narrow = cv2.morphologyEx(changed & (labels == 1), cv2.MORPH_OPEN, square(3))
-    if narrow.any():
-        found, parts = cv2.connectedComponents(narrow, connectivity=4)
-        at_rim = np.bincount(parts[cv2.erode(changed, square(_RIM)) == 0], minlength=found)
-        is_inside = at_rim < _MOST_AT_RIM * np.bincount(parts.ravel(), minlength=found)
-        is_inside[0] = False
-        chosen = is_inside[parts]
-        labels[chosen] = parts[chosen] + count - 1
-        count += found - 1
-    return labels, count
+    if not narrow.any():
+        return count
+    found, parts = cv2.connectedComponents(narrow, connectivity=4)
+    at_rim = np.bincount(parts[cv2.erode(changed, square(_RIM)) == 0], minlength=found)
+    is_inside = at_rim < _MOST_AT_RIM * np.bincount(parts.ravel(), minlength=found)
+    is_inside[0] = False
+    chosen = is_inside[parts]
+    labels[chosen] = parts[chosen] + count - 1
+    return count + found - 1
 
 
 def _steps(

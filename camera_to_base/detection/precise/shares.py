@@ -73,13 +73,6 @@ def place(piece: Piece) -> Placed:
     return placed._replace(shares=complete_shares(placed.shares, piece.mask, highlight))
 
 
-def place_whole(piece: Piece) -> Placed:
-    """Place an object that is all of the mask: only the shares of its rim are to be told."""
-    shares = _shares(
-        _values(piece, _ratio(piece)), piece.mask, cv2.erode(piece.mask, square(3)))
-    return Placed(shares, piece.mask)
-
-
 def place_thing(
     piece: Piece, others: Optional[np.ndarray] = None, is_settled: bool = False
 ) -> Tuple[Placed, np.ndarray]:
@@ -100,7 +93,9 @@ def place_thing(
         before, mask = mask, (shares > 0.5).view(np.uint8)
         area = cv2.countNonZero(mask)
         if not area:
-            return place_whole(piece), piece.mask
+            # All of the mask is the object.
+            return Placed(_shares(values, piece.mask, cv2.erode(piece.mask, square(3))),
+                          piece.mask), piece.mask
         if cv2.countNonZero(mask ^ before) <= _SETTLED * area:
             break
     return Placed(shares, mask), before

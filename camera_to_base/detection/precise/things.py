@@ -136,11 +136,10 @@ def _masks(
     # Between two colours of a thing, pixels show neither; on a strip of 2 px they show the table.
     things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
         1 - table_between(frame, background))
-    wide, solid = _solid(things, found, min_area)
+    wide, is_cluttered = _wide(things, found, min_area)
     has_highlight = find_highlight(
         make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
-    if solid is not None and not solid.any() and _is_clear(
-            solid, changed, found, has_highlight):
+    if not is_cluttered and not wide.any() and _is_clear(wide, changed, found, has_highlight):
         return []
     by_edges = None if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
@@ -155,8 +154,8 @@ def _masks(
     else:
         sure = _no_light(wide, found)
         # Beside what is surely none, what light explains is light.
-        things = sure if solid is not None and sure.any() else solid
-        if things is None or not things.any() or _goes_on(
+        things = sure if sure.any() else wide
+        if is_cluttered or not things.any() or _goes_on(
                 things, changed, frame, min_area) or not _is_clear(
                 things, changed, found, has_highlight):
             # The table's texture all over it tells of light, but for what is surely none.
@@ -194,14 +193,12 @@ def _smooth(found: Evidence) -> np.ndarray:
     return cv2.morphologyEx((nats > 0).view(np.uint8), cv2.MORPH_OPEN, square(3))
 
 
-def _solid(
-    things: np.ndarray, found: Evidence, min_area: float
-) -> Tuple[np.ndarray, Optional[np.ndarray]]:
-    """Give the parts that are wide enough for a window; None, too, where much else is left out."""
+def _wide(things: np.ndarray, found: Evidence, min_area: float) -> Tuple[np.ndarray, bool]:
+    """Give the parts that are wide enough for a window, and whether much else is left out."""
     kept = np.zeros_like(things)
     core = cv2.erode(things, square(_SIZE))
     print_ = cv2.dilate((gradient(found.usual) > _PRINT ** 2).view(np.uint8), square(_JPEG))
-    solid = thin = 0.0
+    wide = thin = 0.0
     part = np.zeros_like(things)
     for outline in outlines_in(things):
         area, box = enclosed(outline), Box(*cv2.boundingRect(outline))
@@ -212,12 +209,12 @@ def _solid(
         if is_table:
             continue
         if area >= min_area and cv2.countNonZero(core[near] & inside) >= _LEAST_CORE * area:
-            solid += area
+            wide += area
             kept[near] |= inside
         elif cv2.countNonZero(inside & print_[near]) < _MOSTLY * cv2.countNonZero(inside):
             # Beside the edges of a print, JPEG leaves neither.
             thin += area
-    return kept, None if thin > max(min_area, _MOST_THIN * solid) else kept
+    return kept, thin > max(min_area, _MOST_THIN * wide)
 
 
 def _no_light(things: np.ndarray, found: Evidence) -> np.ndarray:
@@ -292,10 +289,6 @@ def _is_dark_alone(things: np.ndarray, found: Evidence, is_rest_sure: bool) -> b
 def _ends_softly(found: Evidence, changed: np.ndarray, things: np.ndarray) -> bool:
     """Tell whether what is beside things fades into the table, as shade that surrounds them."""
     rim = cv2.dilate(changed, square(3)) & (1 - changed) & (1 - cv2.dilate(things, square(15)))
-    steep = cv2.dilate(_steep(found), square(_SIZE))
+    steep = (gradient(cv2.blur(found.seen - found.usual, (_SIZE, _SIZE))) > _STEEPEST ** 2)
+    steep = cv2.dilate(steep.view(np.uint8), square(_SIZE))
     return cv2.countNonZero(rim & steep) < _MOST_STEEP * cv2.countNonZero(rim)
-
-
-def _steep(found: Evidence) -> np.ndarray:
-    ratio = cv2.blur(found.seen - found.usual, (_SIZE, _SIZE))
-    return (gradient(ratio) > _STEEPEST ** 2).view(np.uint8)

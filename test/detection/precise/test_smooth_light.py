@@ -52,16 +52,20 @@ def with_coins(light, colour):
     return light
 
 
+def assert_coins_alone(light, background):
+    found = [one.centre for one in PreciseDifferenceDetector(photograph(background, 1)).detect(
+        photograph(light, 2))]
+    assert len(found) == len(COINS)
+    for coin in COINS:
+        assert min(math.dist(one, coin) for one in found) < 0.4
+
+
 @pytest.mark.parametrize('gain', [0.7, 0.85, 1.15, 1.3])
 @pytest.mark.parametrize('deviation', [30, 70, 150])
 @pytest.mark.parametrize('texture', [0, 0.04])
 def test_lobe_of_light_hides_no_coin_and_is_none(gain, deviation, texture):
-    detector = PreciseDifferenceDetector(photograph(table(texture), 1))
-    light = with_coins(table(texture), (0.1, 0.3, 0.5)) * lobe(gain, deviation)
-    found = [one.centre for one in detector.detect(photograph(light, 2))]
-    assert len(found) == len(COINS)
-    for coin in COINS:
-        assert min(math.dist(one, coin) for one in found) < 0.4
+    coins = with_coins(table(texture), (0.1, 0.3, 0.5))
+    assert_coins_alone(coins * lobe(gain, deviation), table(texture))
 
 
 @pytest.mark.parametrize('gain, kind', [(0.7, 'shade'), (1.3, 'light')])
@@ -105,12 +109,8 @@ def test_thing_in_a_soft_shade_with_its_own_hard_shade_is_found(texture, quality
 @pytest.mark.parametrize('slope', [(0.6, 0), (0.4, -0.4), (0, 0.8)])
 def test_lamp_at_one_side_hides_no_coin_and_is_none(texture, slope):
     light = 1 + (slope[0] * (COLUMNS / SIZE[1] - 0.5) + slope[1] * (ROWS / SIZE[0] - 0.5))
-    light = with_coins(table(texture), (0.1, 0.3, 0.5)) * light[..., None]
-    detector = PreciseDifferenceDetector(photograph(table(texture), 1))
-    found = [one.centre for one in detector.detect(photograph(light, 2))]
-    assert len(found) == len(COINS)
-    for coin in COINS:
-        assert min(math.dist(one, coin) for one in found) < 0.4
+    coins = with_coins(table(texture), (0.1, 0.3, 0.5))
+    assert_coins_alone(coins * light[..., None], table(texture))
 
 
 @pytest.mark.parametrize('cut', [(1, 0), (0, 3), (2, 1)])
