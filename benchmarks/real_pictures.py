@@ -86,7 +86,7 @@ def read_scene(path: Path) -> Scene:
 def compare(scene: Scene, folder: Path, repeats: int) -> Iterator[Dict[str, Any]]:
     """Compare all methods on a scene: a row for each."""
     root = folder / scene.repository.split('/')[1]
-    background = _background(root, scene.background)
+    background = read_background(root, scene.background)
     frames = {name: _picture(root, name) for name in scene.frames}
     methods = _methods(background)
     counts = {name: dict.fromkeys(('right', 'missed', 'merged', 'false'), 0) for name in methods}
@@ -171,8 +171,8 @@ def _percentiles(times: List[float]) -> Tuple[float, float]:
     return statistics.median(times), float(np.percentile(times, 95))
 
 
-def _background(root: Path, name: str) -> np.ndarray:
-    # A still picture, the median of several, or that of a video.
+def read_background(root: Path, name: str) -> np.ndarray:
+    """Read a scene's background: a still picture, the median of several, or that of a video."""
     if Path(name).suffix in ('.mp4', '.avi'):
         pictures = _video(root / name)
         pictures = pictures[::-(-len(pictures) // _MOST_FRAMES)]

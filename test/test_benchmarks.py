@@ -37,6 +37,7 @@ BENCHMARKS = Path(__file__).parents[1] / 'benchmarks'
     ('nodes', {'node'}),
     ('dashboard_load', {'what', 'pages'}),
     ('busy_table', {'width', 'part', 'found', 'p50_ratio'}),
+    ('light_patches', {'table', 'kind', 'published', 'said', 'coins', 'found', 'lost'}),
     ('whole_way', {'table', 'scene', 'ratio', 'damage_ms', 'detection_ms', 'location_ms'}),
     ('camera_node', {'picture', 'p50_ms', 'p99_ms', 'cpu_percent', 'lost', 'resident_mb'})])
 def test_benchmark_runs_and_writes_its_rows(tmp_path, name, columns):
