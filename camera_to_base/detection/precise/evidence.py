@@ -23,7 +23,7 @@ Each takes the best of the windows that contain the pixel, so that nothing leaks
 
 from functools import lru_cache
 import math
-from typing import List, NamedTuple
+from typing import List, NamedTuple, Sequence
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR, Reference
@@ -52,6 +52,11 @@ _MOST_REGIONS, _MOST_PLACES, _NOTHING = 30, 4000, 1e-9
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
 # on its own (the range of logarithms over the noise).
 _PRIOR, _OWN = 12.0, 3.5
+# A thing of just the colour that a coloured table has is rare: nats for each unit of the table's
+# chroma (logarithm) above what a grey one has, and at most. So light may change the chroma more
+# there, for each change of the level. Two colours are one where the channels' logarithms change
+# alike.
+_OF_CHROMA, _GREY, _MOST_OF_CHROMA, _COLOURED_TINT, _ALIKE = 40.0, 0.5, 30.0, 0.04, 0.25
 # Logarithm of the ratio: a sixth of the light.
 _DARKEST = float(np.log(1 / 6))
 # What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
@@ -65,9 +70,10 @@ _BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 WORST_LIGHT = 3.0
 _LEAST_LIGHT = 1e-3
 # How much of the table's detail is seen where only the light has changed; how many deviations of
-# chance tell that; how much of a variance is the background's noise, and what may be left.
+# chance tell that; what may be left of the variance; how much more than the known noise is a
+# texture's.
 _LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS = 0.3, 1.6, 8.0
-_OWN_NOISE, _MOST_LEFT = 0.4, 2.5
+_MOST_LEFT, _SURE_NOISE = 2.5, 1.4
 # From this part of the table's power on, what is seen is a texture of another kind.
 _OTHER_TEXTURE = 0.5
 # How many pixels tell as much of a texture as one whose noise is its own: demosaicing and JPEG
@@ -95,8 +101,9 @@ class Evidence(NamedTuple):
     :param usual: The background's level.
     :param seen: The frame's.
     :param variance: Of a difference of both.
+    :param colour: What speaks against a thing of the table's chroma, nats.
     :param detail: Products of the background's detail and the frame's, over the variance, shape
-        (h, w, 3): of both, of the background's, of the frame's.
+        (h, w, 4): of both, of the background's, of the frame's; and the background's own variance.
     """
 
     nats: np.ndarray
@@ -105,6 +112,7 @@ class Evidence(NamedTuple):
     usual: np.ndarray
     seen: np.ndarray
     variance: np.ndarray
+    colour: np.ndarray
     detail: np.ndarray
 
 
@@ -156,7 +164,8 @@ def evidence(
     change = [cv2.subtract(*pair) for pair in zip(seen, usual)]
     variance = [one + other + _TREMBLE ** 2 * gradient(detail)
                 for one, other, detail in zip(seen_variance, usual_variance, usual)]
-    light = _light(change, variance, drift, tint, _SIZE)
+    colour = _nats_of_chroma(cv2.magnitude(*usual[:2]))
+    light = _light(change, variance, drift, tint, colour, _SIZE)
     thing = _off_constant(seen, seen_variance, _SIZE)
     limit = 2 * _OWN * 3 * _SIZE ** 2
     if cv2.minMaxLoc(thing)[1] > limit:
@@ -165,19 +174,40 @@ def evidence(
         for axis in range(2):
             step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(_SIZE))
             variance[axis] += (_BLEED * step) ** 2
-        narrow = _light(change, variance, drift, tint, _NARROW)
+        narrow = _light(change, variance, drift, tint, colour, _NARROW)
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * _LEVEL_SCALE
     is_dark = (ratio < _DARKEST).view(np.uint8) | _sharp_bright(ratio)
     return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2],
-                    _products(usual[2], seen[2], variance[2]))
+                    colour, _products(usual[2], seen[2], usual_variance[2], variance[2]))
 
 
-def _products(usual: np.ndarray, seen: np.ndarray, variance: np.ndarray) -> np.ndarray:
+def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:
+    """Tell what speaks against a thing of the table's own chroma, in nats."""
+    return np.clip(_OF_CHROMA * (chroma - _GREY), 0, _MOST_OF_CHROMA)
+
+
+def is_of_its_colour(light: Sequence[float], usual: Sequence[float]) -> bool:
+    """
+    Tell whether light is that of a coloured table, but for its level: a thing seldom is.
+
+    :param light: B, G and R, 0..1.
+    :param usual: The table's.
+    """
+    seen, table = ([math.log(one + _LEAST_LIGHT) for one in colour] for colour in (light, usual))
+    change = [one - other for one, other in zip(seen, table)]
+    grey = [sum(table) / 3] * 3
+    return max(change) - min(change) < _ALIKE and math.dist(table, grey) > _GREY
+
+
+def _products(
+    usual: np.ndarray, seen: np.ndarray, usual_variance: np.ndarray, variance: np.ndarray
+) -> np.ndarray:
     own, now = (level - _box_mean(level, _SIZE) for level in (usual, seen))
     per_noise = own / variance
-    return cv2.merge([per_noise * now, per_noise * own, now * now / variance])
+    return cv2.merge([per_noise * now, per_noise * own, now * now / variance,
+                      usual_variance / variance])
 
 
 def _sharp_bright(ratio: np.ndarray) -> np.ndarray:
@@ -198,14 +228,16 @@ def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[n
 
 
 def _light(
-    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray, size: int
+    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray,
+    colour: np.ndarray, size: int
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
     count = size ** 2
     means, variance = ([_box_mean(one, size) for one in planes] for planes in (change, variance))
     shade = cv2.min(means[2], 0)
     # Tint and gain are the same all over a window.
-    known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2)
+    known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2 + (
+        _COLOURED_TINT / _MOST_OF_CHROMA * colour * means[2]) ** 2)
     part, power = np.float32(0), float(tint @ tint)
     if power:
         # The chroma may be any between none and the tint's.
@@ -282,20 +314,20 @@ class Detail(NamedTuple):
 def detail_of(found: Evidence, part: np.ndarray) -> Detail:
     near = slices(grown(Box(*cv2.boundingRect(part)), _SIZE // 2, part))
     inside = cv2.erode(part[near], square(_SIZE))
-    both, own, seen = cv2.mean(found.detail[near], inside)[:3]
+    both, own, seen, own_noise = cv2.mean(found.detail[near], inside)
     count = cv2.countNonZero(inside)
     # The noise of the background alone makes the slope less steep.
-    texture = max(1 - _OWN_NOISE / max(own, _OWN_NOISE), 0.0)
+    texture = max(1 - _SURE_NOISE * own_noise / max(own, _NOTHING), 0.0)
     # A reflection adds light, so that all of the detail is a smaller part of it.
     added = _added(found, near, inside)
     nats = count / _SPREAD * texture * min(
         part * (texture * part / 2 * own - both) for part in (1.0, added))
-    if nats > 0 and seen - _OWN_NOISE > _OTHER_TEXTURE * (own - _OWN_NOISE):
+    if nats > 0 and seen - (1 - own_noise) > _OTHER_TEXTURE * (own - own_noise):
         # Another texture: a thing's own, or the table's, from where the camera was before a push.
         nats = 0.0
     if both <= 0:
         return Detail(0.0, 0.0, seen, nats, added)
-    slope = both / max(own - _OWN_NOISE, own / 4)
+    slope = both / max(own - own_noise, own / 4)
     likeness = both * np.sqrt(count / (own * seen))
     return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4), nats, added)
 

@@ -19,7 +19,7 @@ surroundings, in a window that is hardly larger than the object. What decides be
   that: it is not faint,
 - few pixels lie between its colour and the table's: shade and blurred rims would be among them,
 - what is covered is one part without a hole,
-- nothing of the table's texture is seen: it is no light,
+- nothing of the table's texture is seen, nor a coloured table's own colour: it is no light,
 - where the background has edges, the background around it has another colour: it is no ghost.
 
 Everything else goes the long way, see `shares`. On a plain object both ways give the same place.
@@ -30,6 +30,7 @@ import operator
 from typing import Iterable, List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.evidence import is_of_its_colour
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import filled, has_holes, outlines_in, slices, square
 from camera_to_base.detection.precise.regions import SHORTEST_OUTLINE
@@ -125,10 +126,11 @@ def _place(
     if (deviation.max() > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
             or max(map(abs, map(operator.sub, usual, level))) < _CLEAR * reference.limits.least):
         return None
-    shares = _shares(seen, table, mask, _light(level), _light(usual), reference.has_edges(place))
+    colours = _light(level), _light(usual)
+    shares = _shares(seen, table, mask, *colours, reference.has_edges(place))
     if shares is None:
         return None
-    if _shows_table(seen, table, core):
+    if is_of_its_colour(*colours) or _shows_table(seen, table, core):
         return None
     shares = cv2.max(shares, core)
     between = cv2.countNonZero(mask) - cv2.countNonZero(_above(_COVERED, shares))

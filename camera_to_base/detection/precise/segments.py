@@ -92,12 +92,14 @@ class _Segment(NamedTuple):
     :param nats: The median of what speaks for a thing.
     :param softness: See :func:`_softness`.
     :param detail: Whether the table's texture is seen in it.
+    :param colour: What speaks against a thing of the table's chroma, nats.
     """
 
     mask: np.ndarray
     nats: float
     softness: Optional[float]
     detail: Detail
+    colour: float
 
     @property
     def is_soft(self) -> Optional[bool]:
@@ -123,8 +125,8 @@ def parted(
     :param changed: The region, shape (h, w), uint8, 1 inside.
     :param logs: Logarithms of the frame's light and the background's, each of shape (h, w, 3).
     :param min_area: Smaller segments do not count, in px².
-    :returns: No things where there is soft shade and nothing that is surely a thing; None where
-        all is one, or has the same edges.
+    :returns: No things where nothing is surely a thing, and there is soft shade or all of it has
+        a coloured table's own colour; None where all is one, or has the same edges.
     """
     noise = cv2.sqrt(found.variance / 2)
     labels, count = _segments(frame, changed, logs[0], noise)
@@ -164,7 +166,9 @@ def parted(
     if surest < -_SURE and any(one.detail.is_table for one in segments):
         return result._replace(things=np.zeros_like(changed), is_light=True)
     if area < min_area or surest <= (_SURE_BESIDE_SHADE if is_soft else _SURE):
-        return result._replace(things=np.zeros_like(changed)) if is_soft else None
+        # Of a coloured table's own colour, a thing is as rare as light with a sharp rim.
+        is_unclear = is_soft or surest < -_SURE and any(one.colour > _SURE for one in segments)
+        return result._replace(things=np.zeros_like(changed)) if is_unclear else None
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
     return Parted(things, result.light & (1 - things), result.unsure)
@@ -210,8 +214,8 @@ def _without(
 def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
-    return _Segment(mask, float(quantile(found.nats[mask > 0])),
-                    _softness(mask, at_table, steps), detail_of(found, mask))
+    nats, colour = (float(quantile(one[mask > 0])) for one in (found.nats, found.colour))
+    return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour)
 
 
 def _nats(segment: _Segment, is_sharp: bool, found: Evidence) -> float:
@@ -223,7 +227,8 @@ def _nats(segment: _Segment, is_sharp: bool, found: Evidence) -> float:
     if 2 * cv2.countNonZero(found.is_dark & segment.mask) > cv2.countNonZero(segment.mask):
         return _MOST_THING
     nats = min(max(segment.nats, _MOST_LIGHT), _MOST_THING) + min(
-        max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE)
+        max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE) - (
+        segment.colour if segment.nats < 0 else 0.0)
     if segment.softness is None or is_sharp:
         return nats
     return nats + _NO_PENUMBRA - _PENUMBRA * segment.softness

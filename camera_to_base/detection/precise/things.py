@@ -146,7 +146,8 @@ def _masks(
     if by_edges is not None and by_edges.is_light:
         return []
     if by_edges is not None and not by_edges.things.any():
-        # Its edges are soft in part, and nothing is sharp all around to compare them with.
+        # Its edges are soft in part, and nothing is sharp all around to compare them with; or it
+        # has a coloured table's own colour.
         return _UNCLEAR
     unsure: Sequence[Unsure] = ()
     if by_edges is not None:
@@ -180,7 +181,8 @@ def _by_segments(
     if result is None:
         return None
     # What is narrow has no segment of its own.
-    narrow = cv2.erode(by_pixels, square(3)) & result.light
+    narrow = cv2.erode(by_pixels, square(3)) & result.light & (
+        found.is_dark | (found.nats > _CLEAR).view(np.uint8))
     if cv2.countNonZero(narrow) > min_area / 2:
         return None
     # Segments touch at their common border.

@@ -234,6 +234,27 @@ def test_what_is_light_or_a_thing_is_published_in_doubt_where_that_is_wanted():
     assert 'light_or_thing' not in [one.kind for one in detector.dropped]
 
 
+@pytest.mark.parametrize('gain', [
+    (2.2, 2.2, 2.2), (1.5, 1.55, 1.45), (0.6, 0.6, 0.6), (0.42, 0.4, 0.39)])
+@pytest.mark.parametrize('colour', [(0.045, 0.2, 0.02), (0.3, 0.08, 0.05)])
+def test_sharp_light_on_a_coloured_table_may_be_light(gain, colour):
+    felt = np.full((*SIZE, 3), colour, np.float32)
+    patch = covered((60, 60), (150, 40), (170, 130), (80, 150))
+    light = painted(felt * (1 + (np.float32(gain) - 1) * patch), square(250, 180, 15), 0.15)
+    detector = PreciseDifferenceDetector(coded(felt, 1))
+    found, = detector.detect(coded(light, 2))
+    assert found.centre == pytest.approx((249.6, 179.6), abs=0.2)
+    assert [one.kind for one in detector.dropped if one.area > 100] == ['light_or_thing']
+
+
+@pytest.mark.parametrize('thing', [(0.02, 0.02, 0.02), (0.3, 0.3, 0.3), (0.045, 0.2, 0.08)])
+def test_thing_of_another_colour_on_a_coloured_table_is_found(thing):
+    felt = np.full((*SIZE, 3), (0.045, 0.2, 0.02), np.float32)
+    detector = PreciseDifferenceDetector(coded(felt, 1))
+    found, = detector.detect(coded(painted(felt, square(150, 120, 25), thing), 2))
+    assert found.centre == pytest.approx((149.6, 119.6), abs=0.2)
+
+
 BOXES = (60, 60), (210, 150)
 
 
