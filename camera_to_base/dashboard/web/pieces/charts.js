@@ -62,7 +62,7 @@ export function createTimeChart(title, unit, {decimals = 1, range}) {
   let shown = {times: [], values: [], span: 60, now: 0};
   const current = element('strong');
   const words = element('span', {class: 'quiet'});
-  const box = element('div', {class: 'chart', role: 'img'});
+  const box = element('div', {class: 'chart', role: 'img', 'aria-label': title});
   const say = (index) => {
     const value = shown.values[index ?? shown.values.length - 1] ?? null;
     const back = shown.now - shown.times[index];
