@@ -166,7 +166,7 @@ def parted(
     if surest < -_SURE and any(one.detail.is_table for one in segments):
         return result._replace(things=np.zeros_like(changed), is_light=True)
     if area < min_area or surest <= (_SURE_BESIDE_SHADE if is_soft else _SURE):
-        # Of a coloured table's own colour, a thing is as rare as light with a sharp rim.
+        # A coloured table's own colour tells of light, and a sharp rim of a thing.
         is_unclear = is_soft or surest < -_SURE and any(one.colour > _SURE for one in segments)
         return result._replace(things=np.zeros_like(changed)) if is_unclear else None
     # A dark face may have no segment of its own, for the same reason.
@@ -214,7 +214,8 @@ def _without(
 def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
-    nats, colour = (float(quantile(one[mask > 0])) for one in (found.nats, found.colour))
+    inside = mask > 0
+    nats, colour = (float(quantile(one[inside])) for one in (found.nats, found.colour))
     return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour)
 
 
@@ -227,8 +228,10 @@ def _nats(segment: _Segment, is_sharp: bool, found: Evidence) -> float:
     if 2 * cv2.countNonZero(found.is_dark & segment.mask) > cv2.countNonZero(segment.mask):
         return _MOST_THING
     nats = min(max(segment.nats, _MOST_LIGHT), _MOST_THING) + min(
-        max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE) - (
-        segment.colour if segment.nats < 0 else 0.0)
+        max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE)
+    if segment.nats < 0:
+        # Its chroma is the table's.
+        nats -= segment.colour
     if segment.softness is None or is_sharp:
         return nats
     return nats + _NO_PENUMBRA - _PENUMBRA * segment.softness
