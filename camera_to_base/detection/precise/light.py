@@ -33,6 +33,8 @@ POWER = 1 / 2.2
 
 # A camera that trembles shows at a place what lies beside it on the background.
 _TREMBLE = np.ones((3, 3), np.uint8)
+# An edge that has moved, or is sharpened otherwise, leaves that range by this part of its step.
+_MOVED = 0.2
 # Grey levels beyond the background's own range, and deviations of the noise: where an object's
 # rim still counts, and what an object must have somewhere.
 WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
@@ -196,6 +198,8 @@ class LevelLimits:
     def __init__(self, background: np.ndarray, faintest: float) -> None:
         self._picture, self._faintest = background, faintest
         self._usual = Range(cv2.erode(background, _TREMBLE), cv2.dilate(background, _TREMBLE))
+        self._moved = cv2.convertScaleAbs(
+            cv2.subtract(*reversed(self._usual)), alpha=_MOVED)
         self._gain = NO_GAIN
         self._noise: Optional[np.ndarray] = None
         self._ranges: Optional[List[Range]] = None
@@ -219,6 +223,8 @@ class LevelLimits:
         strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
         self.least = max(float(strong.min()) - 0.01, 0.0)
         self._weak, self._strong = map(self._margins, (weak, strong))
+        # A thing's rim is still seen on an edge; no edge makes a thing.
+        self._strong = cv2.add(self._strong, self._moved)
 
     def mark(self, frame: np.ndarray) -> None:
         """Compare all of a frame at once: faster where much of it has changed."""
