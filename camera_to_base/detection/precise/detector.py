@@ -21,6 +21,7 @@ Each step is a module of its own:
   shows something else, in any colour.
 - `changes`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
+- `shade`: how dark and of which tint the shade of this frame is.
 - `evidence`, `segments`, `things`: what of a region is a thing, and what is shade, sun or a lamp,
   pixel by pixel and edge by edge; they say nothing where the picture cannot tell.
 - `search`, `regions`: where such pixels are connected, for the long way, and what lies in the
@@ -259,9 +260,7 @@ class PreciseDifferenceDetector:
         area = cv2.countNonZero(inside)
         if cv2.countNonZero(limits.strong(frame, part) & inside) >= _LEAST_STRONG * area:
             return False
-        if not self._reference.has_edges(part):
-            return True
-        # On a print, a thing may look like a part of it.
+        # A part of it may look like the table.
         faint = cv2.inRange(cv2.absdiff(frame[part], self._reference.lit[part]), 0,
                             (_CLEAR * limits.least,) * 3)
         return cv2.countNonZero(inside & ~faint) < _LEAST_CLEAR * area

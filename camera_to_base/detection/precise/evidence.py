@@ -26,9 +26,9 @@ import math
 from typing import List, NamedTuple, Sequence
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LINEAR, Reference
-from camera_to_base.detection.precise.piece import filled, grown, slices, square
-from camera_to_base.detection.precise.regions import Region
+from camera_to_base.detection.precise.piece import grown, slices, square
+from camera_to_base.detection.precise.shade import (
+    AXES, DARKEST, LEAST_LIGHT, LEVEL_SCALE, log_levels, Shade)
 import cv2
 import numpy as np
 
@@ -36,19 +36,12 @@ import numpy as np
 _SIZE, _NARROW = 5, 3
 # How much of a step of colour is seen beside it.
 _BLEED = 0.1
-# Two axes of chroma and one of level, of B, G and R; orthonormal.
-_AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
-    np.float32([[2], [6], [3]]))
-_LEVEL_SCALE = 1 / np.sqrt(3)
 # A mean of levels is known no better, in grey levels²; the compression and the rounding.
 _LEAST_VARIANCE = 0.3
 # How much chroma light may change for each change of the level, and anyway (steps of the gain,
 # rounding); how far a camera trembles, in px.
 _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
-# The tint of a frame's shade: how strong, in which bins, how common among the places that are
-# darker by this logarithm, and on how many of them.
-_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
-_MOST_REGIONS, _MOST_PLACES, _NOTHING = 30, 4000, 1e-9
+_NOTHING = 1e-9
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
 # on its own (the range of logarithms over the noise).
 _PRIOR, _OWN = 12.0, 3.5
@@ -57,8 +50,6 @@ _PRIOR, _OWN = 12.0, 3.5
 # there, for each change of the level. Two colours are one where the channels' logarithms change
 # alike.
 _OF_CHROMA, _GREY, _MOST_OF_CHROMA, _COLOURED_TINT, _ALIKE = 40.0, 0.5, 30.0, 0.04, 0.25
-# Logarithm of the ratio: a sixth of the light.
-_DARKEST = float(np.log(1 / 6))
 # What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
 SATURATED, _UNKNOWN = 250, 0.1
 # What is cut off does not drift: the largest variance that does.
@@ -68,7 +59,6 @@ _MOST_DRIFT = 0.01
 _BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 # Chi-square of the light, over its degrees of freedom: from here on it is none.
 WORST_LIGHT = 3.0
-_LEAST_LIGHT = 1e-3
 # How much of the table's detail is seen where only the light has changed; how many deviations of
 # chance tell that; what may be left of the variance; how much more than the known noise is a
 # texture's.
@@ -79,11 +69,6 @@ _OTHER_TEXTURE = 0.5
 # How many pixels tell as much of a texture as one whose noise is its own: demosaicing and JPEG
 # spread noise.
 _SPREAD = 3
-
-
-@lru_cache(maxsize=1)
-def log_levels() -> np.ndarray:
-    return np.log(LINEAR + _LEAST_LIGHT).astype(np.float32)
 
 
 @lru_cache(maxsize=1)
@@ -102,6 +87,7 @@ class Evidence(NamedTuple):
     :param seen: The frame's.
     :param variance: Of a difference of both.
     :param colour: What speaks against a thing of the table's chroma, nats.
+    :param shade: What shade does on the frame.
     :param detail: Products of the background's detail and the frame's, over the variance, shape
         (h, w, 4): of both, of the background's, of the frame's; and the background's own variance.
     """
@@ -113,39 +99,12 @@ class Evidence(NamedTuple):
     seen: np.ndarray
     variance: np.ndarray
     colour: np.ndarray
+    shade: Shade
     detail: np.ndarray
 
 
-def measure_tint(frame: np.ndarray, regions: List[Region], reference: Reference) -> np.ndarray:
-    """
-    Measure how much chroma the shade of a frame has for each change of the level.
-
-    :returns: Shape (2,); zeros where no such colour is common.
-    """
-    slopes = []
-    for region in regions[:_MOST_REGIONS]:
-        part, box = slices(region.box), region.box
-        scale = max(2, math.ceil(math.sqrt(box.width * box.height / _MOST_PLACES)))
-        # Means of two px at each place.
-        seen, usual = (cv2.transform(cv2.LUT(np.ascontiguousarray(cv2.blur(
-            picture[part][::scale], (2, 1))[:, ::scale]), log_levels()), _AXES)
-            for picture in (frame, reference.lit))
-        change = (seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0]
-        change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > _DARKEST / _LEVEL_SCALE)]
-        slopes.append(change[:, :2] / change[:, 2:])
-    slopes = np.concatenate(slopes) if slopes else np.zeros((0, 2))
-    places = np.floor((slopes / _STRONGEST_TINT + 1) * (_BINS / 2)).astype(int)
-    places = places[((places >= 0) & (places < _BINS)).all(axis=1)] @ (_BINS, 1)
-    counts = np.bincount(places, minlength=_BINS ** 2).reshape(_BINS, _BINS).astype(float)
-    counts = cv2.blur(counts, (3, 3))
-    if counts.max() * 9 < max(_LEAST_COMMON * len(slopes), _LEAST_PLACES):
-        return np.zeros(2)
-    most = np.array(np.unravel_index(counts.argmax(), counts.shape))
-    return ((most + 0.5) / (_BINS / 2) - 1) * _STRONGEST_TINT
-
-
 def evidence(
-    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, tint: np.ndarray
+    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, shade: Shade
 ) -> Evidence:
     """
     Compare both explanations of a part of a frame.
@@ -154,18 +113,18 @@ def evidence(
     :param background: Of the same shape, at the frame's light.
     :param noise: Shape (256, 3): the deviation of the grey levels, see `light.measure_noise`.
     :param drift: The variance that all of a window has in common, by that of the noise.
-    :param tint: See :func:`measure_tint`.
+    :param shade: What shade does on the frame.
     """
     variances = np.float32((noise ** 2 + _LEAST_VARIANCE) * _slopes() ** 2)[:, None]
     variances[SATURATED:] = _UNKNOWN
-    seen, usual = (_on_axes(picture, log_levels(), _AXES) for picture in (frame, background))
+    seen, usual = (_on_axes(picture, log_levels(), AXES) for picture in (frame, background))
     seen_variance, usual_variance = (
-        _on_axes(picture, variances, _AXES ** 2) for picture in (frame, background))
+        _on_axes(picture, variances, AXES ** 2) for picture in (frame, background))
     change = [cv2.subtract(*pair) for pair in zip(seen, usual)]
     variance = [one + other + _TREMBLE ** 2 * gradient(detail)
                 for one, other, detail in zip(seen_variance, usual_variance, usual)]
     colour = _nats_of_chroma(cv2.magnitude(*usual[:2]))
-    light = _light(change, variance, drift, tint, colour, _SIZE)
+    light = _light(change, variance, drift, shade.tint, colour, _SIZE)
     thing = _off_constant(seen, seen_variance, _SIZE)
     limit = 2 * _OWN * 3 * _SIZE ** 2
     if cv2.minMaxLoc(thing)[1] > limit:
@@ -174,13 +133,13 @@ def evidence(
         for axis in range(2):
             step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(_SIZE))
             variance[axis] += (_BLEED * step) ** 2
-        narrow = _light(change, variance, drift, tint, colour, _NARROW)
+        narrow = _light(change, variance, drift, shade.tint, colour, _NARROW)
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
-    ratio = cv2.blur(change[2], (3, 3)) * _LEVEL_SCALE
-    is_dark = (ratio < _DARKEST).view(np.uint8) | _sharp_bright(ratio)
+    ratio = cv2.blur(change[2], (3, 3)) * LEVEL_SCALE
+    is_dark = (ratio < DARKEST).view(np.uint8) | _sharp_bright(ratio)
     return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2],
-                    colour, _products(usual[2], seen[2], usual_variance[2], variance[2]))
+                    colour, shade, _products(usual[2], seen[2], usual_variance[2], variance[2]))
 
 
 def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:
@@ -195,7 +154,7 @@ def is_of_its_colour(light: Sequence[float], usual: Sequence[float]) -> bool:
     :param light: B, G and R, 0..1.
     :param usual: The table's.
     """
-    seen, table = ([math.log(one + _LEAST_LIGHT) for one in colour] for colour in (light, usual))
+    seen, table = ([math.log(one + LEAST_LIGHT) for one in colour] for colour in (light, usual))
     change = [one - other for one, other in zip(seen, table)]
     grey = [sum(table) / 3] * 3
     return max(change) - min(change) < _ALIKE and math.dist(table, grey) > _GREY
@@ -335,4 +294,4 @@ def detail_of(found: Evidence, part: np.ndarray) -> Detail:
 def _added(found: Evidence, near: tuple, inside: np.ndarray) -> float:
     """Tell which part of a light is left of the table's, if the rest was added; 1 where darker."""
     seen, usual = (cv2.mean(level[near], inside)[0] for level in (found.seen, found.usual))
-    return math.exp(min((usual - seen) * _LEVEL_SCALE, 0.0))
+    return math.exp(min((usual - seen) * LEVEL_SCALE, 0.0))

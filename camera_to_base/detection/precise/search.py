@@ -18,7 +18,6 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
-from camera_to_base.detection.precise.evidence import measure_tint
 from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.other_light import (
     Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands,
@@ -27,6 +26,7 @@ from camera_to_base.detection.precise.piece import (
     centre_of, enclosed, filled, grown, outlines_in, slices)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.regions import find_regions, is_much, Region
+from camera_to_base.detection.precise.shade import measure_shade, Shade
 from camera_to_base.detection.precise.still import Still
 from camera_to_base.detection.precise.things import seen_closely, things_in, work
 import cv2
@@ -141,8 +141,8 @@ def _search(
     regions, left = _within(budget, regions, frame)
     told: List[Tuple[Region, Sequence[Region]]] = []
     if regions:
-        tint = measure_tint(frame, regions + [one.region for one in held], reference)
-        told = [(region, _things_of(frame, region, reference, tint, min_area))
+        shade = measure_shade(frame, regions + [one.region for one in held], reference)
+        told = [(region, _things_of(frame, region, reference, shade, min_area))
                 for region in regions]
     things = [thing for _, found in told for thing in found]
     things += [thing for one in held for thing in one.things]
@@ -242,9 +242,9 @@ def _within(
 
 
 def _things_of(
-    frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
+    frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float
 ) -> List[Region]:
-    things = things_in(frame, region, reference, tint, min_area)
+    things = things_in(frame, region, reference, shade, min_area)
     if things is None:
         return [region]
     if not touches_edge(region.box, frame):

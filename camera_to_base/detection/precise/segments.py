@@ -22,6 +22,7 @@ from camera_to_base.detection.precise.evidence import (
     Detail, detail_of, Evidence, SATURATED)
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, disc, largest_part, quantile, square)
+from camera_to_base.detection.precise.shade import LEVEL_SCALE, Shade
 import cv2
 import numpy as np
 
@@ -93,6 +94,7 @@ class _Segment(NamedTuple):
     :param softness: See :func:`_softness`.
     :param detail: Whether the table's texture is seen in it.
     :param colour: What speaks against a thing of the table's chroma, nats.
+    :param ratio: The median logarithm of its level / the table's.
     """
 
     mask: np.ndarray
@@ -100,6 +102,7 @@ class _Segment(NamedTuple):
     softness: Optional[float]
     detail: Detail
     colour: float
+    ratio: float
 
     @property
     def is_soft(self) -> Optional[bool]:
@@ -146,8 +149,10 @@ def parted(
     # Where the table goes on below it, light without a penumbra is seen: patches of sun.
     is_sharp = any(one.nats < 0 and one.is_soft is False and one.detail.is_table
                    for one in segments)
+    shade = found.shade.with_levels(
+        [one.ratio for one in segments if one.nats < 0 and one.detail.is_table])
     for one in segments:
-        nats = _nats(one, is_sharp, found)
+        nats = _nats(one, is_sharp, shade, found)
         # Compression may hide its edge to its shade.
         segment = _without(one.mask, light, cut_off, found)
         result.light[one.mask > segment] = 1
@@ -215,15 +220,18 @@ def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
     inside = mask > 0
-    nats, colour = (float(quantile(one[inside])) for one in (found.nats, found.colour))
-    return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour)
+    nats, colour, ratio = (float(quantile(one[inside]))
+                           for one in (found.nats, found.colour, found.seen - found.usual))
+    return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
+                    LEVEL_SCALE * ratio)
 
 
-def _nats(segment: _Segment, is_sharp: bool, found: Evidence) -> float:
+def _nats(segment: _Segment, is_sharp: bool, shade: Shade, found: Evidence) -> float:
     """
     Tell what speaks for a segment to be a thing: its colour, by the median, texture, and rim.
 
     :param is_sharp: Whether there is light without a penumbra, so that no rim tells anything.
+    :param shade: What the frame's other shade is like.
     """
     if 2 * cv2.countNonZero(found.is_dark & segment.mask) > cv2.countNonZero(segment.mask):
         return _MOST_THING
@@ -231,7 +239,7 @@ def _nats(segment: _Segment, is_sharp: bool, found: Evidence) -> float:
         max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE)
     if segment.nats < 0:
         # Its chroma is the table's.
-        nats -= segment.colour
+        nats += shade.nats(segment.ratio) - segment.colour
     if segment.softness is None or is_sharp:
         return nats
     return nats + _NO_PENUMBRA - _PENUMBRA * segment.softness

@@ -19,13 +19,14 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
-    detail_of, Evidence, evidence, gradient, log_levels, WORST_LIGHT)
+    detail_of, Evidence, evidence, gradient, WORST_LIGHT)
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import (
     chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure
+from camera_to_base.detection.precise.shade import log_levels, Shade
 from camera_to_base.detection.touching import cut_at_gaps, table_between, with_stripes
 import cv2
 import numpy as np
@@ -75,7 +76,7 @@ class Work(NamedTuple):
 
 
 def things_in(
-    frame: np.ndarray, region: Region, reference: Reference, tint: np.ndarray, min_area: float
+    frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float
 ) -> Optional[List[Region]]:
     """
     Find the things in a region, without their shade.
@@ -83,7 +84,7 @@ def things_in(
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param region: What differs from the background, and is connected.
     :param reference: The background at the frame's light.
-    :param tint: See :func:`measure_tint`.
+    :param shade: What shade does on the frame.
     :param min_area: Of a thing, in px².
     :returns: One region for each thing, none where all is light; None where it is not clear.
     """
@@ -93,7 +94,8 @@ def things_in(
     seen, usual = (shrunk(picture[slices(window)], scale)
                    for picture in (frame, reference.lit))
     changed = np.ascontiguousarray(changed[::scale, ::scale])
-    found = evidence(seen, usual, reference.noise / scale, reference.drift, tint)
+    found = evidence(seen, usual, reference.noise / scale, reference.drift,
+                     shade.beside(region.box))
     # Light from outside of the picture may end as sharply as a thing.
     masks = _masks(seen, usual, changed, found, min_area / scale ** 2,
                    not touches_edge(region.box, frame))

@@ -407,6 +407,50 @@ def test_print_that_was_pushed_is_no_object_and_hides_none(pushed):
     assert found.centre == pytest.approx((99.5, 104.5), abs=1.5)
 
 
+def test_print_that_a_camera_sharpens_more_is_no_object():
+    squares = np.kron(np.indices((6, 8)).sum(axis=0) % 2, np.ones((40, 40)))[..., None]
+    board = painted(np.full((*SIZE, 3), 0.6, np.float32), squares, (0.05, 0.08, 0.5))
+    soft = cv2.GaussianBlur(board, (0, 0), 0.8)
+    moved = cv2.warpAffine(soft, np.float32([[1, 0, 0.6], [0, 1, 0.5]]), SIZE[::-1],
+                           borderMode=cv2.BORDER_REPLICATE)
+    sharp = moved + 1.5 * (moved - cv2.GaussianBlur(moved, (0, 0), 1.2))
+    assert detect(sharp, soft) == []
+    found, = detect(painted(sharp, square(100, 105, 12), (0.1, 0.5, 0.1)), soft)
+    assert found.centre == pytest.approx((99.5, 104.5), abs=0.5)
+
+
+def hard_lamp_cell(background, colours, depth=0.27):
+    # A lamp at the upper left; a wall in its own shade has so much of its colour's light.
+    light = background
+    for index, colour in enumerate(colours):
+        u, v = 70 + 90 * (index % 3), 60 + 100 * (index // 3)
+        shade = covered((u - 15, v + 17), (u + 15, v - 15), (u + 42, v + 12), (u + 42, v + 42),
+                        (u + 12, v + 42))
+        light = light * (1 - (1 - depth) * shade)
+        light = painted(light, covered((u - 15, v + 15), (u + 15, v + 15), (u + 18, v + 25),
+                                       (u - 12, v + 25)), 0.25 * np.float32(colour))
+        light = painted(light, square(u, v, 15), colour)
+    return light
+
+
+@pytest.mark.parametrize('grey', [0.2, 0.25, 0.3])
+def test_shade_of_coloured_things_tells_a_grey_one_from_its_own(grey):
+    background = np.full((*SIZE, 3), 0.45, np.float32)
+    colours = [(0.05, 0.08, 0.5), (0.06, 0.3, 0.05), (grey,) * 3, (0.5, 0.1, 0.06)]
+    found = detect(hard_lamp_cell(background, colours), background)
+    assert len(found) == 4
+    grey_one, = [one for one in found if one.centre[0] > 230 and one.centre[1] < 110]
+    true = np.maximum(square(250, 60, 15), covered((235, 75), (265, 75), (268, 85), (238, 85)))
+    assert overlap(grey_one, (true > 0.5)[..., 0]) > 0.93
+
+
+def test_white_thing_on_a_white_table_is_no_trace_of_light():
+    background = np.full((*SIZE, 3), 0.8, np.float32)
+    colours = [(0.05, 0.08, 0.5), (0.06, 0.3, 0.05), (0.74, 0.74, 0.74), (0.5, 0.1, 0.06)]
+    found = detect(hard_lamp_cell(background, colours), background)
+    assert len(found) == 4
+
+
 def patch(half=40, blur=1.0, u=160, v=120):
     return cv2.GaussianBlur(square(u, v, half)[..., 0], (0, 0), blur)[..., None]
 

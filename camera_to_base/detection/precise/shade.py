@@ -1,0 +1,142 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""
+Measures what shade does on a frame: how it tints the table, and how dark it is.
+
+All things of a frame lie in the same lamps' light, so their shades are alike: below one hard lamp
+each is as dark as the others, below two lamps there are three levels. A grey thing's faces seldom
+have just these levels. They are measured beside coloured and black things: what has the table's
+chroma there is shade.
+"""
+
+from functools import lru_cache
+import math
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.light import LINEAR, Reference
+from camera_to_base.detection.precise.piece import filled, slices
+from camera_to_base.detection.precise.regions import Region
+import cv2
+import numpy as np
+
+LEAST_LIGHT = 1e-3
+# Two axes of chroma and one of level, of B, G and R; orthonormal.
+AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
+    np.float32([[2], [6], [3]]))
+LEVEL_SCALE = 1 / np.sqrt(3)
+# Logarithm of the ratio: a sixth of the light.
+DARKEST = float(np.log(1 / 6))
+# The tint of a frame's shade: how strong, in which bins, how common among the places that are
+# darker by this logarithm, and on how many of them.
+_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
+_MOST_REGIONS, _MOST_PLACES = 30, 4000
+# A place shows a thing and no shade from this chroma on, logarithm, or where it is darker than all
+# shade; on which part of a region.
+_COLOURED, _LEAST_THING = 0.15, 0.4
+# Shade has less chroma, and less than this part of its level; on so many places of a region.
+_NEUTRAL, _OF_LEVEL, _LEAST_NEUTRAL = 0.04, 0.1, 15
+# The faintest shade, logarithm of the ratio; the bins of the levels, from there down.
+_FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
+# How many regions' shade is of any level, besides those that are seen. Nats for one of the odds.
+_ANY, _NATS_OF_ODDS = 0.3, 8.0
+
+
+@lru_cache(maxsize=1)
+def log_levels() -> np.ndarray:
+    return np.log(LINEAR + LEAST_LIGHT).astype(np.float32)
+
+
+class Shade(NamedTuple):
+    """
+    What shade does on a frame.
+
+    :param tint: How much chroma it has for each change of the level, shape (2,).
+    :param levels: What is known of shade: the region's box, if it is one's, and how common each
+        level is in its shade, shape (n,), with the sum 1.
+    """
+
+    tint: np.ndarray = np.zeros(2)
+    levels: Sequence[Tuple[Optional[Box], np.ndarray]] = ()
+
+    def beside(self, box: Box) -> 'Shade':
+        """Give what is known without a region: it does not speak for itself."""
+        return self._replace(levels=[one for one in self.levels if one[0] != box])
+
+    def with_levels(self, ratios: Sequence[float]) -> 'Shade':
+        """Add the levels of what is surely shade: logarithms of the ratio to the table's."""
+        return self._replace(levels=[*self.levels, *(
+            (None, _common(np.array([ratio]))) for ratio in ratios if ratio < _FAINTEST)])
+
+    def nats(self, ratio: float) -> float:
+        """
+        Tell what speaks for a thing because other shade does not have its level, in nats.
+
+        :param ratio: Logarithm of the level / the table's.
+        """
+        if not self.levels or ratio > _FAINTEST:
+            return 0.0
+        common = sum(float(levels[_bin(ratio)]) for _, levels in self.levels)
+        return -_NATS_OF_ODDS * math.log(
+            (_LEVELS * common + _ANY) / (len(self.levels) + _ANY))
+
+
+def measure_shade(frame: np.ndarray, regions: List[Region], reference: Reference) -> Shade:
+    """Measure what the shade of a frame's regions does."""
+    changes = [_change(frame, region, reference) for region in regions[:_MOST_REGIONS]]
+    levels = [(region.box, _levels(change)) for region, change in zip(regions, changes)]
+    return Shade(_tint(changes), [(box, one) for box, one in levels if one is not None])
+
+
+def _change(frame: np.ndarray, region: Region, reference: Reference) -> np.ndarray:
+    """Give the change of chroma and level at some places of a region, shape (n, 3)."""
+    part, box = slices(region.box), region.box
+    scale = max(2, math.ceil(math.sqrt(box.width * box.height / _MOST_PLACES)))
+    # Means of two px at each place.
+    seen, usual = (cv2.transform(cv2.LUT(np.ascontiguousarray(cv2.blur(
+        picture[part][::scale], (2, 1))[:, ::scale]), log_levels()), AXES)
+        for picture in (frame, reference.lit))
+    return (seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0]
+
+
+def _tint(changes: Sequence[np.ndarray]) -> np.ndarray:
+    """Give the tint, shape (2,); zeros where no such colour is common."""
+    change = np.concatenate([*changes, np.zeros((0, 3), np.float32)])
+    change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > DARKEST / LEVEL_SCALE)]
+    slopes = change[:, :2] / change[:, 2:]
+    places = np.floor((slopes / _STRONGEST_TINT + 1) * (_BINS / 2)).astype(int)
+    places = places[((places >= 0) & (places < _BINS)).all(axis=1)] @ (_BINS, 1)
+    counts = np.bincount(places, minlength=_BINS ** 2).reshape(_BINS, _BINS).astype(float)
+    counts = cv2.blur(counts, (3, 3))
+    if counts.max() * 9 < max(_LEAST_COMMON * len(slopes), _LEAST_PLACES):
+        return np.zeros(2)
+    most = np.array(np.unravel_index(counts.argmax(), counts.shape))
+    return ((most + 0.5) / (_BINS / 2) - 1) * _STRONGEST_TINT
+
+
+def _levels(change: np.ndarray) -> Optional[np.ndarray]:
+    """Tell how common each level is in the shade of a region; None where that is not seen."""
+    chroma, ratio = np.hypot(change[:, 0], change[:, 1]), LEVEL_SCALE * change[:, 2]
+    if ((chroma > _COLOURED) | (ratio < DARKEST)).mean() < _LEAST_THING:
+        return None
+    neutral = ratio[(chroma < np.maximum(_NEUTRAL, -_OF_LEVEL * ratio)) & (ratio < _FAINTEST)]
+    if len(neutral) < _LEAST_NEUTRAL:
+        return None
+    return _common(neutral)
+
+
+def _common(ratios: np.ndarray) -> np.ndarray:
+    counts = np.bincount(_bin(ratios), minlength=_LEVELS)
+    # A lamp is nearer to some things than to others.
+    return np.convolve(counts, np.float32([1, 2, 3, 2, 1]) / 9, 'same') / len(ratios)
+
+
+def _bin(ratios: np.ndarray) -> np.ndarray:
+    return np.minimum((_FAINTEST - ratios) / _STEP, _LEVELS - 1).astype(int)
