@@ -22,7 +22,7 @@ from camera_to_base.detection.precise.evidence import (
     Detail, detail_of, Evidence, SATURATED)
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, disc, largest_part, quantile, square)
-from camera_to_base.detection.precise.shade import LEVEL_SCALE, Shade
+from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, LEVEL_SCALE, Shade
 import cv2
 import numpy as np
 
@@ -105,6 +105,11 @@ class _Segment(NamedTuple):
     ratio: float
 
     @property
+    def may_be_shade(self) -> bool:
+        """Whether it is as dark as shade, and has the table's chroma."""
+        return self.nats < 0 and DARKEST < self.ratio < FAINTEST
+
+    @property
     def is_soft(self) -> Optional[bool]:
         """Whether its rim is a penumbra; None where it has none."""
         return None if self.softness is None else self.softness > _NO_PENUMBRA / _PENUMBRA
@@ -165,7 +170,8 @@ def parted(
             penumbra += cv2.countNonZero(segment)
     area = cv2.countNonZero(result.things)
     if cv2.countNonZero(result.light) < min_area:
-        return None
+        hard = [] if shade.levels else _hard_shade(segments, at_table)
+        return result._replace(things=changed, unsure=hard) if hard else None
     # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
     is_soft = penumbra > _LEAST_PENUMBRA * area
     if surest < -_SURE and any(one.detail.is_table for one in segments):
@@ -177,6 +183,15 @@ def parted(
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
     return Parted(things, result.light & (1 - things), result.unsure)
+
+
+def _hard_shade(segments: List[_Segment], at_table: np.ndarray) -> List[Unsure]:
+    """Give the parts of a grey thing that may be a hard lamp's shade, where nothing tells which."""
+    maybe = [one for one in segments if one.may_be_shade and cv2.countNonZero(
+        cv2.dilate(one.mask, square(3)) & at_table) >= _FEW]
+    is_told = len(maybe) in (1, len(segments)) or any(
+        one.is_soft or one.nats > 0 for one in segments)
+    return [] if is_told else [Unsure(one.mask, 0.5) for one in maybe]
 
 
 def doubt_of(thing: np.ndarray, unsure: Sequence[Unsure]) -> float:

@@ -44,7 +44,7 @@ _COLOURED, _LEAST_THING = 0.15, 0.4
 # Shade has less chroma, and less than this part of its level; on so many places of a region.
 _NEUTRAL, _OF_LEVEL, _LEAST_NEUTRAL = 0.04, 0.1, 15
 # The faintest shade, logarithm of the ratio; the bins of the levels, from there down.
-_FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
+FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen. Nats for one of the odds.
 _ANY, _NATS_OF_ODDS = 0.3, 8.0
 
@@ -73,7 +73,7 @@ class Shade(NamedTuple):
     def with_levels(self, ratios: Sequence[float]) -> 'Shade':
         """Add the levels of what is surely shade: logarithms of the ratio to the table's."""
         return self._replace(levels=[*self.levels, *(
-            (None, _common(np.array([ratio]))) for ratio in ratios if ratio < _FAINTEST)])
+            (None, _common(np.array([ratio]))) for ratio in ratios if ratio < FAINTEST)])
 
     def nats(self, ratio: float) -> float:
         """
@@ -81,7 +81,7 @@ class Shade(NamedTuple):
 
         :param ratio: Logarithm of the level / the table's.
         """
-        if not self.levels or ratio > _FAINTEST:
+        if not self.levels or ratio > FAINTEST:
             return 0.0
         common = sum(float(levels[_bin(ratio)]) for _, levels in self.levels)
         return -_NATS_OF_ODDS * math.log(
@@ -126,7 +126,7 @@ def _levels(change: np.ndarray) -> Optional[np.ndarray]:
     chroma, ratio = np.hypot(change[:, 0], change[:, 1]), LEVEL_SCALE * change[:, 2]
     if ((chroma > _COLOURED) | (ratio < DARKEST)).mean() < _LEAST_THING:
         return None
-    neutral = ratio[(chroma < np.maximum(_NEUTRAL, -_OF_LEVEL * ratio)) & (ratio < _FAINTEST)]
+    neutral = ratio[(chroma < np.maximum(_NEUTRAL, -_OF_LEVEL * ratio)) & (ratio < FAINTEST)]
     if len(neutral) < _LEAST_NEUTRAL:
         return None
     return _common(neutral)
@@ -139,4 +139,4 @@ def _common(ratios: np.ndarray) -> np.ndarray:
 
 
 def _bin(ratios: np.ndarray) -> np.ndarray:
-    return np.minimum((_FAINTEST - ratios) / _STEP, _LEVELS - 1).astype(int)
+    return np.minimum((FAINTEST - ratios) / _STEP, _LEVELS - 1).astype(int)

@@ -444,6 +444,14 @@ def test_shade_of_coloured_things_tells_a_grey_one_from_its_own(grey):
     assert overlap(grey_one, (true > 0.5)[..., 0]) > 0.93
 
 
+def test_centre_is_in_doubt_where_either_face_of_a_grey_thing_may_be_a_hard_shade():
+    background = np.full((*SIZE, 3), 0.45, np.float32)
+    found, = detect(hard_lamp_cell(background, [(0.2,) * 3]), background)
+    true = np.maximum(square(70, 60, 15), covered((55, 75), (85, 75), (88, 85), (58, 85)))
+    place = np.argwhere(true[..., 0] > 0.5).mean(axis=0)[::-1]
+    assert np.hypot(*np.subtract(found.centre, place)) < 2.5 * found.doubt
+
+
 def test_white_thing_on_a_white_table_is_no_trace_of_light():
     background = np.full((*SIZE, 3), 0.8, np.float32)
     colours = [(0.05, 0.08, 0.5), (0.06, 0.3, 0.05), (0.74, 0.74, 0.74), (0.5, 0.1, 0.06)]
