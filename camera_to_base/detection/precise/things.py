@@ -185,10 +185,12 @@ def _by_segments(
     # What is narrow has no segment of its own.
     narrow = cv2.erode(by_pixels, square(3)) & result.light & (
         found.is_dark | (found.nats > _CLEAR).view(np.uint8))
-    if cv2.countNonZero(narrow) > min_area / 2:
+    beside = cv2.dilate(result.things, square(_SIZE))
+    things = result.things | cv2.dilate(narrow & beside, square(3)) & result.light
+    if cv2.countNonZero(narrow & (1 - beside)) > min_area / 2:
         return None
     # Segments touch at their common border.
-    return result._replace(things=cv2.morphologyEx(result.things, cv2.MORPH_CLOSE, square(3)))
+    return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
 
 
 def _smooth(found: Evidence) -> np.ndarray:
