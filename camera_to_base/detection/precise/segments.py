@@ -186,7 +186,7 @@ def parted(
 
 
 def _hard_shade(segments: List[_Segment], at_table: np.ndarray) -> List[Unsure]:
-    """Give the parts of a grey thing that may be a hard lamp's shade, where nothing tells which."""
+    """Give what of a grey thing may be a hard lamp's shade, where nothing tells which part is."""
     maybe = [one for one in segments if one.may_be_shade and cv2.countNonZero(
         cv2.dilate(one.mask, square(3)) & at_table) >= _FEW]
     is_told = len(maybe) in (1, len(segments)) or any(
