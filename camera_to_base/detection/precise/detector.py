@@ -248,15 +248,15 @@ class PreciseDifferenceDetector:
         clear: List[Detection] = []
         faint: List[Detection] = []
         for part in parts:
-            (faint if self._is_faint(part, frame) else clear).append(part)
+            is_faint = not part.cut_off and self._is_faint(
+                np.int32(part.outline)[:, None], part.box, frame)
+            (faint if is_faint else clear).append(part)
         return clear, faint
 
-    def _is_faint(self, detection: Detection, frame: np.ndarray) -> bool:
+    def _is_faint(self, outline: np.ndarray, box: Box, frame: np.ndarray) -> bool:
         # A trace of light or of JPEG, with a speck in it.
-        if detection.cut_off:
-            return False
-        part, limits = slices(detection.box), self._reference.limits
-        inside = filled(np.int32(detection.outline)[:, None], detection.box)
+        part, limits = slices(box), self._reference.limits
+        inside = filled(outline, box)
         area = cv2.countNonZero(inside)
         if cv2.countNonZero(limits.strong(frame, part) & inside) >= _LEAST_STRONG * area:
             return False
@@ -302,6 +302,7 @@ class PreciseDifferenceDetector:
         ghosts = [find_ghost(frame, self._reference.lit, region)
                   for region in found.regions[:_MOST_GHOSTS]
                   if self._reference.has_edges(slices(grown(region.box, 2, frame)))
+                  and not self._is_faint(region.outline, region.box, frame)
                   and not any(region.box.is_inside(box) for box in reaching if box != region.box)]
         ghosts = [ghost for ghost in ghosts if ghost is not None]
         if ghosts:

@@ -419,6 +419,16 @@ def test_print_that_a_camera_sharpens_more_is_no_object():
     assert found.centre == pytest.approx((99.5, 104.5), abs=0.5)
 
 
+def test_square_of_a_board_in_a_little_other_light_is_no_thing_that_has_left():
+    squares = np.kron(np.indices((6, 8)).sum(axis=0) % 2, np.ones((40, 40)))[..., None]
+    green = np.full((*SIZE, 3), (0.06, 0.25, 0.1), np.float32)
+    board = painted(green, squares, (0.03, 0.05, 0.5))
+    light = board * (1 - 0.15 * square(140, 100, 19)) * (1 + 0.25 * square(140, 100, 3))
+    detector = PreciseDifferenceDetector(coded(board, 1))
+    assert detector.detect(coded(light, 2)) == []
+    assert detector.taken_away == []
+
+
 def hard_lamp_cell(background, colours, depth=0.27):
     # A lamp at the upper left; a wall in its own shade has so much of its colour's light.
     light = background
