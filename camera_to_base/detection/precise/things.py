@@ -38,7 +38,7 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # What is light beside the things, as a part of the region: where it matters; which part of it is
 # clear by its texture; on which part it may be none; how much of the region a thing is that shade
 # surrounds.
-_LEAST_REST, _MOSTLY, _MOST_BAD, _LEAST_SHARE = 0.1, 0.6, 0.3, 0.35
+_LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE = 0.1, 0.6, 0.3, 0.75, 0.35
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
@@ -268,8 +268,12 @@ def _is_clear(
     count, total = cv2.countNonZero(rest), cv2.countNonZero(changed)
     if count < _LEAST_REST * total:
         return count < total
-    sure = cv2.countNonZero(rest & (found.nats < -_CLEAR).view(np.uint8)) > _MOSTLY * count
-    detail = detail_of(found, rest)
+    sure = cv2.countNonZero(rest & (found.nats < -_CLEAR).view(np.uint8))
+    # What light explains badly is neither, unless a thing explains it far worse.
+    bad = cv2.countNonZero(rest & (found.light > WORST_LIGHT).view(np.uint8))
+    if bad > _MOST_BAD * count and sure < _SURE * count:
+        return False
+    detail, sure = detail_of(found, rest), sure > _MOSTLY * count
     if (detail.is_table or sure and detail.likeness > _SOME_LIKENESS
             or things.any() and _ends_softly(found, changed, things)):
         return True
