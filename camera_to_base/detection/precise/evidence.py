@@ -26,9 +26,10 @@ import math
 from typing import List, NamedTuple, Sequence
 
 from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.light import (
+    AXES, LEAST_LIGHT, LEVEL_SCALE, log_levels)
 from camera_to_base.detection.precise.piece import grown, slices, square
-from camera_to_base.detection.precise.shade import (
-    AXES, DARKEST, LEAST_LIGHT, LEVEL_SCALE, log_levels, Shade)
+from camera_to_base.detection.precise.shade import DARKEST, Shade
 import cv2
 import numpy as np
 

@@ -13,6 +13,7 @@ The light of a frame: its curve and gain, its noise, and the limits that follow 
 `Reference` is the background as it looks at a frame's light.
 """
 
+from functools import lru_cache
 import math
 import operator
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
@@ -25,7 +26,7 @@ _STEPS = 100
 _POINTS = 24, 24  # rows and columns
 # Darker levels are mostly noise, lighter ones may be cut off.
 _DARKEST, _LIGHTEST = 8, 247
-_LEAST_LIGHT = 1e-3
+LEAST_LIGHT = 1e-3
 _LEAST_USABLE = 1 / 12
 _DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
 # Grey levels grow with about this power of the light.
@@ -68,12 +69,22 @@ def _coded(light: np.ndarray) -> np.ndarray:
 
 # The light that makes a grey level, 0..1.
 LINEAR = _linear_levels().astype(np.float32)
+# Two axes of chroma and one of level, of the logarithms of B, G and R; orthonormal.
+AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
+    np.float32([[2], [6], [3]]))
+LEVEL_SCALE = 1 / np.sqrt(3)
+
+
+@lru_cache(maxsize=1)
+def log_levels() -> np.ndarray:
+    """Give the logarithm of each grey level's light: shape (256,), float32."""
+    return np.log(LINEAR + LEAST_LIGHT).astype(np.float32)
 
 
 def log_light(picture: np.ndarray) -> np.ndarray:
     """Give the logarithm of all channels' light: shape (h, w, 3), uint8, to (h, w), float32."""
     light = cv2.transform(cv2.LUT(picture, LINEAR), np.ones((1, 3), np.float32))
-    return cv2.log(cv2.max(light, _LEAST_LIGHT))
+    return cv2.log(cv2.max(light, LEAST_LIGHT))
 
 
 def grey_factors(light: np.ndarray) -> np.ndarray:
@@ -133,7 +144,7 @@ class GainMeter:
         # In a channel without enough such places all are used.
         self._usable = usable | (usable.mean(axis=(0, 1)) < _LEAST_USABLE)
         self._usable_share = self._usable.mean(axis=(0, 1)).tolist()
-        self._light = np.maximum(LINEAR[levels], _LEAST_LIGHT)
+        self._light = np.maximum(LINEAR[levels], LEAST_LIGHT)
         self._gain: Optional[Gain] = None
 
     def follow(self, frame: np.ndarray) -> Gain:

@@ -20,9 +20,10 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.precise.evidence import (
     Detail, detail_of, Evidence, SATURATED)
+from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, disc, largest_part, quantile, square)
-from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, LEVEL_SCALE, Shade
+from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, Shade
 import cv2
 import numpy as np
 
@@ -151,11 +152,10 @@ def parted(
     result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
     segments = [_look((labels == number).view(np.uint8), at_table, steps, found)
                 for number in np.unique(labels[changed > 0]) if number > 1]
-    # Where the table goes on below it, light without a penumbra is seen: patches of sun.
-    is_sharp = any(one.nats < 0 and one.is_soft is False and one.detail.is_table
-                   for one in segments)
-    shade = found.shade.with_levels(
-        [one.ratio for one in segments if one.nats < 0 and one.detail.is_table])
+    # Where the table goes on below it, light is seen; without a penumbra, it is a patch of sun.
+    on_table = [one for one in segments if one.nats < 0 and one.detail.is_table]
+    is_sharp = any(one.is_soft is False for one in on_table)
+    shade = found.shade.with_levels([one.ratio for one in on_table])
     for one in segments:
         nats = _nats(one, is_sharp, shade, found)
         # Compression may hide its edge to its shade.
@@ -168,21 +168,35 @@ def parted(
         surest = max(surest, nats)
         if one.is_soft:
             penumbra += cv2.countNonZero(segment)
-    area = cv2.countNonZero(result.things)
     if cv2.countNonZero(result.light) < min_area:
         hard = [] if shade.levels else _hard_shade(segments, at_table)
         return result._replace(things=changed, unsure=hard) if hard else None
-    # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
-    is_soft = penumbra > _LEAST_PENUMBRA * area
-    if surest < -_SURE and any(one.detail.is_table for one in segments):
-        return result._replace(things=np.zeros_like(changed), is_light=True)
-    if area < min_area or surest <= (_SURE_BESIDE_SHADE if is_soft else _SURE):
-        # A coloured table's own colour tells of light, and a sharp rim of a thing.
-        is_unclear = is_soft or surest < -_SURE and any(one.colour > _SURE for one in segments)
-        return result._replace(things=np.zeros_like(changed)) if is_unclear else None
+    is_soft = penumbra > _LEAST_PENUMBRA * cv2.countNonZero(result.things)
+    if not _is_sure(result, surest, is_soft, min_area):
+        return _without_things(result, surest, is_soft, segments)
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
     return Parted(things, result.light & (1 - things), result.unsure)
+
+
+def _is_sure(result: Parted, surest: float, is_soft: bool, min_area: float) -> bool:
+    """Tell whether a region has a thing for sure, by the most that speaks for one, in nats."""
+    # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
+    least = _SURE_BESIDE_SHADE if is_soft else _SURE
+    return surest > least and cv2.countNonZero(result.things) >= min_area
+
+
+def _without_things(
+    result: Parted, surest: float, is_soft: bool, segments: List[_Segment]
+) -> Optional[Parted]:
+    """Give a region in which nothing is surely a thing: light, or unclear; None for neither."""
+    is_surely_light = surest < -_SURE
+    is_light = is_surely_light and any(one.detail.is_table for one in segments)
+    # A coloured table's own colour tells of light, and a sharp rim of a thing.
+    is_unclear = is_soft or is_surely_light and any(one.colour > _SURE for one in segments)
+    if not (is_light or is_unclear):
+        return None
+    return result._replace(things=np.zeros_like(result.things), is_light=is_light)
 
 
 def _hard_shade(segments: List[_Segment], at_table: np.ndarray) -> List[Unsure]:
@@ -235,8 +249,8 @@ def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
     inside = mask > 0
-    nats, colour, ratio = (float(quantile(one[inside]))
-                           for one in (found.nats, found.colour, found.seen - found.usual))
+    nats, colour, ratio = (float(quantile(one)) for one in (
+        found.nats[inside], found.colour[inside], found.seen[inside] - found.usual[inside]))
     return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
                     LEVEL_SCALE * ratio)
 

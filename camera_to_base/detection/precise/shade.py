@@ -16,22 +16,17 @@ have just these levels. They are measured beside coloured and black things: what
 chroma there is shade.
 """
 
-from functools import lru_cache
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LINEAR, Reference
+from camera_to_base.detection.precise.light import (
+    AXES, LEVEL_SCALE, log_levels, Reference)
 from camera_to_base.detection.precise.piece import filled, slices
 from camera_to_base.detection.precise.regions import Region
 import cv2
 import numpy as np
 
-LEAST_LIGHT = 1e-3
-# Two axes of chroma and one of level, of B, G and R; orthonormal.
-AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
-    np.float32([[2], [6], [3]]))
-LEVEL_SCALE = 1 / np.sqrt(3)
 # Logarithm of the ratio: a sixth of the light.
 DARKEST = float(np.log(1 / 6))
 # The tint of a frame's shade: how strong, in which bins, how common among the places that are
@@ -48,11 +43,6 @@ FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
 # odds counts. Chosen on 164 rendered things in a hard lamp's light, and right on 485 others.
 _ANY, _WEIGHT = 0.3, 8.0
-
-
-@lru_cache(maxsize=1)
-def log_levels() -> np.ndarray:
-    return np.log(LINEAR + LEAST_LIGHT).astype(np.float32)
 
 
 class Shade(NamedTuple):

@@ -20,13 +20,13 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     detail_of, Evidence, evidence, gradient, WORST_LIGHT)
-from camera_to_base.detection.precise.light import LINEAR, Reference
+from camera_to_base.detection.precise.light import LINEAR, log_levels, Reference
 from camera_to_base.detection.precise.piece import (
     chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure
-from camera_to_base.detection.precise.shade import log_levels, Shade
+from camera_to_base.detection.precise.shade import Shade
 from camera_to_base.detection.touching import cut_at_gaps, table_between, with_stripes
 import cv2
 import numpy as np
