@@ -14,12 +14,18 @@ A pixel on the rim shows `share * object + (1 - share) * table`, in linear light
 is taken from just outside of the rim, where a shadow may lie, and the object's colour from just
 inside; the share follows by projection, from all three colours. The pixels of which more than half
 is covered make the next, better mask: three turns are enough.
+
+The shade of a flat thing is too narrow for that: a pixel in it is off all such mixtures, and is
+one of both colours in less light. The thing's wall has that light, too, so the share follows from
+the mixture's colour alone.
 """
 
+import math
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.precise.piece import (
     channel_sum, chosen, complete_shares, disc, find_highlight, Piece, quantile, square)
+from camera_to_base.detection.precise.shade import DARKEST
 import cv2
 import numpy as np
 
@@ -39,6 +45,9 @@ _BRIGHTEST_RATIO = 4.0
 # A lighter part of a dark object has a negative share of its usual colour.
 _LIGHTER = -0.15
 _LEAST_CORE = 6
+# How much nearer to a mixture in less light a pixel of a narrow shade is: the square of the light,
+# as a part of its own, and by noise. From which angle on the colours tell that, its sine squared.
+_NEARER, _NOISE, _OTHER_CHROMA = 0.005, 1e-4, 0.01
 # How much the colour of most of a thing of one colour varies, beside its contrast.
 _ONE_COLOUR, _MOSTLY = 0.15, 0.85
 
@@ -186,7 +195,28 @@ def _shares_at(
     # face of a box has one colour, and that is the rim's.
     by_usual = _dot(away, usual_contrast) / np.maximum(usual_power, 1e-9)
     is_texture = (power < np.minimum(usual_power, _TEXTURED * spread)) & (by_usual > _LIGHTER)
-    return np.clip(np.where(is_texture, by_usual, shares), 0, 1)
+    shares = np.clip(np.where(is_texture, by_usual, shares), 0, 1)
+    return _in_own_shade(frame, table - contrast, table, shares)
+
+
+def _in_own_shade(
+    frame: np.ndarray, thing: np.ndarray, table: np.ndarray, shares: np.ndarray
+) -> np.ndarray:
+    """Give shares, shape (n,), with those where both colours have less light: each (3, n)."""
+    own, others, both = _dot(thing, thing), _dot(table, table), _dot(thing, table)
+    by_thing, by_table = _dot(frame, thing), _dot(frame, table)
+    # Least squares, with any two amounts of the colours.
+    scale = np.maximum(own * others - both ** 2, 1e-9)
+    of_thing = np.maximum(by_thing * others - by_table * both, 0) / scale
+    of_table = np.maximum(by_table * own - by_thing * both, 0) / scale
+    light = of_thing + of_table
+    off, off_shade = (_dot(one, one) for one in (
+        frame - shares * thing - (1 - shares) * table,
+        frame - of_thing * thing - of_table * table))
+    is_shade = ((off - off_shade > _NEARER * _dot(frame, frame) + _NOISE)
+                & (light > math.exp(DARKEST)) & (light < 1)
+                & (scale > _OTHER_CHROMA * own * others))
+    return np.where(is_shade, of_thing / np.maximum(light, _LEAST_LIGHT), shares)
 
 
 def _core(mask: np.ndarray) -> np.ndarray:

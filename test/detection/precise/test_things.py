@@ -76,6 +76,25 @@ def overlap(detection, true):
     return (found & true).sum() / (found | true).sum()
 
 
+def disc(u, v, radius):
+    turns = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    return covered(*zip(u + radius * np.cos(turns), v + radius * np.sin(turns)))
+
+
+@pytest.mark.parametrize('colour', [(0.05, 0.2, 0.04), (0.06, 0.2, 0.42)])
+@pytest.mark.parametrize('radius', [9, 16])
+def test_narrow_shade_of_a_flat_coloured_thing_is_no_part_of_it(colour, radius):
+    # It is 3 px wide, so that nowhere beside the thing it is seen alone.
+    background = np.full((*SIZE, 3), 0.42, np.float32)
+    light = shaded(background, disc(152.5, 122, radius), 0.6)
+    coin = disc(150, 120, radius)
+    found = detect(painted(light, coin, colour), background)
+    moments = cv2.moments(coin)
+    true = moments['m10'] / moments['m00'], moments['m01'] / moments['m00']
+    assert len(found) == 1 and np.hypot(*np.subtract(found[0].centre, true)) < 0.35
+    assert overlap(found[0], np.uint8(coin[..., 0] > 0.5)) > 0.92
+
+
 def test_dark_wall_ends_where_it_stands_though_the_top_is_far_lighter():
     # In its shade, the wall's red is nearer to the table's than to the top's.
     background = np.full((*SIZE, 3), 0.48, np.float32)
