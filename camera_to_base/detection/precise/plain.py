@@ -18,6 +18,7 @@ surroundings, in a window that is hardly larger than the object. What decides be
 - it differs from the table by at least twice what an object must, all along its rim by a part of
   that: it is not faint,
 - few pixels lie between its colour and the table's: shade and blurred rims would be among them,
+- few are darker than all mixtures of both colours: they are its shade, however narrow,
 - what is covered is one part without a hole,
 - nothing of the table's texture is seen, nor a coloured table's own colour: it is no light,
 - where the background has edges, the background around it has another colour: it is no ghost.
@@ -42,6 +43,9 @@ _DEPTH, _LEAST_CORE = 3, 20
 _EVEN_LEVELS, _EVEN_DEVIATIONS, _CLEAR = 4.0, 2.5, 2.0
 _COVERED, _HALF, _WIDEST_RIM = 204, 127, 2.6  # shares of 255
 _LEAST_SPAN, _SURELY_OTHER = 0.12, 0.5
+# From which angle on two colours tell a shade, its sine squared; what is in shade; on how many px,
+# by the square root of the area.
+_OTHER_CHROMA, _SHADED, _MOST_SHADE = 0.04, 0.75, 0.25
 # How many deviations of chance the frame's detail has in common with the table's, at most.
 _LIKENESS = 6.0
 _GREY = np.full((1, 3), 1 / 3, np.float32)
@@ -161,8 +165,27 @@ def _shares(
     if (cv2.minMaxLoc(span, near)[0] < _LEAST_SPAN * power or has_edges
             and cv2.mean(span, cv2.bitwise_not(near))[0] < _SURELY_OTHER * power):
         return None
-    excess = cv2.transform(cv2.LUT(seen, LINEAR), from_thing)
+    light = cv2.LUT(seen, LINEAR)
+    if _has_own_shade(light, near, usual, contrast):
+        return None
+    excess = cv2.transform(light, from_thing)
     return cv2.subtract(near, cv2.divide(excess, span, scale=255, dtype=cv2.CV_8U))
+
+
+def _has_own_shade(
+    light: np.ndarray, near: np.ndarray, usual: List[float], contrast: List[float]
+) -> bool:
+    """Tell whether pixels are darker than all mixtures of a thing's colour and the table's."""
+    part = sum(map(operator.mul, usual, contrast)) / sum(map(operator.mul, contrast, contrast))
+    # What the table has and the mixtures have alike, whatever their shares.
+    common = [one - part * other for one, other in zip(usual, contrast)]
+    whole = sum(map(operator.mul, common, common))
+    if whole < _OTHER_CHROMA * sum(map(operator.mul, usual, usual)):
+        return False
+    dark = cv2.compare(
+        cv2.transform(light, np.float32([common])), _SHADED * whole, cv2.CMP_LT)
+    count, area = map(cv2.countNonZero, (cv2.bitwise_and(dark, near), near))
+    return count > _MOST_SHADE * math.sqrt(area)
 
 
 def _whole(shares: np.ndarray, window: Box) -> Optional[Placed]:

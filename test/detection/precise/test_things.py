@@ -81,12 +81,13 @@ def disc(u, v, radius):
     return covered(*zip(u + radius * np.cos(turns), v + radius * np.sin(turns)))
 
 
-@pytest.mark.parametrize('colour', [(0.05, 0.2, 0.04), (0.06, 0.2, 0.42)])
+@pytest.mark.parametrize('colour, width', [
+    ((0.05, 0.2, 0.04), 2.5), ((0.06, 0.2, 0.42), 2.5), ((0.06, 0.2, 0.42), 1)])
 @pytest.mark.parametrize('radius', [9, 16])
-def test_narrow_shade_of_a_flat_coloured_thing_is_no_part_of_it(colour, radius):
-    # It is 3 px wide, so that nowhere beside the thing it is seen alone.
+def test_narrow_shade_of_a_flat_coloured_thing_is_no_part_of_it(colour, width, radius):
+    # Nowhere beside the thing it is seen alone.
     background = np.full((*SIZE, 3), 0.42, np.float32)
-    light = shaded(background, disc(152.5, 122, radius), 0.6)
+    light = shaded(background, disc(150 + width, 120 + 0.8 * width, radius), 0.6)
     coin = disc(150, 120, radius)
     found = detect(painted(light, coin, colour), background)
     moments = cv2.moments(coin)
