@@ -91,6 +91,7 @@ class Evidence(NamedTuple):
     :param shade: What shade does on the frame.
     :param detail: Products of the background's detail and the frame's, over the variance, shape
         (h, w, 4): of both, of the background's, of the frame's; and the background's own variance.
+    :param chroma: How much the chroma has changed, logarithm.
     """
 
     nats: np.ndarray
@@ -102,6 +103,7 @@ class Evidence(NamedTuple):
     colour: np.ndarray
     shade: Shade
     detail: np.ndarray
+    chroma: np.ndarray
 
 
 def evidence(
@@ -140,7 +142,8 @@ def evidence(
     ratio = cv2.blur(change[2], (3, 3)) * LEVEL_SCALE
     is_dark = (ratio < DARKEST).view(np.uint8) | _sharp_bright(ratio)
     return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2],
-                    colour, shade, _products(usual[2], seen[2], usual_variance[2], variance[2]))
+                    colour, shade, _products(usual[2], seen[2], usual_variance[2], variance[2]),
+                    cv2.magnitude(*change[:2]))
 
 
 def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:

@@ -86,7 +86,7 @@ class Placer:
         if is_at_edge and window.mask.size > _MOST_AT_EDGE:
             found = unplaced(region.outline, frame)
         else:
-            found = self._long_way(window, is_at_edge, region.may_be_light)
+            found = self._long_way(window, is_at_edge, region)
         if found and found[0].cut_off:
             found += self._in_shade_of(window)
         return found
@@ -116,11 +116,11 @@ class Placer:
         return Placing(found, region)
 
     def _long_way(
-        self, window: '_Window', is_at_edge: bool, may_be_light: bool
+        self, window: '_Window', is_at_edge: bool, region: Region
     ) -> List[Detection]:
         coarse, scale = window.reduced(_MOST_AT_EDGE if is_at_edge else _MOST_TO_TELL)
         thing = split_off_shade(coarse)
-        if thing is None and may_be_light:
+        if thing is None and region.may_be_light:
             return []
         mask = window.mask if thing is None else enlarged(thing.mask, scale, window.mask)
         outline = outline_of(mask, window.box)
@@ -129,7 +129,9 @@ class Placer:
         if touches_edge(Box(*cv2.boundingRect(outline)), window.frame):
             return unplaced(outline, window.frame)
         found = self._at(window, mask)
-        if thing is None or thing.is_sure:
+        if thing is None:
+            return _doubted(found, region)
+        if thing.is_sure:
             return found
         doubt = _OF_SHADE * scale * math.dist(centre_of(thing.mask), centre_of(coarse.mask))
         return [replace(one, doubt=doubt) for one in found]

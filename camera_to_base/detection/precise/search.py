@@ -245,9 +245,7 @@ def _things_of(
     frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float
 ) -> List[Region]:
     things = things_in(frame, region, reference, shade, min_area)
-    if things is None:
-        return [region]
-    if not touches_edge(region.box, frame):
+    if not touches_edge(region.box, frame) or not any(thing.is_thing for thing in things):
         return things
     at_edge = [thing for thing in things if touches_edge(thing.box, frame)]
     inside = [thing for thing in things if not touches_edge(thing.box, frame)

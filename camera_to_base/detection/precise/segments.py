@@ -48,6 +48,9 @@ _FEW = 8
 # Without light that was joined to it, a coloured thing's segment has this median, nats, and this
 # part of it is one. The sensor has cut off this part of a segment, and this part of it is a thing.
 _COLOURED, _SINGLE, _MUCH = 60.0, 0.85, 0.3
+# All faces of a coloured thing have so much chroma, and those of a black one so little light,
+# logarithms: beside 761 shades in rendered cells, no side of a thing had the table's chroma.
+_OF_COLOUR, _BLACK = 0.3, -3.0
 # So many of a segment's nats make one of its odds: of the segments above, 8 of 28 within 6 nats
 # are mistaken, 12 of the 13 mistakes lie within 15. What has a smaller deviation is sure.
 _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
@@ -78,12 +81,14 @@ class Parted(NamedTuple):
     :param light: The light.
     :param unsure: Segments of both that may be the other.
     :param is_light: Whether all of it is light, for sure.
+    :param is_one: Whether no light is told from a thing.
     """
 
     things: np.ndarray
     light: np.ndarray
     unsure: List[Unsure]
     is_light: bool = False
+    is_one: bool = False
 
 
 class _Segment(NamedTuple):
@@ -96,6 +101,7 @@ class _Segment(NamedTuple):
     :param detail: Whether the table's texture is seen in it.
     :param colour: What speaks against a thing of the table's chroma, nats.
     :param ratio: The median logarithm of its level / the table's.
+    :param chroma: The median change of the chroma, logarithm.
     """
 
     mask: np.ndarray
@@ -104,6 +110,7 @@ class _Segment(NamedTuple):
     detail: Detail
     colour: float
     ratio: float
+    chroma: float
 
     @property
     def may_be_shade(self) -> bool:
@@ -156,8 +163,10 @@ def parted(
     on_table = [one for one in segments if one.nats < 0 and one.detail.is_table]
     is_sharp = any(one.is_soft is False for one in on_table)
     shade = found.shade.with_levels([one.ratio for one in on_table])
+    are_coloured = _are_coloured(segments)
     for one in segments:
-        nats = _nats(one, is_sharp, shade, found)
+        is_shade = are_coloured and one.may_be_shade
+        nats = _MOST_LIGHT if is_shade else _nats(one, is_sharp, shade, found)
         # Compression may hide its edge to its shade.
         segment = _without(one.mask, light, cut_off, found)
         result.light[one.mask > segment] = 1
@@ -170,13 +179,21 @@ def parted(
             penumbra += cv2.countNonZero(segment)
     if cv2.countNonZero(result.light) < min_area:
         hard = [] if shade.levels else _hard_shade(segments, at_table)
-        return result._replace(things=changed, unsure=hard) if hard else None
+        return result._replace(
+            things=changed, unsure=hard or result.unsure, is_one=not hard)
     is_soft = penumbra > _LEAST_PENUMBRA * cv2.countNonZero(result.things)
     if not _is_sure(result, surest, is_soft, min_area):
         return _without_things(result, surest, is_soft, segments)
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
     return Parted(things, result.light & (1 - things), result.unsure)
+
+
+def _are_coloured(segments: List[_Segment]) -> bool:
+    """Tell whether a region has nothing but coloured or black faces, and what may be shade."""
+    faces = [one for one in segments if not one.may_be_shade]
+    return bool(faces) and all(
+        one.chroma > _OF_COLOUR or one.ratio < _BLACK for one in faces)
 
 
 def _is_sure(result: Parted, surest: float, is_soft: bool, min_area: float) -> bool:
@@ -249,10 +266,11 @@ def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
     inside = mask > 0
-    nats, colour, ratio = (float(quantile(one)) for one in (
-        found.nats[inside], found.colour[inside], found.seen[inside] - found.usual[inside]))
+    nats, colour, chroma, ratio = (float(quantile(one)) for one in (
+        found.nats[inside], found.colour[inside], found.chroma[inside],
+        found.seen[inside] - found.usual[inside]))
     return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
-                    LEVEL_SCALE * ratio)
+                    LEVEL_SCALE * ratio, chroma)
 
 
 def _nats(segment: _Segment, is_sharp: bool, shade: Shade, found: Evidence) -> float:

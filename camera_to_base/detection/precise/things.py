@@ -15,7 +15,7 @@ and the long way decides, see `own_shadow`. Where the frame's detail follows the
 the light changes without an edge, it is light.
 """
 
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
@@ -59,8 +59,18 @@ _FAINT = 16
 # A larger window is looked at reduced, in px; not so much that things in it vanish.
 _COARSEST = 4
 _MOST_AT_FULL_SIZE = 30_000
-# All of a region may be light, as well as a thing.
-_UNCLEAR: List[Tuple[np.ndarray, float]] = []
+
+
+class _Unclear(NamedTuple):
+    """
+    What is said of a region of which things are not told from light.
+
+    :param may_be_light: Whether all of it may be light.
+    :param doubt: That of its centre, if it is a thing, in its px.
+    """
+
+    may_be_light: bool = False
+    doubt: float = 0.0
 
 
 class Work(NamedTuple):
@@ -77,7 +87,7 @@ class Work(NamedTuple):
 
 def things_in(
     frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float
-) -> Optional[List[Region]]:
+) -> List[Region]:
     """
     Find the things in a region, without their shade.
 
@@ -86,7 +96,8 @@ def things_in(
     :param reference: The background at the frame's light.
     :param shade: What shade does on the frame.
     :param min_area: Of a thing, in px².
-    :returns: One region for each thing, none where all is light; None where it is not clear.
+    :returns: One region for each thing, none where all is light; the region itself, which is no
+        thing then, where it is not clear.
     """
     seen = seen_closely(region, frame)
     window, scale = grown(seen, _MARGIN, frame), work(seen).scale
@@ -99,12 +110,10 @@ def things_in(
     # Light from outside of the picture may end as sharply as a thing.
     masks = _masks(seen, usual, changed, found, min_area / scale ** 2,
                    not touches_edge(region.box, frame))
-    if masks is None:
-        return None
-    if masks is _UNCLEAR:
+    if isinstance(masks, _Unclear):
         # Where the table has a texture or a print, that tells better than edges.
-        is_plain = not reference.has_edges(slices(window))
-        return [region._replace(may_be_light=True)] if is_plain else None
+        may_be_light = masks.may_be_light and not reference.has_edges(slices(window))
+        return [region._replace(may_be_light=may_be_light, doubt=scale * masks.doubt)]
     outlines = [outline_of(enlarged(mask, scale, frame[slices(window)]), window)
                 for mask, _ in masks]
     boxes = [Box(*cv2.boundingRect(outline)) for outline in outlines]
@@ -132,8 +141,8 @@ def work(box: Box) -> Work:
 def _masks(
     frame: np.ndarray, background: np.ndarray, changed: np.ndarray, found: Evidence,
     min_area: float, do_edges_tell: bool,
-) -> Optional[List[Tuple[np.ndarray, float]]]:
-    """Give each thing's mask and its doubt; None where it is not clear."""
+) -> Union[List[Tuple[np.ndarray, float]], _Unclear]:
+    """Give each thing's mask and its doubt."""
     things = _smooth(found) & cv2.dilate(changed, square(3))
     # Between two colours of a thing, pixels show neither; on a strip of 2 px they show the table.
     things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
@@ -150,10 +159,10 @@ def _masks(
     if by_edges is not None and not by_edges.things.any():
         # Its edges are soft in part, and nothing is sharp all around to compare them with; or it
         # has a coloured table's own colour.
-        return _UNCLEAR
-    unsure: Sequence[Unsure] = ()
-    if by_edges is not None:
-        things, unsure = by_edges.things, by_edges.unsure
+        return _Unclear(may_be_light=True)
+    unsure: Sequence[Unsure] = () if by_edges is None else by_edges.unsure
+    if by_edges is not None and not by_edges.is_one:
+        things = by_edges.things
     else:
         sure = _no_light(wide, found)
         # Beside what is surely none, what light explains is light.
@@ -165,13 +174,14 @@ def _masks(
             things = sure
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
             if has_highlight or not detail_of(found, rest).is_table:
-                return None
+                return _Unclear(doubt=doubt_of(changed, unsure))
             if not things.any():
                 return []
+        unsure = ()
     things = with_stripes(things, frame, background)
     # Where a thing was seen, parts that are too small do not make it light.
     return [(thing, doubt_of(thing, unsure))
-            for thing in cut_at_gaps(things, frame, background, min_area)] or None
+            for thing in cut_at_gaps(things, frame, background, min_area)] or _Unclear()
 
 
 def _by_segments(
