@@ -16,7 +16,7 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 """
 
 import math
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.precise.evidence import (
     Detail, detail_of, Evidence, SATURATED)
@@ -54,9 +54,9 @@ _OF_COLOUR, _BLACK = 0.3, -3.0
 # So many of a segment's nats make one of its odds: of the segments above, 8 of 28 within 6 nats
 # are mistaken, 12 of the 13 mistakes lie within 15. What has a smaller deviation is sure.
 _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
-# What a pixel is whatever its segment is, and what tells that a region has a thing, beside soft
-# shade, too; nats. How much of that it takes, by the thing's area.
-_SURELY, _SURE, _SURE_BESIDE_SHADE, _LEAST_PENUMBRA = 30.0, 9.0, 2.5, 0.1
+# What a pixel is whatever its segment is, what tells that a region has a thing, and what that it
+# is light alone; nats. What is soft shade, by the thing's area.
+_SURELY, _SURE, _SURE_LIGHT, _LEAST_PENUMBRA = 30.0, 2.5, 9.0, 0.1
 # Segments touch on so many px.
 _SHORTEST = 3
 
@@ -161,32 +161,52 @@ def parted(
                 for number in np.unique(labels[changed > 0]) if number > 1]
     # Where the table goes on below it, light is seen; without a penumbra, it is a patch of sun.
     on_table = [one for one in segments if one.nats < 0 and one.detail.is_table]
-    is_sharp = any(one.is_soft is False for one in on_table)
     shade = found.shade.with_levels([one.ratio for one in on_table])
+    most_by_rim = _most_by_rim(segments, on_table)
     are_coloured = _are_coloured(segments)
+    judged: List[Tuple[_Segment, np.ndarray, float]] = []
     for one in segments:
         is_shade = are_coloured and one.may_be_shade
-        nats = _MOST_LIGHT if is_shade else _nats(one, is_sharp, shade, found)
+        nats = _MOST_LIGHT if is_shade else _nats(one, most_by_rim, shade, found)
         # Compression may hide its edge to its shade.
         segment = _without(one.mask, light, cut_off, found)
         result.light[one.mask > segment] = 1
         result[nats < 0][segment > 0] = 1
-        deviation = 0.5 / math.cosh(nats / _NATS_OF_ODDS / 2)
-        if deviation > _LEAST_DEVIATION:
-            result.unsure.append(Unsure(segment, deviation))
+        judged.append((one, segment, nats))
         surest = max(surest, nats)
         if one.is_soft:
             penumbra += cv2.countNonZero(segment)
+    result.unsure.extend(_unsure(judged, are_coloured))
     if cv2.countNonZero(result.light) < min_area:
         hard = [] if shade.levels else _hard_shade(segments, at_table)
         return result._replace(
             things=changed, unsure=hard or result.unsure, is_one=not hard)
     is_soft = penumbra > _LEAST_PENUMBRA * cv2.countNonZero(result.things)
-    if not _is_sure(result, surest, is_soft, min_area):
+    if surest <= _SURE or cv2.countNonZero(result.things) < min_area:
         return _without_things(result, surest, is_soft, segments)
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
     return Parted(things, result.light & (1 - things), result.unsure)
+
+
+def _unsure(
+    judged: Sequence[Tuple[_Segment, np.ndarray, float]], are_coloured: bool
+) -> Iterator[Unsure]:
+    """
+    Give what may be light as well as a thing.
+
+    :param judged: Each segment, what of it counts, and what speaks for a thing, in nats.
+    :param are_coloured: See :func:`_are_coloured`.
+    """
+    # A hard shade may be the lighter face of what is darker than any.
+    may_be_face = not are_coloured and not any(
+        one.is_soft or nats > 0 and one.ratio > DARKEST for one, _, nats in judged)
+    for one, segment, nats in judged:
+        deviation = 0.5 / math.cosh(nats / _NATS_OF_ODDS / 2)
+        if may_be_face and nats < 0 and not one.detail.is_table:
+            deviation = 0.5
+        if deviation > _LEAST_DEVIATION:
+            yield Unsure(segment, deviation)
 
 
 def _are_coloured(segments: List[_Segment]) -> bool:
@@ -196,21 +216,14 @@ def _are_coloured(segments: List[_Segment]) -> bool:
         one.chroma > _OF_COLOUR or one.ratio < _BLACK for one in faces)
 
 
-def _is_sure(result: Parted, surest: float, is_soft: bool, min_area: float) -> bool:
-    """Tell whether a region has a thing for sure, by the most that speaks for one, in nats."""
-    # Beside soft shade, what has a sharp rim is a thing; a hard lamp's shade has one, too.
-    least = _SURE_BESIDE_SHADE if is_soft else _SURE
-    return surest > least and cv2.countNonZero(result.things) >= min_area
-
-
 def _without_things(
     result: Parted, surest: float, is_soft: bool, segments: List[_Segment]
 ) -> Optional[Parted]:
     """Give a region in which nothing is surely a thing: light, or unclear; None for neither."""
-    is_surely_light = surest < -_SURE
+    is_surely_light = surest < -_SURE_LIGHT
     is_light = is_surely_light and any(one.detail.is_table for one in segments)
     # A coloured table's own colour tells of light, and a sharp rim of a thing.
-    is_unclear = is_soft or is_surely_light and any(one.colour > _SURE for one in segments)
+    is_unclear = is_soft or is_surely_light and any(one.colour > _SURE_LIGHT for one in segments)
     if not (is_light or is_unclear):
         return None
     return result._replace(things=np.zeros_like(result.things), is_light=is_light)
@@ -273,11 +286,23 @@ def _look(
                     LEVEL_SCALE * ratio, chroma)
 
 
-def _nats(segment: _Segment, is_sharp: bool, shade: Shade, found: Evidence) -> float:
+def _most_by_rim(segments: List[_Segment], on_table: List[_Segment]) -> float:
+    """
+    Tell how much a rim without a penumbra speaks for a thing, in nats.
+
+    :param on_table: Those that the table's texture tells to be light.
+    """
+    if any(one.is_soft is False for one in on_table):
+        return 0.0
+    # Where no rim is soft, the lamp may be hard.
+    return _NO_PENUMBRA if any(one.is_soft for one in segments) else _NO_PENUMBRA / 2
+
+
+def _nats(segment: _Segment, most_by_rim: float, shade: Shade, found: Evidence) -> float:
     """
     Tell what speaks for a segment to be a thing: its colour, by the median, texture, and rim.
 
-    :param is_sharp: Whether there is light without a penumbra, so that no rim tells anything.
+    :param most_by_rim: What a rim tells at most, nats.
     :param shade: What the frame's other shade is like.
     """
     if 2 * cv2.countNonZero(found.is_dark & segment.mask) > cv2.countNonZero(segment.mask):
@@ -287,9 +312,9 @@ def _nats(segment: _Segment, is_sharp: bool, shade: Shade, found: Evidence) -> f
     if segment.nats < 0:
         # Its chroma is the table's.
         nats += shade.nats(segment.ratio) - segment.colour
-    if segment.softness is None or is_sharp:
+    if segment.softness is None:
         return nats
-    return nats + _NO_PENUMBRA - _PENUMBRA * segment.softness
+    return nats + min(_NO_PENUMBRA - _PENUMBRA * segment.softness, most_by_rim)
 
 
 def _softness(segment: np.ndarray, at_table: np.ndarray, steps: _Steps) -> Optional[float]:

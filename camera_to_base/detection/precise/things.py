@@ -192,12 +192,14 @@ def _by_segments(
     result = parted(frame, changed, logs, found, min_area)
     if result is None:
         return None
-    # What is narrow has no segment of its own.
+    # What is narrow has no segment of its own; what touches things is a part of them.
     narrow = cv2.erode(by_pixels, square(3)) & result.light & (
         found.is_dark | (found.nats > _CLEAR).view(np.uint8))
-    beside = cv2.dilate(result.things, square(_SIZE))
-    things = result.things | cv2.dilate(narrow & beside, square(3)) & result.light
-    if cv2.countNonZero(narrow & (1 - beside)) > min_area / 2:
+    near = cv2.dilate(result.things, square(_SIZE))
+    labels = cv2.connectedComponents(narrow)[1]
+    joined = narrow & np.isin(labels, labels[(narrow & near) > 0]).view(np.uint8)
+    things = result.things | cv2.dilate(joined, square(3)) & result.light
+    if cv2.countNonZero(narrow & (1 - joined)) > min_area / 2:
         return None
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))

@@ -447,18 +447,27 @@ def test_square_of_a_board_in_a_little_other_light_is_no_thing_that_has_left():
     assert detector.taken_away == []
 
 
-def hard_lamp_cell(background, colours, depth=0.27):
-    # A lamp at the upper left; a wall in its own shade has so much of its colour's light.
+def hard_lamp_cell(background, colours, depth=0.27, wall=10):
+    # A lamp at the upper left; a wall, so many px high, lies in its own shade.
     light = background
     for index, colour in enumerate(colours):
         u, v = 70 + 90 * (index % 3), 60 + 100 * (index // 3)
         shade = covered((u - 15, v + 17), (u + 15, v - 15), (u + 42, v + 12), (u + 42, v + 42),
                         (u + 12, v + 42))
         light = light * (1 - (1 - depth) * shade)
-        light = painted(light, covered((u - 15, v + 15), (u + 15, v + 15), (u + 18, v + 25),
-                                       (u - 12, v + 25)), 0.25 * np.float32(colour))
+        light = painted(light, foot(u, v, wall), 0.25 * np.float32(colour))
         light = painted(light, square(u, v, 15), colour)
     return light
+
+
+def foot(u, v, wall):
+    return covered((u - 15, v + 15), (u + 15, v + 15), (u + 15 + wall / 3, v + 15 + wall),
+                   (u - 15 + wall / 3, v + 15 + wall))
+
+
+def off(found, u, v, wall):
+    true = np.maximum(square(u, v, 15), foot(u, v, wall))[..., 0] > 0.5
+    return np.hypot(*np.subtract(found.centre, np.argwhere(true).mean(axis=0)[::-1]))
 
 
 @pytest.mark.parametrize('grey', [0.2, 0.25, 0.3])
@@ -475,9 +484,24 @@ def test_shade_of_coloured_things_tells_a_grey_one_from_its_own(grey):
 def test_centre_is_in_doubt_where_either_face_of_a_grey_thing_may_be_a_hard_shade():
     background = np.full((*SIZE, 3), 0.45, np.float32)
     found, = detect(hard_lamp_cell(background, [(0.2,) * 3]), background)
-    true = np.maximum(square(70, 60, 15), covered((55, 75), (85, 75), (88, 85), (58, 85)))
-    place = np.argwhere(true[..., 0] > 0.5).mean(axis=0)[::-1]
-    assert np.hypot(*np.subtract(found.centre, place)) < 2.5 * found.doubt
+    assert off(found, 70, 60, 10) < 2.5 * found.doubt
+
+
+@pytest.mark.parametrize('table_light, other, grey, wall', [
+    (0.45, (0.02,) * 3, 0.15, 10), (0.45, (0.02,) * 3, 0.2, 10), (0.45, (0.02,) * 3, 0.25, 10),
+    (0.6, (0.05, 0.08, 0.5), 0.2, 6)])
+def test_hard_shade_is_no_side_of_a_grey_thing(table_light, other, grey, wall):
+    background = np.full((*SIZE, 3), table_light, np.float32)
+    found = detect(hard_lamp_cell(background, [other, (grey,) * 3], wall=wall), background)
+    assert min(off(one, 160, 60, wall) for one in found) < 1
+
+
+@pytest.mark.parametrize('other', [(0.02,) * 3, (0.05, 0.08, 0.5)])
+def test_centre_is_in_doubt_where_a_grey_face_is_just_as_dark_as_a_hard_shade(other):
+    background = np.full((*SIZE, 3), 0.45, np.float32)
+    found = detect(hard_lamp_cell(background, [other, (0.2,) * 3], depth=0.4), background)
+    grey, = [one for one in found if one.centre[0] > 115]
+    assert off(grey, 160, 60, 10) < 2.5 * grey.doubt
 
 
 def test_white_thing_on_a_white_table_is_no_trace_of_light():
