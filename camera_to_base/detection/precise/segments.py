@@ -49,8 +49,8 @@ _FEW = 8
 # part of it is one. The sensor has cut off this part of a segment, and this part of it is a thing.
 _COLOURED, _SINGLE, _MUCH = 60.0, 0.85, 0.3
 # All faces of a coloured thing have so much chroma, and those of a black one so little light,
-# logarithms: beside 761 shades in rendered cells, no side of a thing had the table's chroma.
-_OF_COLOUR, _BLACK = 0.3, -3.0
+# logarithms: beside 740 shades in rendered cells, no side of a thing had the table's chroma.
+_OF_COLOUR, _BLACK = 0.3, -4.0
 # So many of a segment's nats make one of its odds: of the segments above, 8 of 28 within 6 nats
 # are mistaken, 12 of the 13 mistakes lie within 15. What has a smaller deviation is sure.
 _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
