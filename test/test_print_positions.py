@@ -34,4 +34,4 @@ def test_each_position_is_printed_until_ctrl_c(ros):
     finally:
         example.send_signal(signal.SIGINT)
         output, _ = example.communicate(timeout=10.0)
-    assert example.returncode == 0 and output == ''
+    assert (example.returncode, output) == (0, '')
