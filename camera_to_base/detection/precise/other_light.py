@@ -21,7 +21,7 @@ from typing import NamedTuple, Optional, Sequence
 
 from camera_to_base.detection.detection import Box, NoObject, Pixel
 from camera_to_base.detection.precise.light import (
-    grey_factors, LINEAR, log_light, POWER, Range)
+    grey_factors, LEAST_LIGHT, LINEAR, log_light, POWER, Range)
 from camera_to_base.detection.precise.piece import channel_extremes, padded, shrunk, square
 import cv2
 import numpy as np
@@ -35,7 +35,7 @@ _STEPS = 64
 _EDGE = np.ones((9, 9), np.uint8)
 # Shade takes this much light at most, and colours it little.
 _DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
-_LEAST_MARKED, _LEAST_LIGHT = 0.1, 1e-3
+_LEAST_MARKED = 0.1
 # Smooth light changes by less per shrunk px; logarithm: the edge of the faintest thing is steeper.
 _STEEPEST = 0.05
 # The mean that tells it exactly, in shrunk px: of what is off the median by less than a thing is,
@@ -68,9 +68,9 @@ def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray
     """
     step = np.s_[::_SHRINK, ::_SHRINK]
     light, usual = (cv2.LUT(picture[step], LINEAR) for picture in (frame, background))
-    smallest, largest = channel_extremes(light / np.maximum(usual, _LEAST_LIGHT))
-    tint = largest / np.maximum(smallest, _LEAST_LIGHT)
-    marked = (mask[step] > 0) & (np.abs(cv2.log(np.maximum(largest, 1e-3))) > _LEAST_MARKED)
+    smallest, largest = channel_extremes(light / np.maximum(usual, LEAST_LIGHT))
+    tint = largest / np.maximum(smallest, LEAST_LIGHT)
+    marked = (mask[step] > 0) & (np.abs(cv2.log(np.maximum(largest, LEAST_LIGHT))) > _LEAST_MARKED)
     is_light = (largest > _DEEPEST) & (largest < _BRIGHTEST) & (tint < _STRONGEST_TINT)
     return np.count_nonzero(is_light & marked) > _LEAST_SHARE * np.count_nonzero(marked)
 

@@ -22,11 +22,10 @@ import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LINEAR
+from camera_to_base.detection.precise.light import LEAST_LIGHT, LINEAR
 import cv2
 import numpy as np
 
-_LEAST_LIGHT = 1e-3
 _ONES = np.ones((1, 3), np.float32)
 _AT_ORIGIN = Box(0, 0, 0, 0)
 
@@ -63,7 +62,7 @@ def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 def ratio_of(light: np.ndarray, usual: np.ndarray) -> np.ndarray:
     """Divide light by the table's, both of shape (h, w, 3): also where the table is black."""
     # cv2.max with one number limits the first channel alone.
-    return cv2.divide(light, cv2.max(usual, (_LEAST_LIGHT,) * 3))
+    return cv2.divide(light, cv2.max(usual, (LEAST_LIGHT,) * 3))
 
 
 def chosen(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -128,13 +127,13 @@ class Look(NamedTuple):
     @property
     def tint(self) -> np.ndarray:
         """Largest ratio / smallest ratio: 1 where only the brightness differs."""
-        return self.largest / np.maximum(self.smallest, _LEAST_LIGHT)
+        return self.largest / np.maximum(self.smallest, LEAST_LIGHT)
 
 
 def look_at(piece: Piece) -> Look:
     """Compare a piece's frame with its table."""
     frame, table = cv2.blur(piece.frame, (3, 3)), cv2.blur(piece.table, (3, 3))
-    level, usual = (cv2.log(cv2.max(channel_sum(light), 3 * _LEAST_LIGHT))
+    level, usual = (cv2.log(cv2.max(channel_sum(light), 3 * LEAST_LIGHT))
                     for light in (frame, table))
     smallest, largest = channel_extremes(ratio_of(frame, table))
     return Look(level, level - usual, largest, smallest)
@@ -162,14 +161,14 @@ def channel_of_most_contrast(light: np.ndarray, thing: np.ndarray, rest: np.ndar
     :param thing: The one part, shape (h, w), uint8, 1 inside.
     :param rest: The other.
     """
-    ratios = np.divide(*(np.maximum(cv2.mean(light, part)[:3], _LEAST_LIGHT)
+    ratios = np.divide(*(np.maximum(cv2.mean(light, part)[:3], LEAST_LIGHT)
                          for part in (thing, rest)))
     return int(np.argmax(np.abs(np.log(ratios))))
 
 
 def smooth_channel(light: np.ndarray, channel: int) -> np.ndarray:
     """Smooth a channel of light over 3 x 3 px: shape (h, w, 3) to (h, w), above 0."""
-    return cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), _LEAST_LIGHT)
+    return cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), LEAST_LIGHT)
 
 
 def largest_part(mask: np.ndarray) -> np.ndarray:

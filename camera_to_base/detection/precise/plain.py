@@ -166,17 +166,17 @@ def _shares(
             and cv2.mean(span, cv2.bitwise_not(near))[0] < _SURELY_OTHER * power):
         return None
     light = cv2.LUT(seen, LINEAR)
-    if _has_own_shade(light, near, usual, contrast):
+    if _has_own_shade(light, near, usual, contrast, power):
         return None
     excess = cv2.transform(light, from_thing)
     return cv2.subtract(near, cv2.divide(excess, span, scale=255, dtype=cv2.CV_8U))
 
 
 def _has_own_shade(
-    light: np.ndarray, near: np.ndarray, usual: List[float], contrast: List[float]
+    light: np.ndarray, near: np.ndarray, usual: List[float], contrast: List[float], power: float
 ) -> bool:
     """Tell whether pixels are darker than all mixtures of a thing's colour and the table's."""
-    part = sum(map(operator.mul, usual, contrast)) / sum(map(operator.mul, contrast, contrast))
+    part = sum(map(operator.mul, usual, contrast)) / power
     # What the table has and the mixtures have alike, whatever their shares.
     common = [one - part * other for one, other in zip(usual, contrast)]
     whole = sum(map(operator.mul, common, common))

@@ -155,7 +155,6 @@ def parted(
     thing, light = (cv2.morphologyEx(pixels.view(np.uint8), cv2.MORPH_OPEN, square(5))
                     for pixels in sure)
     cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
-    surest, penumbra = -_MOST_THING, 0
     result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
     segments = [_look((labels == number).view(np.uint8), at_table, steps, found)
                 for number in np.unique(labels[changed > 0]) if number > 1]
@@ -173,14 +172,13 @@ def parted(
         result.light[one.mask > segment] = 1
         result[nats < 0][segment > 0] = 1
         judged.append((one, segment, nats))
-        surest = max(surest, nats)
-        if one.is_soft:
-            penumbra += cv2.countNonZero(segment)
     result.unsure.extend(_unsure(judged, are_coloured))
     if cv2.countNonZero(result.light) < min_area:
         hard = [] if shade.levels else _hard_shade(segments, at_table)
         return result._replace(
             things=changed, unsure=hard or result.unsure, is_one=not hard)
+    surest = max(nats for *_, nats in judged)
+    penumbra = sum(cv2.countNonZero(segment) for one, segment, _ in judged if one.is_soft)
     is_soft = penumbra > _LEAST_PENUMBRA * cv2.countNonZero(result.things)
     if surest <= _SURE or cv2.countNonZero(result.things) < min_area:
         return _without_things(result, surest, is_soft, segments)

@@ -23,6 +23,7 @@ the mixture's colour alone.
 import math
 from typing import Dict, NamedTuple, Optional, Tuple
 
+from camera_to_base.detection.precise.light import LEAST_LIGHT
 from camera_to_base.detection.precise.piece import (
     channel_sum, chosen, complete_shares, disc, find_highlight, Piece, quantile, square)
 from camera_to_base.detection.precise.shade import DARKEST
@@ -36,7 +37,7 @@ _TURNS, _SETTLED = 3, 0.005
 _STEEPEST = 0.3
 _CORE_WINDOW, _TABLE_WINDOW, _WIDER_WINDOW = 5, 7, 15
 _WIDER, _ANYWHERE = 1e-3, 1e-7
-_LEAST_LIGHT, _LEAST_POWER = 1e-3, 1e-4
+_LEAST_POWER = 1e-4
 # A rim with less contrast than this part of the usual tells no share.
 _LEAST_CONTRAST, _OTHER_COLOUR = 0.03, 0.05
 # A rim whose colour is of a texture: the variance of its colour, times this, reaches the contrast.
@@ -123,7 +124,7 @@ def _is_of_one_colour(piece: Piece) -> bool:
 
 
 def _ratio(piece: Piece) -> np.ndarray:
-    return np.minimum(piece.frame / np.maximum(piece.table, _LEAST_LIGHT), _BRIGHTEST_RATIO)
+    return np.minimum(piece.frame / np.maximum(piece.table, LEAST_LIGHT), _BRIGHTEST_RATIO)
 
 
 class _Values(NamedTuple):
@@ -216,7 +217,7 @@ def _in_own_shade(
     is_shade = ((off - off_shade > _NEARER * _dot(frame, frame) + _NOISE)
                 & (light > math.exp(DARKEST)) & (light < 1)
                 & (scale > _OTHER_CHROMA * own * others))
-    return np.where(is_shade, of_thing / np.maximum(light, _LEAST_LIGHT), shares)
+    return np.where(is_shade, of_thing / np.maximum(light, LEAST_LIGHT), shares)
 
 
 def _core(mask: np.ndarray) -> np.ndarray:
@@ -233,7 +234,7 @@ def _light_at_rim(rim: np.ndarray, ratios: np.ndarray, mask: np.ndarray) -> np.n
     light = _continued(rim, ratios, near, _TABLE_WINDOW)
     if not farther.any():
         return light
-    beyond = np.maximum(_continued(rim, ratios, farther, _TABLE_WINDOW), _LEAST_LIGHT)
+    beyond = np.maximum(_continued(rim, ratios, farther, _TABLE_WINDOW), LEAST_LIGHT)
     # The square root: half of the change, as the way to the rim is half as long.
     return light * np.sqrt(np.clip(light / beyond, 1 - _STEEPEST, 1 + _STEEPEST))
 

@@ -477,7 +477,7 @@ def test_shade_of_coloured_things_tells_a_grey_one_from_its_own(grey):
     found = detect(hard_lamp_cell(background, colours), background)
     assert len(found) == 4
     grey_one, = [one for one in found if one.centre[0] > 230 and one.centre[1] < 110]
-    true = np.maximum(square(250, 60, 15), covered((235, 75), (265, 75), (268, 85), (238, 85)))
+    true = np.maximum(square(250, 60, 15), foot(250, 60, 10))
     assert overlap(grey_one, (true > 0.5)[..., 0]) > 0.93
 
 
