@@ -85,7 +85,7 @@ def disc(u, v, radius):
     ((0.05, 0.2, 0.04), 2.5), ((0.06, 0.2, 0.42), 2.5), ((0.06, 0.2, 0.42), 1)])
 @pytest.mark.parametrize('radius', [9, 16])
 def test_narrow_shade_of_a_flat_coloured_thing_is_no_part_of_it(colour, width, radius):
-    # Nowhere beside the thing it is seen alone.
+    # The shade is so narrow that it is seen alone nowhere beside the thing.
     background = np.full((*SIZE, 3), 0.42, np.float32)
     light = shaded(background, disc(150 + width, 120 + 0.8 * width, radius), 0.6)
     coin = disc(150, 120, radius)
