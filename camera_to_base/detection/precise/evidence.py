@@ -14,7 +14,8 @@ On the table, a frame is `log frame = log background + level + tint + noise`: li
 level smoothly or with an edge, and hardly the chroma; the table's own texture stays. A thing has a
 colour of its own, and the texture below it is gone. By the known noise of each grey level:
 
-- light: the chroma of frame / background is none or the shade's tint, and its level is a plane,
+- light: the chroma of frame / background is none or the shade's tint, and its level is a plane;
+  or the same is true of frame - background, where a reflection adds a lamp's light,
 - thing: the chroma of the frame is constant, and its level is a plane. A thing may have a texture
   of its own: it costs no more than to describe each pixel on its own.
 
@@ -27,7 +28,7 @@ from typing import List, NamedTuple, Sequence
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
-    AXES, LEAST_LIGHT, LEVEL_SCALE, log_levels)
+    AXES, LEAST_LIGHT, LEVEL_SCALE, LINEAR, log_levels)
 from camera_to_base.detection.precise.piece import grown, slices, square
 from camera_to_base.detection.precise.shade import DARKEST, Shade
 import cv2
@@ -51,6 +52,9 @@ _PRIOR, _OWN = 12.0, 3.5
 # there, for each change of the level. Two colours are one where the channels' logarithms change
 # alike.
 _OF_CHROMA, _GREY, _MOST_OF_CHROMA, _COLOURED_TINT, _ALIKE = 40.0, 0.5, 30.0, 0.04, 0.25
+# How much chroma a lamp's light may have in a reflection, by its level; what is lighter by this
+# logarithm may be one, where the table has this chroma (logarithm) or a slope of this variance.
+_LAMP_TINT, _LIGHTER, _HARDLY_GREY, _TEXTURE = 0.03, 0.1, 0.25, 5.0
 # What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
 SATURATED, _UNKNOWN = 250, 0.1
 # What is cut off does not drift: the largest variance that does.
@@ -126,8 +130,15 @@ def evidence(
     change = [cv2.subtract(*pair) for pair in zip(seen, usual)]
     variance = [one + other + _TREMBLE ** 2 * gradient(detail)
                 for one, other, detail in zip(seen_variance, usual_variance, usual)]
-    colour = _nats_of_chroma(cv2.magnitude(*usual[:2]))
+    chroma = cv2.magnitude(*usual[:2])
+    colour = _nats_of_chroma(chroma)
     light = _light(change, variance, drift, shade.tint, colour, _SIZE)
+    # On a plain grey table it is as any other light.
+    lighter = (_box_mean(change[2], _SIZE) * LEVEL_SCALE > _LIGHTER) & (
+        (chroma > _HARDLY_GREY)
+        | (_box_mean(gradient(usual[2]), _SIZE) > _TEXTURE * usual_variance[2]))
+    if lighter.any():
+        light = cv2.min(light, _reflection(frame, background, noise, drift, lighter))
     thing = _off_constant(seen, seen_variance, _SIZE)
     limit = 2 * _OWN * 3 * _SIZE ** 2
     if cv2.minMaxLoc(thing)[1] > limit:
@@ -214,6 +225,35 @@ def _light(
                       variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)
                       + known))
     return cv2.erode(light, square(size))
+
+
+def _reflection(
+    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float,
+    lighter: np.ndarray,
+) -> np.ndarray:
+    """
+    Give the chi-square of a lamp's light that is added to the table's, as :func:`_light`.
+
+    :param lighter: Which windows may have such light, shape (h, w), bool.
+    """
+    variances = np.float32(
+        (noise ** 2 + _LEAST_VARIANCE) * np.gradient(LINEAR)[:, None] ** 2)[:, None]
+    # What the sensor has cut off is no sum of both: no reflection.
+    count = _SIZE ** 2
+    seen, usual = (_on_axes(picture, LINEAR, AXES) for picture in (frame, background))
+    added = [cv2.subtract(*pair) for pair in zip(seen, usual)]
+    means = [_box_mean(one, _SIZE) for one in added]
+    variance = [_box_mean(one + other + _TREMBLE ** 2 * gradient(detail), _SIZE)
+                for one, other, detail in zip(*(
+                    _on_axes(picture, variances, AXES ** 2) for picture in (frame, background)),
+                    usual)]
+    light = _off_plane(added[2], means[2], _SIZE) / variance[2]
+    for axis in range(2):
+        light += count * (_box_mean(added[axis] ** 2, _SIZE) - means[axis] ** 2) / variance[axis]
+        light += count * means[axis] ** 2 / (
+            variance[axis] * (1 + count * drift) + count * (_LAMP_TINT * means[2]) ** 2)
+    light[~lighter] = np.inf
+    return cv2.erode(light, square(_SIZE))
 
 
 def _off_constant(

@@ -267,7 +267,21 @@ def test_sharp_light_on_a_coloured_table_may_be_light(gain, colour):
     assert [one.kind for one in detector.dropped if one.area > 100] == ['light_or_thing']
 
 
-@pytest.mark.parametrize('thing', [(0.02, 0.02, 0.02), (0.3, 0.3, 0.3), (0.045, 0.2, 0.08)])
+@pytest.mark.parametrize('colour', [(0.045, 0.2, 0.02), (0.3, 0.08, 0.05), (0.28, 0.42, 0.55)])
+@pytest.mark.parametrize('strength, lamp', [(0.08, (1, 1, 1)), (0.25, (0.97, 1, 1.03))])
+def test_lamp_that_is_mirrored_by_a_coloured_table_is_no_object(colour, strength, lamp):
+    felt = np.full((*SIZE, 3), colour, np.float32)
+    image = cv2.GaussianBlur(covered((60, 60), (150, 40), (170, 130), (80, 150)), (0, 0), 5)
+    light = painted(felt, square(250, 180, 15), 0.02) + (
+        strength * np.float32(lamp) * image[..., None])
+    detector = PreciseDifferenceDetector(coded(felt, 1))
+    found, = detector.detect(coded(light, 2))
+    assert found.centre == pytest.approx((249.6, 179.6), abs=0.2)
+    assert max(detector.dropped, key=lambda one: one.area).kind in ('light', 'light_or_thing')
+
+
+@pytest.mark.parametrize('thing', [
+    (0.02, 0.02, 0.02), (0.3, 0.3, 0.3), (0.045, 0.2, 0.08), (0.8, 0.8, 0.8)])
 def test_thing_of_another_colour_on_a_coloured_table_is_found(thing):
     felt = np.full((*SIZE, 3), (0.045, 0.2, 0.02), np.float32)
     detector = PreciseDifferenceDetector(coded(felt, 1))
