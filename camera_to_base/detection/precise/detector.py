@@ -24,8 +24,7 @@ Each step is a module of its own:
 - `shade`: how dark and of which tint the shade of this frame is.
 - `evidence`, `segments`, `things`: what of a region is a thing, and what is shade, sun or a lamp,
   pixel by pixel and edge by edge; they say nothing where the picture cannot tell.
-- `search`, `regions`: where such pixels are connected, for the long way, and what lies in the
-  shade of an arm.
+- `search`, `regions`: where such pixels are connected, for the long way.
 - `still`: what was told of regions that lie still, so that it need not be told again.
 - `other_light`: smooth light, a lamp that flickers, shade from outside: taken out, no objects.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.

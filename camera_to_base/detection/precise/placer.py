@@ -20,7 +20,7 @@ from camera_to_base.detection.precise.piece import (
     centre_of, enclosed, enlarged, filled, grown, make_piece, outline_of,
     outlines_in, Piece, reduced, slices)
 from camera_to_base.detection.precise.plain import Plain
-from camera_to_base.detection.precise.regions import find_shaded, places_to_look, Region
+from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.shares import place, place_thing, Placed
 from camera_to_base.detection.touching import nearest_part, split_touching
 import cv2
@@ -88,7 +88,8 @@ class Placer:
         else:
             found = self._long_way(window, is_at_edge, region)
         if found and found[0].cut_off:
-            found += self._in_shade_of(window)
+            found += [one for thing in region.in_its_shade
+                      for one in self._thing(frame, thing, reference).detections]
         return found
 
     def _thing(
@@ -135,18 +136,6 @@ class Placer:
             return found
         doubt = _OF_SHADE * scale * math.dist(centre_of(thing.mask), centre_of(coarse.mask))
         return [replace(one, doubt=doubt) for one in found]
-
-    def _in_shade_of(self, window: '_Window') -> List[Detection]:
-        return [detection for part in self._parts_in_shade(window)
-                for mask in find_shaded(part.piece, self._min_area)
-                for detection in self._at(part, mask)]
-
-    def _parts_in_shade(self, window: '_Window') -> List['_Window']:
-        coarse, scale = window.reduced(_MOST_TO_TELL)
-        if scale == 1:
-            return [window]
-        return [window.part(box, scale)
-                for box in places_to_look(coarse, self._min_area / scale ** 2)]
 
     def _at(self, window: '_Window', mask: np.ndarray) -> List[Detection]:
         # Only what is near the object takes time.
@@ -200,11 +189,6 @@ class _Window:
     def around(self, mask: np.ndarray) -> '_Window':
         """Give what surrounds a mask of this window."""
         return self._cut(grown(Box(*cv2.boundingRect(mask)), _SURROUNDINGS, mask), mask)
-
-    def part(self, box: Box, scale: int) -> '_Window':
-        """Give what surrounds a box on the reduced window."""
-        box = Box(*(scale * length for length in box))
-        return self._cut(grown(box, _SURROUNDINGS + scale, self.mask), self.mask)
 
     def _cut(self, near: Box, mask: np.ndarray) -> '_Window':
         box = near._replace(x=near.x + self.box.x, y=near.y + self.box.y)

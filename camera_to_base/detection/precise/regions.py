@@ -8,7 +8,7 @@
 # the License.
 
 """
-The regions that may be objects, and whole objects in a region that reaches in.
+The regions that may be objects.
 
 A region is where pixels beyond the weak limit are connected, and enough of them lie beyond the
 strong one (hysteresis): noise stays below the strong limit, and the rim of an object is still seen
@@ -16,21 +16,14 @@ by the weak one. Holes belong to their region.
 
 All of this is done in windows around the parts that have changed, see `changes`. Most windows show
 one region without a hole; there a few steps are enough, and the others are left out.
-
-An arm, its shadow and what lies in the shadow are one region. A part of it is an object of its own
-where it does not touch the edge and is set apart by a step all around: it is clearly darker than
-the shadow, or lighter than the table, or coloured. A shadow's own rim is soft, a part of the arm
-goes on into the arm, and what lies on the arm is not surrounded by table or shade; so none of
-these is taken for an object.
 """
 
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
-    channel_of_most_contrast, enclosed, filled, grown, has_holes, Look, look_at, outlines_in,
-    Piece, quantile, slices, smooth_channel, square)
+    enclosed, filled, grown, has_holes, outlines_in, slices)
 import cv2
 import numpy as np
 
@@ -47,19 +40,6 @@ _PRINT, _LONG_GAP, _NEARBY = np.ones((11, 11), np.uint8), 8.0, 15
 # which is so many times the least.
 _SAME_COLOUR, _CLEAR = 0.3, 2.0
 
-# What no shadow is: lighter, or of a colour. Logarithms of ratios, from dark to very dark: what is
-# darker than a shadow, of whatever depth, is set apart by one of them.
-_LIGHT, _COLOURED, _DARK = 1.1, 1.6, (-0.5, -0.8, -1.1, -1.5, -2.0, -2.6)
-# How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
-_SHARP, _RIM, _WINDOWS = 0.6, 0.85, (5, 11)
-_LEAST_CONTRAST = 0.15
-# What surrounds an object: no ratio below this one, on at least this part.
-_DEEPEST, _LEAST_AROUND = 0.2, 0.75
-# The same on a reduced piece, where less is told.
-_MAYBE_AROUND = 0.5
-# Kernels between which the surroundings lie, on a piece and on a reduced one.
-_RING, _COARSE_RING = (5, 9), (3, 5)
-
 
 class Region(NamedTuple):
     """
@@ -75,6 +55,7 @@ class Region(NamedTuple):
     :param may_be_light: Whether all of it may be light, as well as a thing.
     :param doubt: See :class:`Detection`.
     :param is_settled: Whether its outline is one that a placing ended with: one more turn will do.
+    :param in_its_shade: Things in its shade, if it is an arm.
     """
 
     outline: np.ndarray
@@ -87,6 +68,7 @@ class Region(NamedTuple):
     may_be_light: bool = False
     doubt: float = 0.0
     is_settled: bool = False
+    in_its_shade: Sequence['Region'] = ()
 
 
 def find_regions(
@@ -270,115 +252,3 @@ def _goes_on(box: Box, window: Box, picture: np.ndarray) -> bool:
     return (box.x <= window.x > 0 or box.y <= window.y > 0
             or box.x + box.width >= window.x + window.width < width
             or box.y + box.height >= window.y + window.height < height)
-
-
-def places_to_look(piece: Piece, min_area: float) -> List[Box]:
-    """
-    Find where there may be objects in a region that touches the picture's edge.
-
-    A large piece is looked at on a reduced picture first: how sharp a rim is cannot be told there.
-
-    :param piece: As for :func:`find_shaded`, reduced.
-    :param min_area: In px² of the reduced picture.
-    :returns: Boxes that do not overlap, in px of the reduced picture.
-    """
-    look = look_at(piece)
-    table = _table(look)
-    places = np.zeros_like(piece.mask)
-    for mask in _candidates(piece, look):
-        for outline in _outlines_inside(mask, min_area):
-            window = grown(Box(*cv2.boundingRect(outline)), max(_COARSE_RING), mask)
-            part, inside = slices(window), filled(outline, window)
-            if _is_on(table[part], _ring(inside, _COARSE_RING), _MAYBE_AROUND):
-                places[part] = 1
-    return [Box(*cv2.boundingRect(outline)) for outline in outlines_in(places)]
-
-
-def find_shaded(piece: Piece, min_area: float) -> List[np.ndarray]:
-    """
-    Find the objects in a region that touches the picture's edge.
-
-    :param piece: Where it touches the window's border, it touches the picture's edge.
-    :param min_area: In px².
-    :returns: A mask of each, shape (h, w), uint8, 1 inside.
-    """
-    look = look_at(piece)
-    around = _Surroundings(piece, look)
-    found: List[np.ndarray] = []
-    taken = np.zeros_like(piece.mask)
-    for mask in _candidates(piece, look):
-        for outline in _outlines_inside(mask, min_area):
-            window = grown(Box(*cv2.boundingRect(outline)), max(_WINDOWS), mask)
-            part, inside = slices(window), filled(outline, window)
-            if not (inside & taken[part]).any() and around.set_apart(inside, part):
-                taken[part] |= inside
-                found.append(np.zeros_like(taken))
-                found[-1][part] = inside
-    return found
-
-
-def _candidates(piece: Piece, look: Look) -> Iterator[np.ndarray]:
-    special = (look.largest > _LIGHT) | (look.tint > _COLOURED)
-    yield cv2.morphologyEx(piece.mask & special.view(np.uint8), cv2.MORPH_OPEN, square(3))
-    for ratio in _DARK:
-        yield piece.mask & (look.ratio < ratio).view(np.uint8)
-
-
-def _outlines_inside(mask: np.ndarray, min_area: float) -> Iterator[np.ndarray]:
-    height, width = mask.shape
-    for outline in outlines_in(mask):
-        if cv2.contourArea(outline) < min_area:
-            continue
-        x, y, across, down = cv2.boundingRect(outline)
-        if x > 0 and y > 0 and x + across < width and y + down < height:
-            yield outline
-
-
-def _table(look: Look) -> np.ndarray:
-    # Around an object lies the table or shade; around a part of a thing, the thing.
-    return ((look.smallest > _DEEPEST) & (look.largest < _LIGHT)
-            & (look.tint < _COLOURED)).view(np.uint8)
-
-
-def _ring(inside: np.ndarray, sizes: Tuple[int, int]) -> np.ndarray:
-    near, far = (cv2.dilate(inside, square(size)) for size in sizes)
-    return far & (1 - near)
-
-
-def _is_on(table: np.ndarray, around: np.ndarray, least: float) -> bool:
-    return cv2.countNonZero(table & around) >= least * cv2.countNonZero(around)
-
-
-class _Surroundings:
-    """What a part of a piece is set apart from; what many parts ask for is computed once."""
-
-    def __init__(self, piece: Piece, look: Look) -> None:
-        self._piece = piece
-        self._table = _table(look)
-        self._levels: Dict[int, np.ndarray] = {}
-        self._sharp: Dict[int, np.ndarray] = {}
-
-    def set_apart(self, inside: np.ndarray, part: tuple) -> bool:
-        """Tell whether an object ends where a part of the piece does."""
-        around = _ring(inside, _RING)
-        if not _is_on(self._table[part], around, _LEAST_AROUND):
-            return False
-        channel = channel_of_most_contrast(self._piece.frame[part], inside, around)
-        rim = inside & (1 - cv2.erode(inside, square(3)))
-        level = self._level(channel)[part]
-        contrast = abs(quantile(level[rim > 0]) - quantile(level[around > 0]))
-        sharp = cv2.countNonZero(self._sharp_steps(channel)[part] & rim)
-        return bool(contrast > _LEAST_CONTRAST and sharp >= _RIM * cv2.countNonZero(rim))
-
-    def _level(self, channel: int) -> np.ndarray:
-        if channel not in self._levels:
-            self._levels[channel] = cv2.log(smooth_channel(self._piece.frame, channel))
-        return self._levels[channel]
-
-    def _sharp_steps(self, channel: int) -> np.ndarray:
-        # At a sharp step, a small window shows as large a step as a larger window does.
-        if channel not in self._sharp:
-            near, far = (cv2.morphologyEx(self._level(channel), cv2.MORPH_GRADIENT, square(size))
-                         for size in _WINDOWS)
-            self._sharp[channel] = (near > _SHARP * far).view(np.uint8)
-        return self._sharp[channel]

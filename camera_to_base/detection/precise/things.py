@@ -12,7 +12,8 @@ Tells things from shade, sun and lamps, before anything is connected; see `evide
 
 Where neither is clear (glass, a grey face on a grey table, a lamp's mirror image), nothing is said
 and the long way decides, see `own_shadow`. Where the frame's detail follows the table's, and where
-the light changes without an edge, it is light.
+the light changes without an edge, it is light. An arm, its shade and what lies in the shade are
+one region: where that is not clear, what is surrounded by shade is still a thing of its own.
 """
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
@@ -54,6 +55,8 @@ _LEAST_STEP = 0.15
 # How far the surroundings of a part matter for that, px.
 _BESIDE = 12
 _MARGIN = 8
+# What surrounds a thing in an arm's shade, px, and on which part of it there must be shade.
+_RING, _LEAST_AROUND = 4, 0.75
 # How far around what is strong, px.
 _FAINT = 16
 # A larger window is looked at reduced, in px; not so much that things in it vanish.
@@ -108,18 +111,46 @@ def things_in(
     found = evidence(seen, usual, reference.noise / scale, reference.drift,
                      shade.beside(region.box))
     # Light from outside of the picture may end as sharply as a thing.
-    masks = _masks(seen, usual, changed, found, min_area / scale ** 2,
-                   not touches_edge(region.box, frame))
+    is_at_edge = touches_edge(region.box, frame)
+    masks = _masks(seen, usual, changed, found, min_area / scale ** 2, not is_at_edge)
     if isinstance(masks, _Unclear):
         # Where the table has a texture or a print, that tells better than edges.
         may_be_light = masks.may_be_light and not reference.has_edges(slices(window))
-        return [region._replace(may_be_light=may_be_light, doubt=scale * masks.doubt)]
-    outlines = [outline_of(enlarged(mask, scale, frame[slices(window)]), window)
-                for mask, _ in masks]
+        in_shade = _in_a_shade(found, changed, min_area / scale ** 2) if is_at_edge else []
+        things = _regions_of([(mask, 0.0) for mask in in_shade], scale, window)
+        return [region._replace(
+            may_be_light=may_be_light, doubt=scale * masks.doubt,
+            in_its_shade=[one for one in things if not touches_edge(one.box, frame)])]
+    return _regions_of(masks, scale, window)
+
+
+def _regions_of(
+    masks: Sequence[Tuple[np.ndarray, float]], scale: int, window: Box
+) -> List[Region]:
+    """Make regions of things, with the doubt of each, that were seen in a reduced window."""
+    like = np.empty((window.height, window.width), np.uint8)
+    outlines = [outline_of(enlarged(mask, scale, like), window) for mask, _ in masks]
     boxes = [Box(*cv2.boundingRect(outline)) for outline in outlines]
     return [Region(outline, box, int(cv2.contourArea(outline)), box, is_thing=True,
                    neighbours=(*outlines[:index], *outlines[index + 1:]), doubt=scale * doubt)
             for index, (outline, box, (_, doubt)) in enumerate(zip(outlines, boxes, masks))]
+
+
+def _in_a_shade(found: Evidence, changed: np.ndarray, min_area: float) -> List[np.ndarray]:
+    """Give what is clearly a thing, and surrounded by shade or the table: it lies in an arm's."""
+    clear = cv2.morphologyEx(changed & (
+        found.is_dark | (found.nats > _CLEAR).view(np.uint8)), cv2.MORPH_OPEN, square(3))
+    table = (found.nats < 0).view(np.uint8) & (1 - found.is_dark)
+    things: List[np.ndarray] = []
+    for outline in outlines_in(clear):
+        box = grown(Box(*cv2.boundingRect(outline)), _RING, clear)
+        near, inside = slices(box), filled(outline, box)
+        ring = cv2.dilate(inside, square(2 * _RING + 1)) & (1 - cv2.dilate(inside, square(5)))
+        if enclosed(outline) >= min_area and cv2.countNonZero(
+                ring & table[near]) > _LEAST_AROUND * cv2.countNonZero(ring):
+            things.append(np.zeros_like(clear))
+            things[-1][near] = inside
+    return things
 
 
 def seen_closely(region: Region, frame: np.ndarray) -> Box:
