@@ -135,10 +135,11 @@ def without_smooth_light(frame: np.ndarray, background: np.ndarray) -> Optional[
     level[cv2.dilate(is_smooth.view(np.uint8), square(3)) == 0] = 0
     x, y, width, height = (_SHRINK * one for one in cv2.boundingRect((level != 0).view(np.uint8)))
     near = np.s_[y:y + height, x:x + width]
-    level = cv2.resize(level, None, fx=_SHRINK, fy=_SHRINK)[:frame.shape[0], :frame.shape[1]]
+    factors = cv2.resize(cv2.exp(-POWER * level), None, fx=_SHRINK, fy=_SHRINK)
+    factors = factors[:frame.shape[0], :frame.shape[1]][near]
     even = frame.copy()
-    even[near] = _scaled(frame[near], background[near], cv2.cvtColor(
-        cv2.exp(-POWER * level[near]), cv2.COLOR_GRAY2BGR))
+    even[near] = _scaled(
+        frame[near], background[near], cv2.cvtColor(factors, cv2.COLOR_GRAY2BGR))
     return Even(even, light)
 
 

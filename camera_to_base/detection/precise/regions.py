@@ -23,7 +23,7 @@ from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
-    enclosed, filled, grown, has_holes, outlines_in, slices)
+    enclosed, filled, grown, has_holes, outlines_in, slices, square)
 import cv2
 import numpy as np
 
@@ -168,18 +168,21 @@ def _print_between(
     if not cv2.countNonZero(gaps):
         return between
     gaps &= cv2.subtract(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _PRINT), mask)
-    boxes = [grown(Box(*cv2.boundingRect(outline)), _NEARBY // 2 + 1, mask)
-             for outline in outlines_in(gaps) if enclosed(outline) > _LONG_GAP]
-    if not boxes:
+    wide = np.zeros_like(mask)
+    for outline in outlines_in(gaps):
+        if enclosed(outline) > _LONG_GAP:
+            cv2.drawContours(wide, [outline], 0, 1, cv2.FILLED)
+    parts = outlines_in(cv2.dilate(wide, square(_NEARBY + 2)))
+    if not parts:
         return between
     # Some rows tell as much as all.
     table = np.array(cv2.mean(
         levels[::_ROW_STEP], (mask[::_ROW_STEP] == 0).view(np.uint8))[:3])
-    for part in map(slices, _joined(boxes)):
+    for part in (slices(Box(*cv2.boundingRect(outline))) for outline in parts):
         seen = levels[part]
         rest = cv2.subtract(gaps[part], cv2.inRange(seen, table - near, table + near))
         if cv2.countNonZero(rest) > _LONG_GAP:
-            between[part] = _same_colour(seen, mask[part], rest, table, least)
+            between[part] |= _same_colour(seen, mask[part], rest, table, least)
     return between
 
 

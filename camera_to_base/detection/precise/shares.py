@@ -248,9 +248,11 @@ def _continued(
     :param values: Its last channel is 1 and counts the known pixels.
     """
     weighted = cv2.copyTo(values, known)
-    anywhere = np.float32(cv2.mean(values, known)[:values.shape[-1]])
-    near, wider = (_at(rim, cv2.blur(weighted, (size, size))) for size in (window, _WIDER_WINDOW))
-    total = near + np.float32(_WIDER) * wider + _ANYWHERE * anywhere[:, None]
+    total = _at(rim, cv2.blur(weighted, (window, window)))
+    if not total[-1].all():
+        anywhere = np.float32(cv2.mean(values, known)[:values.shape[-1]])
+        wider = _at(rim, cv2.blur(weighted, (_WIDER_WINDOW, _WIDER_WINDOW)))
+        total += np.float32(_WIDER) * wider + _ANYWHERE * anywhere[:, None]
     return total[:-1] / total[-1]
 
 

@@ -140,8 +140,11 @@ class StillRegions:
             # Beside what was not looked at, nothing is complete.
             if any(window.overlaps(other.box) for other in left):
                 continue
-            own = [one for one in rest if _has(region, one)]
-            rest = [one for one in rest if not _has(region, one)]
+            own: List[NoObject] = []
+            others: List[NoObject] = []
+            for one in rest:
+                (own if _has(region, one) else others).append(one)
+            rest = others
             places = [placed.get(thing.box, Placing([], thing)) for thing in things]
             boxes = [one.box for place in places for one in place.detections]
             still = Still(window, frame[slices(window)].copy(), reference.gain, region,
@@ -156,4 +159,7 @@ class StillRegions:
 
 
 def _has(region: Region, one: NoObject) -> bool:
-    return cv2.pointPolygonTest(region.outline, one.position, False) >= 0
+    # Most lie elsewhere.
+    (u, v), (x, y, width, height) = one.position, region.box
+    return (x <= u < x + width and y <= v < y + height
+            and cv2.pointPolygonTest(region.outline, one.position, False) >= 0)
