@@ -22,7 +22,6 @@ colour of its own, and the texture below it is gone. By the known noise of each 
 Each takes the best of the windows that contain the pixel, so that nothing leaks over a border.
 """
 
-from functools import lru_cache
 import math
 from typing import List, NamedTuple, Sequence
 
@@ -76,11 +75,6 @@ _OTHER_TEXTURE = 0.5
 _SPREAD = 3
 
 
-@lru_cache(maxsize=1)
-def _slopes() -> np.ndarray:
-    return np.gradient(log_levels())[:, None]
-
-
 class Evidence(NamedTuple):
     """
     What speaks for a thing, pixel by pixel, each of shape (h, w), float32.
@@ -122,14 +116,10 @@ def evidence(
     :param drift: The variance that all of a window has in common, by that of the noise.
     :param shade: What shade does on the frame.
     """
-    variances = np.float32((noise ** 2 + _LEAST_VARIANCE) * _slopes() ** 2)[:, None]
+    variances = _variances(noise, log_levels())
     variances[SATURATED:] = _UNKNOWN
-    seen, usual = (_on_axes(picture, log_levels(), AXES) for picture in (frame, background))
-    seen_variance, usual_variance = (
-        _on_axes(picture, variances, AXES ** 2) for picture in (frame, background))
-    change = [cv2.subtract(*pair) for pair in zip(seen, usual)]
-    variance = [one + other + _TREMBLE ** 2 * gradient(detail)
-                for one, other, detail in zip(seen_variance, usual_variance, usual)]
+    seen, seen_variance, usual, usual_variance, change, variance = _compared(
+        frame, background, log_levels(), variances)
     chroma = cv2.magnitude(*usual[:2])
     colour = _nats_of_chroma(chroma)
     light = _light(change, variance, drift, shade.tint, colour, _SIZE)
@@ -138,7 +128,8 @@ def evidence(
         (chroma > _HARDLY_GREY)
         | (_box_mean(gradient(usual[2]), _SIZE) > _TEXTURE * usual_variance[2]))
     if lighter.any():
-        light = cv2.min(light, _reflection(frame, background, noise, drift, lighter))
+        light = cv2.min(light, _reflection(
+            frame, background, _variances(noise, LINEAR), drift, lighter))
     thing = _off_constant(seen, seen_variance, _SIZE)
     limit = 2 * _OWN * 3 * _SIZE ** 2
     if cv2.minMaxLoc(thing)[1] > limit:
@@ -201,6 +192,37 @@ def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[n
     return [cv2.transform(values, axis[None]) for axis in axes]
 
 
+def _variances(noise: np.ndarray, curve: np.ndarray) -> np.ndarray:
+    """Give the variance of each grey level on a curve: shape (256,) to (256, 1, 3)."""
+    slopes = np.gradient(curve)[:, None]
+    return np.float32((noise ** 2 + _LEAST_VARIANCE) * slopes ** 2)[:, None]
+
+
+class _Compared(NamedTuple):
+    """What two pictures show on the axes of :data:`light.AXES`, and its variances: (h, w) each."""
+
+    seen: List[np.ndarray]
+    seen_variance: List[np.ndarray]
+    usual: List[np.ndarray]
+    usual_variance: List[np.ndarray]
+    change: List[np.ndarray]
+    variance: List[np.ndarray]
+
+
+def _compared(
+    frame: np.ndarray, background: np.ndarray, curve: np.ndarray, variances: np.ndarray
+) -> _Compared:
+    """Compare two pictures by what their grey levels are on a curve."""
+    (seen, seen_variance), (usual, usual_variance) = (
+        (_on_axes(picture, curve, AXES), _on_axes(picture, variances, AXES ** 2))
+        for picture in (frame, background))
+    return _Compared(
+        seen, seen_variance, usual, usual_variance,
+        [cv2.subtract(*pair) for pair in zip(seen, usual)],
+        [one + other + _TREMBLE ** 2 * gradient(detail)
+         for one, other, detail in zip(seen_variance, usual_variance, usual)])
+
+
 def _light(
     change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray,
     colour: np.ndarray, size: int
@@ -217,41 +239,48 @@ def _light(
         # The chroma may be any between none and the tint's.
         along = means[0] * np.float32(tint[0]) + means[1] * np.float32(tint[1])
         part = np.clip(along / power, np.minimum(shade, -_NOTHING), 0)
-    light = _off_plane(change[2], means[2], size) / variance[2]
+    off_tint = [means[axis] - part * np.float32(tint[axis]) for axis in range(2)]
+    return cv2.erode(
+        _chi_square(change, means, variance, off_tint, drift, known, size), square(size))
+
+
+def _chi_square(
+    change: List[np.ndarray], means: List[np.ndarray], variance: List[np.ndarray],
+    off_tint: List[np.ndarray], drift: float, known: np.ndarray, size: int
+) -> np.ndarray:
+    """
+    Give the chi-square of a level that is a plane and of one chroma in each window.
+
+    :param means: Of the change in each window, as the variances.
+    :param off_tint: How far the two axes of chroma are off what light may have.
+    :param known: The variance of that besides the noise, times the number of pixels.
+    """
+    count = size ** 2
+    result = _off_plane(change[2], means[2], size) / variance[2]
     for axis in range(2):
-        off_tint = means[axis] - part * np.float32(tint[axis])
-        light += (count * (_box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
-                  + count * off_tint ** 2 / (
-                      variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)
-                      + known))
-    return cv2.erode(light, square(size))
+        result += (count * (_box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
+                   + count * off_tint[axis] ** 2 / (
+                       variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)
+                       + known))
+    return result
 
 
 def _reflection(
-    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float,
+    frame: np.ndarray, background: np.ndarray, variances: np.ndarray, drift: float,
     lighter: np.ndarray,
 ) -> np.ndarray:
     """
     Give the chi-square of a lamp's light that is added to the table's, as :func:`_light`.
 
+    :param variances: Of the light of each grey level.
     :param lighter: Which windows may have such light, shape (h, w), bool.
     """
-    variances = np.float32(
-        (noise ** 2 + _LEAST_VARIANCE) * np.gradient(LINEAR)[:, None] ** 2)[:, None]
     # What the sensor has cut off is no sum of both: no reflection.
-    count = _SIZE ** 2
-    seen, usual = (_on_axes(picture, LINEAR, AXES) for picture in (frame, background))
-    added = [cv2.subtract(*pair) for pair in zip(seen, usual)]
-    means = [_box_mean(one, _SIZE) for one in added]
-    variance = [_box_mean(one + other + _TREMBLE ** 2 * gradient(detail), _SIZE)
-                for one, other, detail in zip(*(
-                    _on_axes(picture, variances, AXES ** 2) for picture in (frame, background)),
-                    usual)]
-    light = _off_plane(added[2], means[2], _SIZE) / variance[2]
-    for axis in range(2):
-        light += count * (_box_mean(added[axis] ** 2, _SIZE) - means[axis] ** 2) / variance[axis]
-        light += count * means[axis] ** 2 / (
-            variance[axis] * (1 + count * drift) + count * (_LAMP_TINT * means[2]) ** 2)
+    added = _compared(frame, background, LINEAR, variances)
+    means, variance = ([_box_mean(one, _SIZE) for one in planes]
+                       for planes in (added.change, added.variance))
+    light = _chi_square(added.change, means, variance, means[:2], drift,
+                        _SIZE ** 2 * (_LAMP_TINT * means[2]) ** 2, _SIZE)
     light[~lighter] = np.inf
     return cv2.erode(light, square(_SIZE))
 
