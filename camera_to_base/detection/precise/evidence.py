@@ -123,10 +123,11 @@ def evidence(
     chroma = cv2.magnitude(*usual[:2])
     colour = _nats_of_chroma(chroma)
     light = _light(change, variance, drift, shade.tint, colour, _SIZE)
-    # On a plain grey table it is as any other light.
-    lighter = (_box_mean(change[2], _SIZE) * LEVEL_SCALE > _LIGHTER) & (
-        (chroma > _HARDLY_GREY)
-        | (_box_mean(gradient(usual[2]), _SIZE) > _TEXTURE * usual_variance[2]))
+    lighter = _box_mean(change[2], _SIZE) * LEVEL_SCALE > _LIGHTER
+    if lighter.any():
+        # On a plain grey table a reflection is as any other light.
+        lighter &= (chroma > _HARDLY_GREY) | (
+            _box_mean(gradient(usual[2]), _SIZE) > _TEXTURE * usual_variance[2])
     if lighter.any():
         light = cv2.min(light, _reflection(
             frame, background, _variances(noise, LINEAR), drift, lighter))
@@ -249,19 +250,28 @@ def _chi_square(
     off_tint: List[np.ndarray], drift: float, known: np.ndarray, size: int
 ) -> np.ndarray:
     """
-    Give the chi-square of a level that is a plane and of one chroma in each window.
+    Give the chi-square of a level that is a plane and of a chroma that light may have.
 
     :param means: Of the change in each window, as the variances.
     :param off_tint: How far the two axes of chroma are off what light may have.
     :param known: The variance of that besides the noise, times the number of pixels.
     """
     count = size ** 2
-    result = _off_plane(change[2], means[2], size) / variance[2]
+    result = _spread(change, means, variance, size)
     for axis in range(2):
-        result += (count * (_box_mean(change[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
-                   + count * off_tint[axis] ** 2 / (
-                       variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT)
-                       + known))
+        result += count * off_tint[axis] ** 2 / (
+            variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT) + known)
+    return result
+
+
+def _spread(
+    values: List[np.ndarray], means: List[np.ndarray], variance: List[np.ndarray], size: int
+) -> np.ndarray:
+    """Give the chi-square of a level that is a plane and of any one chroma in each window."""
+    result = _off_plane(values[2], means[2], size) / variance[2]
+    for axis in range(2):
+        result += size ** 2 * (
+            _box_mean(values[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
     return result
 
 
@@ -292,10 +302,7 @@ def _off_constant(
     # Small numbers: squares are taken.
     seen = [one - np.float32(cv2.mean(one)[0]) for one in seen]
     means, variance = ([_box_mean(one, size) for one in planes] for planes in (seen, variance))
-    thing = _off_plane(seen[2], means[2], size) / variance[2]
-    for axis in range(2):
-        thing += size ** 2 * (_box_mean(seen[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
-    return cv2.erode(thing, square(size))
+    return cv2.erode(_spread(seen, means, variance, size), square(size))
 
 
 def _box_mean(values: np.ndarray, size: int) -> np.ndarray:

@@ -140,11 +140,8 @@ class StillRegions:
             # Beside what was not looked at, nothing is complete.
             if any(window.overlaps(other.box) for other in left):
                 continue
-            own: List[NoObject] = []
-            others: List[NoObject] = []
-            for one in rest:
-                (own if _has(region, one) else others).append(one)
-            rest = others
+            own = [one for one in rest if _has(region, one)]
+            rest = [one for one in rest if not _has(region, one)]
             places = [placed.get(thing.box, Placing([], thing)) for thing in things]
             boxes = [one.box for place in places for one in place.detections]
             still = Still(window, frame[slices(window)].copy(), reference.gain, region,
