@@ -113,13 +113,11 @@ class Look(NamedTuple):
     """
     What can be told of each pixel of a piece, smoothed over 3 x 3 px.
 
-    :param level: Logarithm of the frame's light.
     :param ratio: Logarithm of the frame's light / the table's.
     :param largest: Largest ratio of a channel.
     :param smallest: Smallest ratio of a channel.
     """
 
-    level: np.ndarray
     ratio: np.ndarray
     largest: np.ndarray
     smallest: np.ndarray
@@ -136,7 +134,7 @@ def look_at(piece: Piece) -> Look:
     level, usual = (cv2.log(cv2.max(channel_sum(light), 3 * LEAST_LIGHT))
                     for light in (frame, table))
     smallest, largest = channel_extremes(ratio_of(frame, table))
-    return Look(level, level - usual, largest, smallest)
+    return Look(level - usual, largest, smallest)
 
 
 def in_clearest_colour(
@@ -147,13 +145,13 @@ def in_clearest_colour(
 
     :param thing: The one part, shape (h, w), uint8, 1 inside.
     :param rest: The other.
-    :returns: Two of shape (h, w), see :func:`smooth_channel`.
+    :returns: Two of shape (h, w), see :func:`_smooth_channel`.
     """
-    channel = channel_of_most_contrast(piece.frame, thing, rest)
-    return smooth_channel(piece.frame, channel), smooth_channel(piece.table, channel)
+    channel = _channel_of_most_contrast(piece.frame, thing, rest)
+    return _smooth_channel(piece.frame, channel), _smooth_channel(piece.table, channel)
 
 
-def channel_of_most_contrast(light: np.ndarray, thing: np.ndarray, rest: np.ndarray) -> int:
+def _channel_of_most_contrast(light: np.ndarray, thing: np.ndarray, rest: np.ndarray) -> int:
     """
     Give the channel in which the mean light of two parts differs most.
 
@@ -166,7 +164,7 @@ def channel_of_most_contrast(light: np.ndarray, thing: np.ndarray, rest: np.ndar
     return int(np.argmax(np.abs(np.log(ratios))))
 
 
-def smooth_channel(light: np.ndarray, channel: int) -> np.ndarray:
+def _smooth_channel(light: np.ndarray, channel: int) -> np.ndarray:
     """Smooth a channel of light over 3 x 3 px: shape (h, w, 3) to (h, w), above 0."""
     return cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), LEAST_LIGHT)
 
