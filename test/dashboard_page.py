@@ -31,6 +31,10 @@ ENTER, RIGHT, DOWN = '\ue007', '\ue014', '\ue015'
 LISTED = """return [...document.querySelectorAll('#part-watch .numbers tbody tr')].flatMap(
     (row) => row.cells[2].textContent.split(', ').map(Number))"""
 AT_REST = [18.0, 13.5, 10.44, 8.91, 25.56, 18.09, 25.56, 8.91, 10.44, 18.09]
+AIM = """const [button] = arguments;
+    window.wasHit = false;
+    button.addEventListener('click', () => { window.wasHit = true; }, {once: true, capture: true});
+    button.scrollIntoView({block: 'center'});"""
 # The browser itself says so about a server that a test has ended.
 EXPECTED_ERRORS = (
     'WebSocket connection to', 'net::ERR_CONNECTION_REFUSED', 'the server responded with a status')
@@ -193,7 +197,8 @@ class Page:
     def wait_for(self, text, selector='body', patience=PATIENCE_S):
         """Wait until a text can be read."""
         wait_until(lambda: text in self.read(selector),
-                   lambda: f"'{text}' is not in: {self.read(selector)}", patience)
+                   lambda: f"'{text}' is not in: {self.read(selector)}\n"
+                           f"the page's notices: {self.read('#notices')}", patience)
 
     def button(self, name, within='body'):
         """Return the visible button with a text or a label."""
@@ -215,11 +220,13 @@ class Page:
         if one is None or not one.is_enabled():
             return False
         try:
-            self.run('arguments[0].scrollIntoView({block: "center"})', one)
+            self.run(AIM, one)
             one.click()
         except WebDriverException:  # it has moved, or was made anew
             return False
-        return True
+        # What appears above the button while the mouse is on its way lets the click miss; a person
+        # sees that. Another page has no such variable: then the click was a link's.
+        return self.run('return window.wasHit') is not False
 
     def lay_objects(self):
         """Let the simulated objects rest, and wait until the page shows them where they rest."""
