@@ -31,6 +31,7 @@ ENTER, RIGHT, DOWN = '\ue007', '\ue014', '\ue015'
 LISTED = """return [...document.querySelectorAll('#part-watch .numbers tbody tr')].flatMap(
     (row) => row.cells[2].textContent.split(', ').map(Number))"""
 AT_REST = [18.0, 13.5, 10.44, 8.91, 25.56, 18.09, 25.56, 8.91, 10.44, 18.09]
+# Brings a button into sight, and notes in `wasHit` whether the click that follows reaches it.
 AIM = """const [button] = arguments;
     window.wasHit = false;
     button.addEventListener('click', () => { window.wasHit = true; }, {once: true, capture: true});
@@ -224,8 +225,8 @@ class Page:
             one.click()
         except WebDriverException:  # it has moved, or was made anew
             return False
-        # What appears above the button while the mouse is on its way lets the click miss; a person
-        # sees that. Another page has no such variable: then the click was a link's.
+        # The banner above may grow just before the click, which misses the button then; a person
+        # sees that. Where there is no such variable, a link has led to another page.
         return self.run('return window.wasHit') is not False
 
     def lay_objects(self):
