@@ -15,8 +15,9 @@ Measures whether the default detector publishes light as an object, with coins b
 Patches of sun, moved shadows, reflections and smooth lobes are laid over rendered tables in linear
 light, and over the backgrounds of the scenes of `real_pictures` that FOLDER has clones of. Frame
 and background each have their own noise and go through JPEG. The detector is new for each picture.
-`published` counts the pictures with a report that is no coin and not cut off, `said` those on
-which light is named as left out; a coin is `found` within 1 px, and `lost` without a report on it.
+`published` counts the pictures with a report that is no coin and not cut off, `unsaid` those on
+which one of these is not marked as what may be light, `said` those on which light is named as left
+out; a coin is `found` within 1 px, and `lost` without a report on it.
 `p50_ms` is CPU time of one thread. A picture depends on seed, table, kind and number alone.
 """
 
@@ -68,6 +69,7 @@ class Outcome(NamedTuple):
 
     number: int
     published: List[Tuple[float, float]]
+    unsaid: bool
     said: bool
     coins: int
     found: int
@@ -208,11 +210,14 @@ def play(table: np.ndarray, kind: str, number: int, random: np.random.Generator)
     frame = _photograph(_levels(_linear(scene) * light.gain + light.added), random)
     detector = PreciseDifferenceDetector(background)
     start = time.thread_time()
-    centres = [one.centre for one in detector.detect(frame) if not one.cut_off]
+    detected = [one for one in detector.detect(frame) if not one.cut_off]
     ms = 1e3 * (time.thread_time() - start)
-    off = [min((_distance(centre, coin) for centre in centres), default=np.inf) for coin in coins]
+    off = [min((_distance(one.centre, coin) for one in detected), default=np.inf)
+           for coin in coins]
+    others = [one for one in detected if not _is_on_coin(one.centre, coins)]
     return Outcome(
-        number, [centre for centre in centres if not _is_on_coin(centre, coins)],
+        number, [one.centre for one in others],
+        not all(one.may_be_light for one in others),
         any(one.kind in _LIGHT_KINDS and not _is_on_coin(one.position, coins)
             for one in detector.dropped),
         len(coins), sum(one <= _FOUND_PX for one in off),
@@ -230,6 +235,7 @@ def _is_on_coin(centre: Tuple[float, float], coins: List[Coin]) -> bool:
 def _row(table: str, kind: str, outcomes: List[Outcome]) -> Dict[str, Any]:
     return {'table': table, 'kind': kind, 'pictures': len(outcomes),
             'published': sum(bool(one.published) for one in outcomes),
+            'unsaid': sum(one.unsaid for one in outcomes),
             'said': sum(one.said for one in outcomes),
             **{name: sum(getattr(one, name) for one in outcomes)
                for name in ('coins', 'found', 'lost')},

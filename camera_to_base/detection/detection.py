@@ -120,6 +120,8 @@ class Detection:
     :param cut_off: Whether the object touches the picture's edge, so that a part may be missing.
     :param moments: Moments of the object's pixels, from cv2.moments; None to use the outline's.
     :param doubt: Standard deviation of the centre because a part may be light, in px.
+    :param may_be_light: Whether its sharp rim alone tells that it is no light: neither the object
+        nor the surface below has a colour or a texture.
     :param is_part: Whether it was parted from an object that hides it, or that it hides.
     """
 
@@ -131,6 +133,7 @@ class Detection:
     moments: Optional[Mapping[str, float]] = field(default=None, compare=False, repr=False)
     doubt: float = 0.0
     is_part: bool = False
+    may_be_light: bool = False
 
     @property
     def spread(self) -> np.ndarray:

@@ -16,6 +16,7 @@ from camera_to_base.detection.detection import Detection, NoObject
 from camera_to_base.detection.left_out import SPECK_CM2
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import STRONG_DEVIATIONS
+from camera_to_base.detection.precise.light_alone import LIGHT_OR_THING
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import default_values, grouped, ParameterSpec
@@ -72,8 +73,9 @@ DETECTOR_SPECS = [
                   'where false, nothing is taken apart.'),
     ParameterSpec('detector.light_or_thing', 'leave_out',
                   'precise: what is done with something that may be shade or light as well as a '
-                  'thing of the colour of the surface; publish: with a wide ellipse.',
-                  choices=('leave_out', 'publish')),
+                  'thing of the colour of the surface; publish: with a wide ellipse. Where its '
+                  'edge is sharp, it is published all the same, unless leave_out_all.',
+                  choices=LIGHT_OR_THING),
     ParameterSpec('detector.budget_px', 60000,
                   'precise: how many pixels around changes are looked at closely on a frame of a '
                   'live source, about 0.6 ms for 1000 of them. What lies beyond is left out as '
@@ -270,7 +272,7 @@ class DetectorSettings:
     :param median_size: tutorial: edge of the median filter's window, in px, odd.
     :param faintest: precise: least difference of an object from the surface, grey levels, 0..255.
     :param split_touching: precise: whether convex objects that touch are separated.
-    :param light_or_thing: precise: 'leave_out' or 'publish' what the picture does not tell.
+    :param light_or_thing: precise: what is done with what may be light, see `LIGHT_OR_THING`.
     :param budget_px: precise: how much is looked at closely on a frame, in px. Without the
         parameter, there is no limit.
     :param min_area_cm2: Smaller objects do not count, in cm² on the surface.
@@ -333,7 +335,7 @@ class DetectorSettings:
         if self.method == 'precise':
             return PreciseDifferenceDetector(background, faintest=self.faintest,
                                              split_touching=self.split_touching,
-                                             publish_unclear=self.light_or_thing == 'publish',
+                                             light_or_thing=self.light_or_thing,
                                              budget_px=self.budget_px)
         return AbsoluteDifferenceDetector(
             background, threshold=self.threshold, closing_size=self.closing_size,

@@ -11,10 +11,11 @@
 
 from dataclasses import replace
 import math
-from typing import Callable, NamedTuple, Optional, Tuple
+from typing import Callable, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.checks import check_same_size
 from camera_to_base.detection import DetectorSettings, LocatedObject, object_shape, ObjectLocator
+from camera_to_base.errors import Level, Reason
 from camera_to_base.pipeline.place import SurfaceInForce
 from camera_to_base.pipeline.stage import FrameRecord, Stage
 from camera_to_base.pipeline.standpoint import PerBackground, Standpoint
@@ -85,6 +86,8 @@ class DetectionStage(Stage):
     """
     Finds the objects on a frame.
 
+    `doubt` is why objects of the last frame are published with a warning, or None.
+
     :param settings: The detector's settings.
     """
 
@@ -92,6 +95,7 @@ class DetectionStage(Stage):
         self._settings = settings
         self._standpoint: Optional[Standpoint] = None
         self._locator: Optional[ObjectLocator] = None
+        self.doubt: Optional[Reason] = None
         # Sum up what of the view's motion is not corrected.
         self._shifts: PerBackground[ShiftMean] = PerBackground(lambda _: ShiftMean())
         self._uncertainty: Optional[
@@ -154,6 +158,7 @@ class DetectionStage(Stage):
         self._shifts.of(standpoint.background).add(
             _MOVED_BACK_PX if frame is not record.frame else motion.shift_px)
         found = standpoint.background.without_unknown(self._locator.find(frame))
+        self.doubt = _doubt(found.objects, self._settings)
         return record._replace(aligned=frame, objects=found.objects, left_out=found.left_out)
 
     def _noise(self, standpoint: Standpoint) -> Optional[float]:
@@ -166,3 +171,15 @@ class DetectionStage(Stage):
         if known is None or known[0] is not calibrated or known[1] is not surface:
             known = self._uncertainty = calibrated, surface, surface.uncertainty(calibrated)
         return known[2]
+
+
+def _doubt(objects: Sequence[LocatedObject], settings: DetectorSettings) -> Optional[Reason]:
+    pixels = [one.detection.centre for one in objects if one.detection.may_be_light]
+    if not pixels or settings.light_or_thing == 'publish':
+        return None
+    return Reason(
+        'may_be_light', Level.WARN,
+        f'an object at ({pixels[0].u:.0f}, {pixels[0].v:.0f}) px may be light or shade: neither '
+        'it nor the surface has a colour or a texture, so that only its sharp edge tells; use a '
+        'surface of another colour, or choose what is done: detector.light_or_thing, '
+        'leave_out_all or publish', is_passing=True)

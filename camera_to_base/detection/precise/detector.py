@@ -50,23 +50,17 @@ from camera_to_base.detection.detection import Box, Detection, NoObject, touches
 from camera_to_base.detection.precise.changes import (
     changed_parts, frame_outline, is_all_changed, Strips)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
-from camera_to_base.detection.precise.light import LINEAR, Reference
-from camera_to_base.detection.precise.piece import (
-    channel_extremes, filled, grown, outline_of, ratio_of, slices, square)
+from camera_to_base.detection.precise.light import Reference
+from camera_to_base.detection.precise.light_alone import (
+    is_soft_light, LIGHT_OR_THING, Told, told)
+from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices
 from camera_to_base.detection.precise.placer import Placer, Placing, unplaced
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)
 from camera_to_base.detection.precise.still import StillRegions
+from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
-
-_ROW_STEP = 3
-# What shade can be: the least and the largest ratio, and the strongest tint; on which part.
-_DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
-# An outline that fills less of its hull is a crescent.
-_LEAST_SOLIDITY = 0.85
-# How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
-_SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
 
 # On which part of an object it differs as much as one must,
 # or on which it differs by so many times that.
@@ -85,50 +79,6 @@ def _doubtful(detection: Detection) -> Detection:
     return replace(detection, doubt=math.sqrt(detection.area))
 
 
-def _is_shadow(detection: Detection, frame: np.ndarray, background: np.ndarray) -> bool:
-    if detection.cut_off:
-        return False
-    outline = np.int32(detection.outline)[:, None]
-    part = slices(detection.box)
-    pictures, inside = (frame[part], background[part]), filled(outline, detection.box)
-    if not _is_shade(*pictures, inside):
-        if not _is_shade(*reversed(pictures), inside):
-            return False
-    elif _is_crescent(outline):
-        return True
-    window = grown(detection.box, max(_WINDOWS), frame)
-    return not _has_sharp_rim(frame[slices(window)], outline, window)
-
-
-def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
-    # Some rows tell as much as all.
-    piece, table, inside = (picture[::_ROW_STEP] for picture in (piece, table, inside))
-    light, usual = cv2.LUT(piece, LINEAR), cv2.LUT(table, LINEAR)
-    ratio = ratio_of(light, usual)
-    least = _LEAST_SHADE * cv2.countNonZero(inside)
-    # Most objects are too dark or too light: their tint need not be looked at.
-    may_be = cv2.inRange(ratio, (_DEEPEST,) * 3, (_FAINTEST,) * 3)
-    if cv2.countNonZero(cv2.bitwise_and(may_be, inside)) <= least:
-        return False
-    smallest, largest = channel_extremes(ratio)
-    shade = (smallest > _DEEPEST) & (largest < _FAINTEST) & (largest < _TINT * smallest)
-    shade = cv2.bitwise_and(shade.view(np.uint8), inside)
-    return cv2.countNonZero(shade) > least
-
-
-def _is_crescent(outline: np.ndarray) -> bool:
-    hull = cv2.contourArea(cv2.convexHull(outline))
-    return cv2.contourArea(outline) < _LEAST_SOLIDITY * hull
-
-
-def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
-    # At a sharp step, a small window shows as large a step as a larger window does.
-    x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
-    near, far = (np.float32(channel_extremes(
-        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1]) for size in _WINDOWS)
-    return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)
-
-
 class PreciseDifferenceDetector:
     """
     Find objects by their difference to the background, at the frame's own light.
@@ -137,21 +87,22 @@ class PreciseDifferenceDetector:
     :param faintest: How many grey levels an object must at least differ by, in one of the colours.
     :param split_touching: Whether convex objects that touch come as one each.
     :param min_area: Objects that show less are taken for noise, in px².
-    :param publish_unclear: Whether what may be light as well as a thing is a detection.
+    :param light_or_thing: What becomes of a thing that may be light as well: 'leave_out', unless
+        its rim is sharp; 'leave_out_all'; 'publish', in doubt unless its rim is sharp.
     :param budget_px: How much is looked at closely on a frame, in px; the rest is left out.
     :raises InvalidValueError: If the background or a parameter cannot be used.
     """
 
     def __init__(
         self, background: np.ndarray, *, faintest: float = 13.0, min_area: float = 30.0,
-        split_touching: bool = False, publish_unclear: bool = False,
+        split_touching: bool = False, light_or_thing: str = 'leave_out',
         budget_px: float = 250_000,
     ) -> None:
-        self.check_parameters(faintest, min_area)
+        self.check_parameters(faintest, min_area, light_or_thing)
         check_frame(background, 'background')
         self._faintest, self._min_area = faintest, min_area
         self._placer = Placer(min_area, split_touching)
-        self._publishes_unclear, self._budget = publish_unclear, budget_px
+        self._light_or_thing, self._budget = light_or_thing, budget_px
         self._last: List[Detection] = []
         self._background = background.copy()
         self._reference = Reference(self._background, faintest)
@@ -162,7 +113,9 @@ class PreciseDifferenceDetector:
         self._dropped: List[NoObject] = []
 
     @staticmethod
-    def check_parameters(faintest: float, min_area: float) -> None:
+    def check_parameters(
+        faintest: float, min_area: float, light_or_thing: str = 'leave_out'
+    ) -> None:
         """
         Check the detector's parameters without a background.
 
@@ -170,6 +123,9 @@ class PreciseDifferenceDetector:
         """
         finite_number('faintest', faintest, 0, 255)
         finite_number('min_area', min_area, 1, 1e9)
+        if light_or_thing not in LIGHT_OR_THING:
+            raise InvalidValueError(f'light_or_thing must be one of {", ".join(LIGHT_OR_THING)}, '
+                                    f'got {light_or_thing!r}')
 
     def detect(self, frame: np.ndarray) -> List[Detection]:
         """
@@ -199,10 +155,11 @@ class PreciseDifferenceDetector:
             parts = parts_of(frame, self._reference)
             found = search(frame, parts, self._reference, self._min_area, budget)
         placed, unclear, places = self._placed(found)
-        if self._publishes_unclear:
-            placed, unclear = placed + unclear, []
+        placed, left = self._judged(placed, unclear, found.frame)
+        found = found._replace(light=[*found.light, *(
+            NoObject(what.value, one.centre, one.area) for what, one in left)])
         self._dropped = left_over(
-            found, parts, placed, unclear, self._reference, self._min_area)
+            found, parts, placed + [one for _, one in left], self._reference, self._min_area)
         self._still.remember(
             frame, self._reference, found.held, found.told, found.left, places,
             [one for one in self._dropped if one not in found.light])
@@ -231,14 +188,35 @@ class PreciseDifferenceDetector:
                 placed += parts
             else:
                 for part in parts:
-                    (unclear if _is_shadow(part, frame, self._reference.lit)
+                    (unclear if is_soft_light(part, frame, self._reference.lit)
                      else placed).append(part)
         placed = _largest_first(placed)
         if len(placed) + len(unclear) > 1:
             # Most frames have no such shadow: only until an object is the first.
-            first = [*takewhile(lambda one: _is_shadow(one, frame, self._reference.lit), placed)]
+            lit = self._reference.lit
+            first = [*takewhile(lambda one: is_soft_light(one, frame, lit), placed)]
             placed, unclear = placed[len(first):], unclear + first
         return placed, [*map(_doubtful, _largest_first(unclear))], places
+
+    def _judged(
+        self, placed: List[Detection], unclear: List[Detection], frame: np.ndarray
+    ) -> Tuple[List[Detection], List[Tuple[Told, Detection]]]:
+        """Give what is published; and what is left out, with what was told of it."""
+        published: List[Detection] = []
+        left: List[Tuple[Told, Detection]] = []
+        for one in placed:
+            what = told(one, frame, self._reference)
+            if what.is_light or what is Told.NEITHER and self._light_or_thing == 'leave_out_all':
+                left.append((what, one))
+            else:
+                published.append(replace(one, may_be_light=what is Told.NEITHER))
+        for one in unclear:
+            what = told(one, frame, self._reference)
+            if what.is_light or self._light_or_thing != 'publish':
+                left.append((what if what.is_light else Told.NEITHER, one))
+            else:
+                published.append(one)
+        return published, left
 
     def _without_faint(
         self, parts: List[Detection], frame: np.ndarray

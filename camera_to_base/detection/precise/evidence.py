@@ -60,7 +60,7 @@ SATURATED, _UNKNOWN = 250, 0.1
 _MOST_DRIFT = 0.01
 # Logarithm of the ratio: sun is 2.5 times as bright as shade. What is brighter is a thing, where
 # it ends within some px on this part of its rim; a lamp's mirror image fades away.
-_BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
+BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 # Chi-square of the light, over its degrees of freedom: from here on it is none.
 WORST_LIGHT = 3.0
 # How much of the table's detail is seen where only the light has changed; how many deviations of
@@ -177,7 +177,7 @@ def _products(
 
 
 def _sharp_bright(ratio: np.ndarray) -> np.ndarray:
-    bright = (ratio > _BRIGHTEST).view(np.uint8)
+    bright = (ratio > BRIGHTEST).view(np.uint8)
     if not bright.any():
         return bright
     rim = cv2.dilate(bright, square(_BEYOND_RIM)) & (1 - cv2.dilate(bright, square(_NEAR_RIM)))

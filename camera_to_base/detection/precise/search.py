@@ -78,7 +78,7 @@ class Candidates(NamedTuple):
     :param left: What the budget does not reach.
     :param told: The regions that were looked at closely, each with the things in it.
     :param held: What lies still, with what was told of it before; `regions` has its things.
-    :param light: The smooth light that was taken out of the frame.
+    :param light: The smooth light that was taken out of the frame; what was told to be light.
     """
 
     frame: np.ndarray
@@ -330,18 +330,17 @@ def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
 
 
 def left_over(
-    found: Candidates, parts: List[Box], detections: List[Detection], unclear: List[Detection],
-    reference: Reference, min_area: float,
+    found: Candidates, parts: List[Box], detections: List[Detection], reference: Reference,
+    min_area: float,
 ) -> List[NoObject]:
     """
     Find what differs strongly from the background, and belongs to no detection.
 
     :param parts: Where the frame has changed.
-    :param unclear: What may be light as well; it is in the result.
+    :param detections: What was told of the frame; `found.light` has those that are left out.
     :returns: The largest first, at most 100.
     """
-    dropped = [NoObject('light_or_thing', one.centre, one.area) for one in unclear]
-    dropped += [_too_much(region.box) for region in found.left]
+    dropped = [_too_much(region.box) for region in found.left]
     dropped += [*found.light, *(one for still in found.held for one in still.no_objects)]
     # Beside a plain object there is nothing else, see `plain`.
     parts = [part for part in parts if not any(
@@ -354,7 +353,7 @@ def left_over(
     for part in parts:
         place = slices(part)
         left[place] |= reference.limits.strong(found.frame, place)
-    for detection in detections + unclear:
+    for detection in detections:
         for width in cv2.FILLED, _RIM:
             cv2.drawContours(left, [detection.outline[:, None]], 0, 0, width)
     for region in [*found.left, *(one.region for one in found.held)]:

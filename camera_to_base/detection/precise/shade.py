@@ -37,7 +37,7 @@ _MOST_REGIONS, _MOST_PLACES = 30, 4000
 # shade; on which part of a region.
 _COLOURED, _LEAST_THING = 0.15, 0.4
 # Shade has less chroma, and less than this part of its level; on so many places of a region.
-_NEUTRAL, _OF_LEVEL, _LEAST_NEUTRAL = 0.04, 0.1, 15
+NEUTRAL, _OF_LEVEL, _LEAST_NEUTRAL = 0.04, 0.1, 15
 # The faintest shade, logarithm of the ratio; the bins of the levels, from there down.
 FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
@@ -103,6 +103,16 @@ def _change(frame: np.ndarray, region: Region, reference: Reference) -> np.ndarr
     return (seen - usual)[filled(region.outline, box)[::scale, ::scale] > 0]
 
 
+def is_neutral(chroma: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+    """
+    Tell where the chroma has changed by no more than shade or sun does.
+
+    :param chroma: By how much, logarithm.
+    :param ratio: Logarithm of the level / the table's.
+    """
+    return chroma < np.maximum(NEUTRAL, _OF_LEVEL * np.abs(ratio))
+
+
 def _tint(changes: Sequence[np.ndarray]) -> np.ndarray:
     """Give the tint, shape (2,); zeros where no such colour is common."""
     change = np.concatenate([*changes, np.zeros((0, 3), np.float32)])
@@ -122,7 +132,7 @@ def _levels(change: np.ndarray) -> Optional[np.ndarray]:
     """Tell how common each level is in the shade of a region; None where that is not seen."""
     chroma, ratio = np.hypot(change[:, 0], change[:, 1]), LEVEL_SCALE * change[:, 2]
     things = np.count_nonzero((chroma > _COLOURED) | (ratio < DARKEST))
-    neutral = ratio[(chroma < np.maximum(_NEUTRAL, -_OF_LEVEL * ratio)) & (ratio < FAINTEST)]
+    neutral = ratio[is_neutral(chroma, ratio) & (ratio < FAINTEST)]
     if things < _LEAST_THING * len(ratio) or len(neutral) < _LEAST_NEUTRAL:
         return None
     return _common(neutral)

@@ -166,7 +166,7 @@ def test_shadow_alone_comes_after_a_smaller_object():
     cv2.circle(cover, (90, 84), 40, 1, cv2.FILLED)
     frame = np.where((crescent & (1 - cover))[..., None], 0.7 * background, background)
     frame = with_ellipse(np.uint8(frame), (260, 150), (10, 10))
-    found = PreciseDifferenceDetector(background, publish_unclear=True).detect(frame)
+    found = PreciseDifferenceDetector(background, light_or_thing='publish').detect(frame)
     assert len(found) == 2 and found[0].area < found[1].area
     assert math.dist(found[0].centre, (260, 150)) < 0.5
     assert found[0].doubt == 0 and found[1].doubt > 10

@@ -248,7 +248,7 @@ def test_shade_beside_what_looks_like_the_table_is_left_out_as_light_or_thing():
 
 
 def test_what_is_light_or_a_thing_is_published_in_doubt_where_that_is_wanted():
-    detector = PreciseDifferenceDetector(coded(table(0), 1), publish_unclear=True)
+    detector = PreciseDifferenceDetector(coded(table(0), 1), light_or_thing='publish')
     found, = detector.detect(coded(shade_of_something_that_looks_like_the_table(), 2))
     assert found.doubt > 20
     assert 'light_or_thing' not in [one.kind for one in detector.dropped]

@@ -1,0 +1,198 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""
+Tells which detections light alone could look like, where the evidence of single pixels did not.
+
+Shade and sun keep the table's chroma, and change its level by one factor. A thing that does the
+same is told from them in three ways:
+
+- the rim of light is soft, or a crescent's,
+- light shows the table's stains and pile, too faint for single pixels, where many of them agree,
+- else, where neither the thing nor the table has a colour or a texture of its own, nothing but a
+  sharp rim tells, and that is said.
+"""
+
+from enum import Enum
+import math
+import operator
+from typing import List, Tuple
+
+from camera_to_base.detection.detection import Box, Detection
+from camera_to_base.detection.precise.evidence import BRIGHTEST, SATURATED
+from camera_to_base.detection.precise.light import (
+    LINEAR, log_levels, log_light, Reference)
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, filled, grown, ratio_of, slices, square)
+from camera_to_base.detection.precise.shade import DARKEST, is_neutral, NEUTRAL
+import cv2
+import numpy as np
+
+# What becomes of what may be light as well, see the detector.
+LIGHT_OR_THING = ('leave_out', 'leave_out_all', 'publish')
+# Some rows tell as much as all.
+_ROW_STEP = 3
+# What shade can be: the least and the largest ratio, and the strongest tint; on which part.
+_DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
+# An outline that fills less of its hull is a crescent.
+_LEAST_SOLIDITY = 0.85
+# How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
+_SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
+# Deviations in grey levels: of what is of one colour, as such and by that of the noise, and of a
+# table that may have stains.
+_EVEN_LEVELS, _EVEN_DEVIATIONS, _STAINED = 2.0, 2.5, 1.15
+# How far from the rim a colour is asked for, and on how many px.
+_INSIDE, _LEAST_INSIDE = square(7), 20
+# Stains are wider, px; every so many px are asked. How alike the frame's and the table's are, by
+# how many deviations of chance, and how much of them is seen.
+_FINE, _STEP, _LEAST_LIKENESS, _SURE, _LEAST_SEEN, _MOST_SEEN = 5, 2, 0.4, 4.5, 0.4, 1.6
+_NOTHING = 1e-12
+# To how many levels a mean grey level is known; how far one that is cut off, logarithm.
+_KNOWN_TO, _CUT_OFF = 1.5, 0.3
+_LOGS = log_levels().tolist()
+# The variance of that, over that of a neutral colour.
+_UNKNOWN = ((np.where(np.arange(256) < SATURATED, _KNOWN_TO * np.gradient(_LOGS), _CUT_OFF)
+             / NEUTRAL) ** 2).tolist()
+
+
+def is_soft_light(detection: Detection, frame: np.ndarray, background: np.ndarray) -> bool:
+    """
+    Tell whether a detection has the chroma of light, and a rim as light has it.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    """
+    if detection.cut_off:
+        return False
+    outline = np.int32(detection.outline)[:, None]
+    part = slices(detection.box)
+    pictures, inside = (frame[part], background[part]), filled(outline, detection.box)
+    if not _is_shade(*pictures, inside):
+        if not _is_shade(*reversed(pictures), inside):
+            return False
+    elif _is_crescent(outline):
+        return True
+    window = grown(detection.box, max(_WINDOWS), frame)
+    return not _has_sharp_rim(frame[slices(window)], outline, window)
+
+
+def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
+    # Some rows tell as much as all.
+    piece, table, inside = (picture[::_ROW_STEP] for picture in (piece, table, inside))
+    light, usual = cv2.LUT(piece, LINEAR), cv2.LUT(table, LINEAR)
+    ratio = ratio_of(light, usual)
+    least = _LEAST_SHADE * cv2.countNonZero(inside)
+    # Most objects are too dark or too light: their tint need not be looked at.
+    may_be = cv2.inRange(ratio, (_DEEPEST,) * 3, (_FAINTEST,) * 3)
+    if cv2.countNonZero(cv2.bitwise_and(may_be, inside)) <= least:
+        return False
+    smallest, largest = channel_extremes(ratio)
+    shade = (smallest > _DEEPEST) & (largest < _FAINTEST) & (largest < _TINT * smallest)
+    shade = cv2.bitwise_and(shade.view(np.uint8), inside)
+    return cv2.countNonZero(shade) > least
+
+
+def _is_crescent(outline: np.ndarray) -> bool:
+    hull = cv2.contourArea(cv2.convexHull(outline))
+    return cv2.contourArea(outline) < _LEAST_SOLIDITY * hull
+
+
+def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
+    # At a sharp step, a small window shows as large a step as a larger window does.
+    x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
+    near, far = (np.float32(channel_extremes(
+        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1]) for size in _WINDOWS)
+    return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)
+
+
+class Told(Enum):
+    """What a frame tells of a detection, by the words of :class:`NoObject`."""
+
+    THING = 'thing'
+    LIGHT = 'light'
+    SHADE = 'shade'
+    NEITHER = 'light_or_thing'
+
+    @property
+    def is_light(self) -> bool:
+        """Whether it is no thing."""
+        return self in (Told.LIGHT, Told.SHADE)
+
+
+def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
+    """
+    Tell whether a detection is light.
+
+    It is where the table's unevenness is seen in it. Neither is told where light of one level
+    would make the table's one colour that of the detection.
+
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param reference: The background at the frame's light.
+    """
+    if detection.cut_off:
+        return Told.THING
+    part = slices(detection.box)
+    inside = cv2.erode(filled(np.int32(detection.outline)[:, None], detection.box), _INSIDE)
+    seen, table = frame[part], reference.lit[part]
+    # Some rows tell as much as all.
+    rows = inside[::_ROW_STEP]
+    if cv2.countNonZero(rows) < _LEAST_INSIDE:
+        return Told.THING
+    (level, spread), (usual, usual_spread) = (
+        cv2.meanStdDev(picture[::_ROW_STEP], mask=rows) for picture in (seen, table))
+    if not _has_lights_chroma(level[:, 0].tolist(), usual[:, 0].tolist()):
+        return Told.THING
+    noise = reference.mean_noise
+    if usual_spread.max() > _STAINED * noise and _shows_unevenness(seen, table, inside):
+        return Told.LIGHT if level.sum() > usual.sum() else Told.SHADE
+    most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * noise)
+    return Told.NEITHER if max(spread.max(), usual_spread.max()) <= most else Told.THING
+
+
+def _has_lights_chroma(level: List[float], usual: List[float]) -> bool:
+    """Tell whether mean grey levels, B, G and R, are those of the table in other light."""
+    pairs = [(round(one), round(other)) for one, other in zip(level, usual)]
+    changes = [_LOGS[now] - _LOGS[before] for now, before in pairs]
+    # What is nearly black, or cut off by the sensor, tells little.
+    weights = [1 / (1 + _UNKNOWN[now] + _UNKNOWN[before]) for now, before in pairs]
+    ratio = sum(map(operator.mul, weights, changes)) / sum(weights)
+    chroma = math.sqrt(sum(weight * (change - ratio) ** 2
+                           for weight, change in zip(weights, changes)))
+    return DARKEST < ratio < BRIGHTEST and bool(is_neutral(chroma, ratio))
+
+
+def _shows_unevenness(seen: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
+    """Tell whether the table's stains and pile, too faint for single pixels, are seen."""
+    levels = [cv2.blur(log_light(np.ascontiguousarray(picture)), (_FINE, _FINE))
+              for picture in (table, seen)]
+    v, u = np.nonzero(inside[::_STEP, ::_STEP])
+    places = (_STEP * v, _STEP * u)
+    values = np.column_stack([level[places] for level in levels])
+    # A thing lies in the same light as the table, and in the same shades.
+    values = _without_light(values, np.column_stack([u, v]) / len(inside), levels[0], places)
+    both, power, other = values[:, 0] @ values[:, 1], *(values ** 2).sum(axis=0)
+    likeness = both / math.sqrt(power * other + _NOTHING)
+    return (likeness > _LEAST_LIKENESS and likeness * math.sqrt(len(u)) > _SURE * _FINE / _STEP
+            and _LEAST_SEEN * power < both < _MOST_SEEN * power)
+
+
+def _without_light(
+    values: np.ndarray, places: np.ndarray, level: np.ndarray, at: Tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Take out of levels, shape (n, k), what lamps may do: a straight edge and a smooth field."""
+    u, v = places.T
+    smooth = np.linalg.qr(np.column_stack([np.ones_like(u), u, v, u * u, u * v, v * v]))[0]
+    values = values - smooth @ (smooth.T @ values)
+    slopes = np.stack([cv2.Sobel(level, -1, *axis)[at] for axis in ((1, 0), (0, 1))])
+    across = np.linalg.eigh(slopes @ slopes.T)[1][:, -1]
+    distance = np.column_stack(at[::-1]) @ across
+    strip = np.rint((distance - distance.min()) / _STEP).astype(int)
+    counts = np.maximum(np.bincount(strip), 1)
+    return values - np.column_stack([
+        (np.bincount(strip, one) / counts)[strip] for one in values.T])

@@ -1,0 +1,127 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""What only its sharp edge tells from light: it is published with a warning, or as is chosen."""
+
+from camera_to_base.detection import DetectorSettings, PreciseDifferenceDetector
+from camera_to_base.errors import InvalidValueError
+from camera_to_base.pipeline import CameraPipeline
+from camera_to_base.surface.models import ParallelSurface
+import cv2
+import numpy as np
+import pytest
+
+SIZE = 240, 320
+GREY, PATCH, COIN = (0.3, 0.3, 0.3), (100, 120), (240, 120)
+
+
+def seen(light, seed=1):
+    grey = 255 * np.clip(light, 0, 1) ** (1 / 2.2)
+    noise = np.random.default_rng(seed).normal(0, 1.5, light.shape)
+    return np.uint8(np.clip(np.rint(grey + noise), 0, 255))
+
+
+def table(colour=GREY, texture=0.0):
+    grain = cv2.GaussianBlur(np.random.default_rng(3).normal(0, 1, SIZE), (0, 0), 2)
+    return np.float32(colour) * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
+
+
+def disc(centre, radius=25):
+    large = np.zeros((4 * SIZE[0], 4 * SIZE[1]), np.uint8)
+    cv2.circle(large, [4 * one for one in centre], 4 * radius, 255, cv2.FILLED)
+    shares = cv2.resize(large, SIZE[::-1], interpolation=cv2.INTER_AREA) / np.float32(255)
+    return cv2.GaussianBlur(shares, (0, 0), 0.7)[..., None]
+
+
+def painted(light, colour, centre=PATCH):
+    shares = disc(centre)
+    return light * (1 - shares) + shares * np.float32(colour)
+
+
+def detected(light, frame, **others):
+    detector = PreciseDifferenceDetector(seen(light), **others)
+    return detector.detect(seen(frame, 2)), [one.kind for one in detector.dropped]
+
+
+@pytest.mark.parametrize('gain', [0.3, 0.6, 2.0])
+def test_grey_patch_on_a_grey_surface_may_be_light(gain):
+    (found,), _ = detected(table(), painted(table(), gain * np.float32(GREY)))
+    assert found.may_be_light
+    assert found.centre == pytest.approx(PATCH, abs=0.5)
+
+
+@pytest.mark.parametrize('colour', [
+    (0.3, 0.1, 0.1), (0.02, 0.02, 0.02), (0.9, 0.9, 0.9), (0.15, 0.2, 0.15)])
+def test_another_colour_black_and_white_are_no_light(colour):
+    (found,), _ = detected(table(), painted(table(), colour))
+    assert not found.may_be_light
+
+
+def test_texture_below_or_of_its_own_tells_that_it_is_a_thing():
+    textured = table(texture=0.1)
+    (found,), _ = detected(textured, painted(textured, (0.15, 0.15, 0.15)))
+    assert not found.may_be_light
+    (found,), _ = detected(table(), painted(table(), 0.5 * table(texture=0.2)))
+    assert not found.may_be_light
+
+
+def stained():
+    stains = cv2.GaussianBlur(np.random.default_rng(4).normal(0, 1, SIZE), (0, 0), 4)
+    return table() * (1 + 0.02 * stains / stains.std())[..., None].astype(np.float32)
+
+
+@pytest.mark.parametrize('gain', [0.4, 0.6, 1.8])
+def test_light_that_shows_the_tables_stains_is_no_object(gain):
+    found, dropped = detected(stained(), painted(stained(), gain * stained()))
+    assert found == [] and set(dropped) & {'shade', 'light'}
+
+
+@pytest.mark.parametrize('level', [0.12, 0.18, 0.55])
+def test_grey_thing_on_a_stained_table_is_an_object(level):
+    (found,), _ = detected(stained(), painted(stained(), (level,) * 3))
+    assert found.centre == pytest.approx(PATCH, abs=0.5)
+
+
+@pytest.mark.parametrize('width', [4, 12])
+def test_grey_thing_across_a_rack_s_shadow_is_an_object(width):
+    shade = np.ones(SIZE, np.float32)
+    shade[:, PATCH[0] - 5:] = 0.6
+    shade = cv2.GaussianBlur(shade, (0, 0), width)[..., None]
+    (found,), _ = detected(table() * shade, painted(table(), (0.15, 0.15, 0.15)) * shade)
+    assert found.centre == pytest.approx(PATCH, abs=0.7)
+
+
+@pytest.mark.parametrize('choice, published, kinds', [
+    ('leave_out', 2, []), ('publish', 2, []), ('leave_out_all', 1, ['light_or_thing'])])
+def test_what_is_done_with_it_is_chosen(choice, published, kinds):
+    frame = painted(painted(table(), (0.15, 0.15, 0.15)), (0.1, 0.1, 0.3), COIN)
+    found, dropped = detected(table(), frame, light_or_thing=choice)
+    assert len(found) == published and dropped == kinds
+    assert not min(found, key=lambda one: abs(one.centre.u - COIN[0])).may_be_light
+
+
+def test_other_choice_is_named():
+    with pytest.raises(InvalidValueError, match="one of leave_out, .*got 'maybe'"):
+        PreciseDifferenceDetector(seen(table()), light_or_thing='maybe')
+
+
+@pytest.mark.parametrize('choice, kind', [
+    ('leave_out', 'may_be_light'), ('publish', None), ('leave_out_all', None)])
+def test_pipeline_warns_while_it_is_published(choice, kind):
+    pipeline = CameraPipeline(
+        ParallelSurface(16.0, SIZE[1]), DetectorSettings(light_or_thing=choice))
+    pipeline.process(seen(table()), 1.0)
+    frame = painted(table(), (0.15, 0.15, 0.15))
+    for second in range(2, 5):
+        pipeline.process(seen(frame, second), float(second))
+    doubt = pipeline.doubt
+    assert (doubt and doubt.kind) == kind
+    assert doubt is None or '(100, 120) px' in doubt.sentence
+    pipeline.process(seen(table(), 6), 6.0)
+    assert pipeline.doubt is None
