@@ -20,9 +20,9 @@ import numpy as np
 
 # From this level on a picture saturates; where of this share of an object's surroundings it does,
 # and did not before, the object's rim is not seen. They lie between these distances from it, in
-# px. Of the whole picture some pixels tell whether that need be asked.
+# px. Of the whole picture some rows tell whether that need be asked.
 _SATURATED, _MOST_SATURATED, _NEAR, _FAR = 250, 0.1, 2, 7
-_STEP, _LEAST_OVEREXPOSED = 4, 0.002
+_ROW_STEP, _LEAST_OVEREXPOSED = 8, 0.002
 
 # What covers so much of the picture may be a sheet. Most of it has one colour, with this
 # tolerance, in levels.
@@ -96,8 +96,12 @@ def _sheets(record: FrameRecord, frame: np.ndarray) -> Iterator[Detection]:
 def _overexposed(
     frame: np.ndarray, background: np.ndarray, record: FrameRecord
 ) -> List[Optional[Reason]]:
-    new = _saturated(frame[::_STEP, ::_STEP]) & ~_saturated(background[::_STEP, ::_STEP])
-    if new.mean() < _LEAST_OVEREXPOSED:
+    new = _saturated(frame[::_ROW_STEP])
+    least = _LEAST_OVEREXPOSED * new.size
+    # Seldom does a picture saturate at all.
+    if np.count_nonzero(new) >= least:
+        new &= ~_saturated(background[::_ROW_STEP])
+    if np.count_nonzero(new) < least:
         return [None] * len(record.objects)
     outlines = [_corners(one.detection) for one in (*record.objects, *record.left_out)]
     return [_OVEREXPOSED if _is_overexposed(frame, background, one, outlines) else None
@@ -121,7 +125,8 @@ def _is_overexposed(
 
 
 def _saturated(picture: np.ndarray) -> np.ndarray:
-    return picture.max(axis=2) >= _SATURATED
+    # Much faster than the maximum along the short axis.
+    return cv2.inRange(picture, (0,) * 3, (_SATURATED - 1,) * 3) == 0
 
 
 def _corners(one: Detection) -> np.ndarray:

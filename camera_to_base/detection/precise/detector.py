@@ -10,10 +10,9 @@
 """
 The precise detector: what differs from the background, and what of that is an object.
 
-A shadow whose object is cut off, or is as light as the table, may be found without it. It takes
-light in all colours alike, and it is a crescent, or its rim is soft. A grey object is neither.
-Then, and where some edges are soft and none tells of a thing, it is `light_or_thing`: left out by
-default; if it is published, it comes last, and its centre is in doubt.
+A shadow whose object is cut off, or is as light as the table, may be found without it. Then, and
+where some edges are soft and none tells of a thing, it is `light_or_thing`: left out by default;
+if it is published, it comes last, and its centre is in doubt.
 
 Each step is a module of its own:
 
@@ -30,6 +29,7 @@ Each step is a module of its own:
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
 - `own_shadow`, `piece`: where `things` says nothing, what of a region is its object's shade, and
   what its gloss.
+- `light_alone`: which of what was found light alone could look like.
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.
 
