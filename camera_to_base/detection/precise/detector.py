@@ -209,7 +209,8 @@ class PreciseDifferenceDetector:
             if what.is_light or what is Told.NEITHER and self._light_or_thing == 'leave_out_all':
                 left.append((what, one))
             else:
-                published.append(replace(one, may_be_light=what is Told.NEITHER))
+                published.append(
+                    replace(one, may_be_light=True) if what is Told.NEITHER else one)
         for one in unclear:
             what = told(one, frame, self._reference)
             if what.is_light or self._light_or_thing != 'publish':

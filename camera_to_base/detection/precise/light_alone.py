@@ -44,14 +44,13 @@ _DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
 _LEAST_SOLIDITY = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
 _SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
-# Deviations in grey levels: of what is of one colour, as such and by that of the noise, and of a
-# table that may have stains.
-_EVEN_LEVELS, _EVEN_DEVIATIONS, _STAINED = 2.0, 2.5, 1.15
-# How far from the rim a colour is asked for, and on how many px.
-_INSIDE, _LEAST_INSIDE = square(7), 20
-# Stains are wider, px; every so many px are asked. How alike the frame's and the table's are, by
-# how many deviations of chance, and how much of them is seen.
-_FINE, _STEP, _LEAST_LIKENESS, _SURE, _LEAST_SEEN, _MOST_SEEN = 5, 2, 0.4, 4.5, 0.4, 1.6
+# What is of one colour: its deviation in grey levels, and by that of the noise.
+_EVEN_LEVELS, _EVEN_DEVIATIONS = 2.0, 2.5
+# Every so many px are asked, this far from the rim, and at least so many.
+_STEP, _INSIDE, _WELL_INSIDE, _LEAST_INSIDE = 2, square(5), square(7), 20
+# Stains are wider, px. How alike the frame's and the table's are, by how many deviations of
+# chance, and how much of them is seen.
+_FINE, _LEAST_LIKENESS, _SURE, _LEAST_SEEN, _MOST_SEEN = 5, 0.4, 4.5, 0.4, 1.6
 _NOTHING = 1e-12
 # To how many levels a mean grey level is known; how far one that is cut off, logarithm.
 _KNOWN_TO, _CUT_OFF = 1.5, 0.3
@@ -137,21 +136,23 @@ def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
     """
     if detection.cut_off:
         return Told.THING
-    part = slices(detection.box)
-    inside = cv2.erode(filled(np.int32(detection.outline)[:, None], detection.box), _INSIDE)
+    box, outline = detection.box, np.int32(detection.outline)[:, None]
+    part = slices(box)
     seen, table = frame[part], reference.lit[part]
-    # Some rows tell as much as all.
-    rows = inside[::_ROW_STEP]
-    if cv2.countNonZero(rows) < _LEAST_INSIDE:
+    # Some pixels tell as much as all.
+    some = np.zeros(seen[::_STEP, ::_STEP].shape[:2], np.uint8)
+    cv2.drawContours(some, [(outline - (box.x, box.y)) // _STEP], 0, 1, cv2.FILLED)
+    some = cv2.erode(some, _INSIDE)
+    if cv2.countNonZero(some) < _LEAST_INSIDE:
         return Told.THING
     (level, spread), (usual, usual_spread) = (
-        cv2.meanStdDev(picture[::_ROW_STEP], mask=rows) for picture in (seen, table))
+        cv2.meanStdDev(np.ascontiguousarray(picture[::_STEP, ::_STEP]), mask=some)
+        for picture in (seen, table))
     if not _has_lights_chroma(level[:, 0].tolist(), usual[:, 0].tolist()):
         return Told.THING
-    noise = reference.mean_noise
-    if usual_spread.max() > _STAINED * noise and _shows_unevenness(seen, table, inside):
+    if _shows_unevenness(seen, table, cv2.erode(filled(outline, box), _WELL_INSIDE)):
         return Told.LIGHT if level.sum() > usual.sum() else Told.SHADE
-    most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * noise)
+    most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
     return Told.NEITHER if max(spread.max(), usual_spread.max()) <= most else Told.THING
 
 
@@ -172,6 +173,8 @@ def _shows_unevenness(seen: np.ndarray, table: np.ndarray, inside: np.ndarray) -
     levels = [cv2.blur(log_light(np.ascontiguousarray(picture)), (_FINE, _FINE))
               for picture in (table, seen)]
     v, u = np.nonzero(inside[::_STEP, ::_STEP])
+    if len(u) < _LEAST_INSIDE:
+        return False
     places = (_STEP * v, _STEP * u)
     values = np.column_stack([level[places] for level in levels])
     # A thing lies in the same light as the table, and in the same shades.

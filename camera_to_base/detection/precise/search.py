@@ -137,6 +137,8 @@ def _search(
             others.append(part)
         else:
             plain.append(one)
+    if not others and not still:
+        return Candidates(frame, plain, [])
     regions, held = _without_still(_regions(frame, others, reference, min_area), still)
     regions, left = _within(budget, regions, frame)
     told: List[Tuple[Region, Sequence[Region]]] = []
