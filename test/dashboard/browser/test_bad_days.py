@@ -71,8 +71,7 @@ def test_nudge_in_the_middle_of_a_calibration_is_told_and_not_called_normal(page
     page.wait_for('nudged', '#banner')
     assert 'normal' not in page.read('#banner')
     assert page.serious_problems_by_part() == {}
-    # Until the correction's first status comes, up to a second, it may say what is published.
-    page.wait_for('nudged', '#banner')
+    assert 'nudged' in page.read('#banner')
     page.click('Put back', '#simulated')
     page.go_to('calibrate')
     page.click('Board', '#simulated')
