@@ -181,5 +181,5 @@ def _doubt(objects: Sequence[LocatedObject], settings: DetectorSettings) -> Opti
         'may_be_light', Level.WARN,
         f'an object at ({pixels[0].u:.0f}, {pixels[0].v:.0f}) px may be light or shade: neither '
         'it nor the surface has a colour or a texture, so that only its sharp edge tells; use a '
-        'surface of another colour, or choose what is done: detector.light_or_thing, '
-        'leave_out_all or publish', is_passing=True)
+        'surface of another colour, or set detector.light_or_thing to leave_out_all, or to '
+        'publish if it is an object', is_passing=True)
