@@ -246,10 +246,11 @@ class Stranger:
 
     def end_nodes(self):
         """End what runs with Ctrl-C."""
-        codes = [process.end() for process in self._background]
-        self._background = []
+        ended, self._background = self._background, []
+        codes = [process.end() for process in ended]
         if any(codes):
-            raise Failure(f'the nodes ended with {codes}')
+            raise Failure(f'the nodes ended with {codes}:\n'
+                          + '\n'.join(process.printed[-3000:] for process in ended))
 
     def close(self):
         """End everything."""
@@ -292,7 +293,7 @@ class Terminal(subprocess.Popen):
     """A process in a terminal of its own."""
 
     def __init__(self, command, arguments, cwd, environment):
-        self.command = command
+        self.command, self.printed = command, ''
         self._ours, theirs = pty.openpty()
         super().__init__(arguments, cwd=cwd, env=environment, stdin=theirs, stdout=theirs,
                          stderr=theirs, start_new_session=True)
@@ -310,14 +311,16 @@ class Terminal(subprocess.Popen):
                 time.sleep(longest_s)
                 break
             printed += new
-        return printed.decode(errors='replace')
+        text = printed.decode(errors='replace')
+        self.printed += text
+        return text
 
     def write(self, text):
         """Type a text."""
         os.write(self._ours, text.encode())
 
     def end(self):
-        """Press Ctrl-C, and return the exit code."""
+        """Press Ctrl-C, and return the exit code; what it has printed is in `printed`."""
         if self.poll() is None:
             os.killpg(self.pid, signal.SIGINT)
         until = time.monotonic() + 20.0
@@ -325,7 +328,9 @@ class Terminal(subprocess.Popen):
             self.read(0.1)
         if self.poll() is None:
             os.killpg(self.pid, signal.SIGKILL)
-        return self.wait()
+        code = self.wait()
+        self.read(0.1)
+        return code
 
 
 def judge(count, largest_mm):

@@ -79,24 +79,20 @@ def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = Non
     """
     import rclpy
     from rclpy.executors import ExternalShutdownException
-    node = None
+    node, ending = None, Ending()
     try:
-        # rclpy's own signal handler has two faults. It shuts the context down during a callback,
-        # whose next publish then fails. And if SIGTERM arrives just before the executor waits, the
-        # executor keeps waiting (rclpy 7.1: about 1 in 20). A KeyboardInterrupt for both signals,
-        # together with the node's heartbeat, avoids both. SIGINT must be set, too: a shell starts
-        # background processes with SIGINT ignored.
-        for number in _SIGNALS:
-            signal.signal(number, signal.default_int_handler)
+        ending.listen()
         node = _make(name, make_node, args)
         if node is None:
             return CANNOT_START
-        rclpy.spin(node)
+        _spin(node, ending)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except Exception:
-        traceback.print_exc()
-        return DEFECT
+        # Within rclpy's conversion of a message, an interrupt becomes a RuntimeError of pybind11.
+        if not ending.is_asked_for:
+            traceback.print_exc()
+            return DEFECT
     finally:
         # For one Ctrl-C, the terminal, ros2 run and ros2 launch may each send a signal.
         for number in _SIGNALS:
@@ -105,6 +101,38 @@ def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = Non
             node.destroy_node()
         rclpy.try_shutdown()
     return 0
+
+
+class Ending:
+    """
+    Raises KeyboardInterrupt for SIGINT and SIGTERM, and remembers that one has come.
+
+    rclpy's own signal handler has two faults. It shuts the context down during a callback, whose
+    next publish then fails. And if SIGTERM arrives just before the executor waits, the executor
+    keeps waiting (rclpy 7.1: about 1 in 20). This, together with the node's heartbeat, avoids both.
+    """
+
+    is_asked_for = False
+
+    def listen(self) -> None:
+        """Take the signals."""
+        # SIGINT must be set, too: a shell starts background processes with SIGINT ignored.
+        for number in _SIGNALS:
+            signal.signal(number, self._ask)
+
+    def _ask(self, *_: Any) -> None:
+        self.is_asked_for = True
+        raise KeyboardInterrupt
+
+
+def _spin(node: Any, ending: Ending) -> None:
+    from rclpy import get_global_executor
+    executor = get_global_executor()
+    executor.add_node(node)
+    # What is raised within a destructor is lost.
+    while executor.context.ok() and not ending.is_asked_for:
+        executor.spin_once()
+    executor.remove_node(node)
 
 
 @contextmanager

@@ -56,6 +56,55 @@ def test_defect_keeps_its_traceback_and_ends_with_70(when, error):
     assert 'Traceback' in child.stderr and 'cannot start' not in child.stderr
 
 
+INTERRUPTED_NODE = """
+import os
+import signal
+
+from camera_to_base.ros import Heartbeat
+from camera_to_base.ros.process import run
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+
+class Interrupted(Node):
+
+    def __init__(self):
+        super().__init__('interrupted')
+        Heartbeat(self)
+        self._publisher = self.create_publisher(Header, 'itself', 1)
+        self.create_subscription(Header, 'itself', print, 1)
+        self.create_timer(0.1, self._publish)
+
+    def _publish(self):
+        self._publisher.publish(Header())
+        Header.frame_id = property(lambda _: '', {})
+
+
+def interrupt(*_):
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+class Lost:
+
+    def __del__(self):
+        interrupt()
+
+
+def lose(*_):
+    Lost()
+
+
+raise SystemExit(run('interrupted', Interrupted, []))
+"""
+
+
+@pytest.mark.parametrize('where', ['interrupt', 'lose'])
+def test_signal_while_a_message_is_converted_ends_with_0(where):
+    child = subprocess.run([sys.executable, '-c', INTERRUPTED_NODE.format(where)],
+                           text=True, capture_output=True, timeout=30.0)
+    assert child.returncode == 0 and 'RuntimeError' not in child.stderr, child.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize('executable', ['camera_publisher', 'robot_base_publisher'])
