@@ -228,7 +228,8 @@ def _uncalibrated(facts: Facts) -> Optional[CellState]:
 
 
 def _doubt(report: Optional[Report]) -> Optional[CellState]:
-    if report is None or report.level == 'ok' or report.is_stale:
+    # What was told last holds until another report comes, however late that is.
+    if report is None or report.level == 'ok':
         return None
     return CellState(report.reason, report.level, report.sentence)
 

@@ -124,8 +124,10 @@ def test_two_seconds_without_a_base_position_are_told_with_their_cause():
     assert state(owed_s=0.5).kind == 'ok'
 
 
-def test_an_old_report_says_nothing_about_now():
-    assert state(camera=nudged(9.0)).kind == 'ok'
+def test_a_doubt_holds_until_another_report_comes_however_late_that_is():
+    # A busy machine delays reports by seconds, while positions come: they are no less doubtful.
+    assert state(camera=nudged(9.0)).kind == 'view_corrected'
+    assert state(camera=said(age_s=9.0)).kind == 'ok'
 
 
 # One object, and where the base frame shows it.
