@@ -109,7 +109,7 @@ class Ending:
 
     rclpy's own signal handler has two faults. It shuts the context down during a callback, whose
     next publish then fails. And if SIGTERM arrives just before the executor waits, the executor
-    keeps waiting (rclpy 7.1: about 1 in 20). This, together with the node's heartbeat, avoids both.
+    keeps waiting (rclpy 7.1: about 1 in 20). This avoids both, together with the node's heartbeat.
     """
 
     is_asked_for = False

@@ -23,13 +23,13 @@ Each takes the best of the windows that contain the pixel, so that nothing leaks
 """
 
 import math
-from typing import List, NamedTuple, Sequence
+from typing import Any, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
-    AXES, LEAST_LIGHT, LEVEL_SCALE, LINEAR, log_levels)
+    AXES, LEVEL_SCALE, LINEAR, log_levels, SATURATED, UNSEEN)
 from camera_to_base.detection.precise.piece import grown, slices, square
-from camera_to_base.detection.precise.shade import DARKEST, Shade
+from camera_to_base.detection.precise.shade import change_of, DARKEST, Shade
 import cv2
 import numpy as np
 
@@ -43,19 +43,21 @@ _LEAST_VARIANCE = 0.3
 # rounding); how far a camera trembles, in px.
 _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
 _NOTHING = 1e-9
+_LOGS = log_levels().tolist()
+# A channel is nearly black where this part of its changes is not seen, in the mean.
+_LEAST_UNSEEN = 0.05
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
 # on its own (the range of logarithms over the noise).
 _PRIOR, _OWN = 12.0, 3.5
 # A thing of just the colour that a coloured table has is rare: nats for each unit of the table's
 # chroma (logarithm) above what a grey one has, and at most. So light may change the chroma more
-# there, for each change of the level. Two colours are one where the channels' logarithms change
-# alike.
-_OF_CHROMA, _GREY, _MOST_OF_CHROMA, _COLOURED_TINT, _ALIKE = 40.0, 0.5, 30.0, 0.04, 0.25
+# there, for each change of the level. Two colours are one below this change.
+_OF_CHROMA, _GREY, _MOST_OF_CHROMA, _COLOURED_TINT, _ALIKE = 40.0, 0.5, 30.0, 0.04, 0.16
 # How much chroma a lamp's light may have in a reflection, by its level; what is lighter by this
 # logarithm may be one, where the table has this chroma (logarithm) or a slope of this variance.
 _LAMP_TINT, _LIGHTER, _HARDLY_GREY, _TEXTURE = 0.03, 0.1, 0.25, 5.0
-# What the sensor has cut off tells no light: from which level on, and its logarithm's variance.
-SATURATED, _UNKNOWN = 250, 0.1
+# What the sensor has cut off tells no light: its logarithm's variance.
+_UNKNOWN = 0.1
 # What is cut off does not drift: the largest variance that does.
 _MOST_DRIFT = 0.01
 # Logarithm of the ratio: sun is 2.5 times as bright as shade. What is brighter is a thing, where
@@ -122,7 +124,8 @@ def evidence(
         frame, background, log_levels(), variances)
     chroma = cv2.magnitude(*usual[:2])
     colour = _nats_of_chroma(chroma)
-    light = _light(change, variance, drift, shade.tint, colour, _SIZE)
+    dark = _Dark.of(background)
+    light = _light(change, variance, drift, shade.tint, dark, colour, _SIZE)
     lighter = _box_mean(change[2], _SIZE) * LEVEL_SCALE > _LIGHTER
     if lighter.any():
         # On a plain grey table a reflection is as any other light.
@@ -139,7 +142,7 @@ def evidence(
         for axis in range(2):
             step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(_SIZE))
             variance[axis] += (_BLEED * step) ** 2
-        narrow = _light(change, variance, drift, shade.tint, colour, _NARROW)
+        narrow = _light(change, variance, drift, shade.tint, dark, colour, _NARROW)
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * LEVEL_SCALE
@@ -154,17 +157,16 @@ def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:
     return np.clip(_OF_CHROMA * (chroma - _GREY), 0, _MOST_OF_CHROMA)
 
 
-def is_of_its_colour(light: Sequence[float], usual: Sequence[float]) -> bool:
+def is_of_its_colour(level: Sequence[float], usual: Sequence[float]) -> bool:
     """
-    Tell whether light is that of a coloured table, but for its level: a thing seldom is.
+    Tell whether a colour is that of a coloured table, but for its level: a thing's seldom is.
 
-    :param light: B, G and R, 0..1.
+    :param level: Mean grey levels, B, G and R.
     :param usual: The table's.
     """
-    seen, table = ([math.log(one + LEAST_LIGHT) for one in colour] for colour in (light, usual))
-    change = [one - other for one, other in zip(seen, table)]
+    table = [_LOGS[round(one)] for one in usual]
     grey = [sum(table) / 3] * 3
-    return max(change) - min(change) < _ALIKE and math.dist(table, grey) > _GREY
+    return change_of(level, usual)[0] < _ALIKE and math.dist(table, grey) > _GREY
 
 
 def _products(
@@ -224,9 +226,28 @@ def _compared(
          for one, other, detail in zip(seen_variance, usual_variance, usual)])
 
 
+class _Dark(NamedTuple):
+    """
+    What light does to the chroma where a channel is nearly black.
+
+    :param axis: Where the channel lies on both axes of chroma, shape (2,).
+    :param unseen: Which part of its change is not seen, shape (h, w), float32.
+    """
+
+    axis: np.ndarray
+    unseen: np.ndarray
+
+    @classmethod
+    def of(cls, background: np.ndarray) -> Optional['_Dark']:
+        """Take the darkest channel of a background; None where none is dark."""
+        darkest = int(np.argmin(cv2.mean(background)[:3]))
+        unseen = cv2.LUT(cv2.extractChannel(background, darkest), UNSEEN)
+        return cls(AXES[:2, darkest], unseen) if cv2.mean(unseen)[0] > _LEAST_UNSEEN else None
+
+
 def _light(
     change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray,
-    colour: np.ndarray, size: int
+    dark: Optional[_Dark], colour: np.ndarray, size: int
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
     count = size ** 2
@@ -235,14 +256,26 @@ def _light(
     # Tint and gain are the same all over a window.
     known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2 + (
         _COLOURED_TINT / _MOST_OF_CHROMA * colour * means[2]) ** 2)
-    part, power = np.float32(0), float(tint @ tint)
-    if power:
+    off = means[:2]
+    if tint.any():
         # The chroma may be any between none and the tint's.
-        along = means[0] * np.float32(tint[0]) + means[1] * np.float32(tint[1])
-        part = np.clip(along / power, np.minimum(shade, -_NOTHING), 0)
-    off_tint = [means[axis] - part * np.float32(tint[axis]) for axis in range(2)]
+        off = _without(off, tint, shade, 0)
+    if dark is not None:
+        # Nobody knows how much of this channel there is, besides what light changes.
+        most = dark.unseen * (1 + np.float32(LEVEL_SCALE) * np.abs(means[2]))
+        off = _without(off, dark.axis, -most, most)
     return cv2.erode(
-        _chi_square(change, means, variance, off_tint, drift, known, size), square(size))
+        _chi_square(change, means, variance, off, drift, known, size), square(size))
+
+
+def _without(
+    chroma: List[np.ndarray], direction: np.ndarray, least: np.ndarray, most: Any
+) -> List[np.ndarray]:
+    """Take a direction out of a chroma, as far as it may be there: between `least` and `most`."""
+    x, y = map(np.float32, direction)
+    along = (chroma[0] * x + chroma[1] * y) / (x * x + y * y)
+    part = cv2.min(cv2.max(along, least), most)
+    return [chroma[0] - part * x, chroma[1] - part * y]
 
 
 def _chi_square(

@@ -24,7 +24,7 @@ surface nothing but this is asked.
 from typing import NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.evidence import SATURATED
+from camera_to_base.detection.precise.light import SATURATED
 from camera_to_base.detection.precise.piece import (
     channel_extremes, disc, filled, grown, largest_part, slices, square)
 from camera_to_base.detection.precise.regions import Region

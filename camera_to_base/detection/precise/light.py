@@ -29,6 +29,8 @@ _DARKEST, _LIGHTEST = 8, 247
 LEAST_LIGHT = 1e-3
 _LEAST_USABLE = 1 / 12
 _DARKEST_GAIN, _ALIKE, _LEAST_ALIKE, _NEAR = 0.06, 0.25, 0.2, 0.05
+# From which grey level on the sensor may have cut off the light.
+SATURATED = 250
 # Grey levels grow with about this power of the light.
 POWER = 1 / 2.2
 
@@ -69,6 +71,8 @@ def _coded(light: np.ndarray) -> np.ndarray:
 
 # The light that makes a grey level, 0..1.
 LINEAR = _linear_levels().astype(np.float32)
+# Which part of a change of its logarithm is not seen, since a level is nearly black.
+UNSEEN = LEAST_LIGHT / (LINEAR + LEAST_LIGHT)
 # Two axes of chroma and one of level, of the logarithms of B, G and R; orthonormal.
 AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
     np.float32([[2], [6], [3]]))

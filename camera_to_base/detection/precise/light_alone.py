@@ -21,16 +21,14 @@ same is told from them in three ways:
 
 from enum import Enum
 import math
-import operator
-from typing import List, Tuple
+from typing import Tuple
 
 from camera_to_base.detection.detection import Box, Detection
-from camera_to_base.detection.precise.evidence import BRIGHTEST, SATURATED
-from camera_to_base.detection.precise.light import (
-    LINEAR, log_levels, log_light, Reference)
+from camera_to_base.detection.precise.evidence import BRIGHTEST
+from camera_to_base.detection.precise.light import LINEAR, log_light, Reference
 from camera_to_base.detection.precise.piece import (
     channel_extremes, filled, grown, ratio_of, slices, square)
-from camera_to_base.detection.precise.shade import DARKEST, is_neutral, NEUTRAL
+from camera_to_base.detection.precise.shade import change_of, DARKEST, is_neutral
 import cv2
 import numpy as np
 
@@ -52,12 +50,6 @@ _STEP, _INSIDE, _WELL_INSIDE, _LEAST_INSIDE = 2, square(5), square(7), 20
 # chance, and how much of them is seen.
 _FINE, _LEAST_LIKENESS, _SURE, _LEAST_SEEN, _MOST_SEEN = 5, 0.4, 4.5, 0.4, 1.6
 _NOTHING = 1e-12
-# To how many levels a mean grey level is known; how far one that is cut off, logarithm.
-_KNOWN_TO, _CUT_OFF = 1.5, 0.3
-_LOGS = log_levels().tolist()
-# The variance of that, over that of a neutral colour.
-_UNKNOWN = ((np.where(np.arange(256) < SATURATED, _KNOWN_TO * np.gradient(_LOGS), _CUT_OFF)
-             / NEUTRAL) ** 2).tolist()
 
 
 def is_soft_light(detection: Detection, frame: np.ndarray, background: np.ndarray) -> bool:
@@ -148,24 +140,13 @@ def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
     (level, spread), (usual, usual_spread) = (
         cv2.meanStdDev(np.ascontiguousarray(picture[::_STEP, ::_STEP]), mask=some)
         for picture in (seen, table))
-    if not _has_lights_chroma(level[:, 0].tolist(), usual[:, 0].tolist()):
+    chroma, ratio = change_of(level[:, 0].tolist(), usual[:, 0].tolist())
+    if not DARKEST < ratio < BRIGHTEST or not is_neutral(chroma, ratio):
         return Told.THING
     if _shows_unevenness(seen, table, cv2.erode(filled(outline, box), _WELL_INSIDE)):
         return Told.LIGHT if level.sum() > usual.sum() else Told.SHADE
     most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
     return Told.NEITHER if max(spread.max(), usual_spread.max()) <= most else Told.THING
-
-
-def _has_lights_chroma(level: List[float], usual: List[float]) -> bool:
-    """Tell whether mean grey levels, B, G and R, are those of the table in other light."""
-    pairs = [(round(one), round(other)) for one, other in zip(level, usual)]
-    changes = [_LOGS[now] - _LOGS[before] for now, before in pairs]
-    # What is nearly black, or cut off by the sensor, tells little.
-    weights = [1 / (1 + _UNKNOWN[now] + _UNKNOWN[before]) for now, before in pairs]
-    ratio = sum(map(operator.mul, weights, changes)) / sum(weights)
-    chroma = math.sqrt(sum(weight * (change - ratio) ** 2
-                           for weight, change in zip(weights, changes)))
-    return DARKEST < ratio < BRIGHTEST and bool(is_neutral(chroma, ratio))
 
 
 def _shows_unevenness(seen: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:

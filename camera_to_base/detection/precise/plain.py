@@ -130,11 +130,10 @@ def _place(
     if (deviation.max() > max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
             or max(map(abs, map(operator.sub, usual, level))) < _CLEAR * reference.limits.least):
         return None
-    colours = _light(level), _light(usual)
-    shares = _shares(seen, table, mask, *colours, reference.has_edges(place))
+    shares = _shares(seen, table, mask, _light(level), _light(usual), reference.has_edges(place))
     if shares is None:
         return None
-    if is_of_its_colour(*colours) or _shows_table(seen, table, core):
+    if is_of_its_colour(level, usual) or _shows_table(seen, table, core):
         return None
     shares = cv2.max(shares, core)
     between = cv2.countNonZero(mask) - cv2.countNonZero(_above(_COVERED, shares))

@@ -18,9 +18,8 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection.precise.evidence import (
-    Detail, detail_of, Evidence, SATURATED)
-from camera_to_base.detection.precise.light import LEVEL_SCALE
+from camera_to_base.detection.precise.evidence import Detail, detail_of, Evidence
+from camera_to_base.detection.precise.light import LEVEL_SCALE, SATURATED
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, disc, largest_part, quantile, square)
 from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, Shade

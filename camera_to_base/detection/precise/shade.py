@@ -17,11 +17,12 @@ chroma there is shade.
 """
 
 import math
+import operator
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
-    AXES, LEVEL_SCALE, log_levels, Reference)
+    AXES, LEVEL_SCALE, log_levels, Reference, SATURATED, UNSEEN)
 from camera_to_base.detection.precise.piece import filled, slices
 from camera_to_base.detection.precise.regions import Region
 import cv2
@@ -38,6 +39,13 @@ _MOST_REGIONS, _MOST_PLACES = 30, 4000
 _COLOURED, _LEAST_THING = 0.15, 0.4
 # Shade has less chroma, and less than this part of its level; on so many places of a region.
 NEUTRAL, _OF_LEVEL, _LEAST_NEUTRAL = 0.04, 0.1, 15
+# How far a level may be cut off, logarithm; to how many levels a mean is known. The variance of
+# that, over that of a neutral colour.
+_CUT_OFF, _KNOWN_TO = 0.3, 1.5
+_LOGS = log_levels().tolist()
+_UNKNOWN = ((np.where(
+    np.arange(256) < SATURATED, _KNOWN_TO * np.gradient(_LOGS) + UNSEEN, _CUT_OFF)
+             / NEUTRAL) ** 2).tolist()
 # The faintest shade, logarithm of the ratio; the bins of the levels, from there down.
 FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
@@ -111,6 +119,23 @@ def is_neutral(chroma: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     :param ratio: Logarithm of the level / the table's.
     """
     return chroma < np.maximum(NEUTRAL, _OF_LEVEL * np.abs(ratio))
+
+
+def change_of(level: Sequence[float], usual: Sequence[float]) -> Tuple[float, float]:
+    """
+    Give by how much the chroma and the level of a colour have changed, logarithms.
+
+    What is nearly black, or cut off by the sensor, tells little.
+
+    :param level: Mean grey levels, B, G and R.
+    :param usual: The table's.
+    """
+    pairs = [(round(one), round(other)) for one, other in zip(level, usual)]
+    changes = [_LOGS[now] - _LOGS[before] for now, before in pairs]
+    weights = [1 / (1 + _UNKNOWN[now] + _UNKNOWN[before]) for now, before in pairs]
+    ratio = sum(map(operator.mul, weights, changes)) / sum(weights)
+    return math.sqrt(sum(weight * (change - ratio) ** 2
+                         for weight, change in zip(weights, changes))), ratio
 
 
 def _tint(changes: Sequence[np.ndarray]) -> np.ndarray:
