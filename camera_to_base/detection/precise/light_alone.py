@@ -134,7 +134,7 @@ def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
     # Some pixels tell as much as all.
     some = np.zeros(seen[::_STEP, ::_STEP].shape[:2], np.uint8)
     cv2.drawContours(some, [(outline - (box.x, box.y)) // _STEP], 0, 1, cv2.FILLED)
-    some = cv2.erode(some, _INSIDE)
+    some = _without_rim(some, _INSIDE)
     if cv2.countNonZero(some) < _LEAST_INSIDE:
         return Told.THING
     (level, spread), (usual, usual_spread) = (
@@ -143,10 +143,15 @@ def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
     chroma, ratio = change_of(level[:, 0].tolist(), usual[:, 0].tolist())
     if not DARKEST < ratio < BRIGHTEST or not is_neutral(chroma, ratio):
         return Told.THING
-    if _shows_unevenness(seen, table, cv2.erode(filled(outline, box), _WELL_INSIDE)):
+    if _shows_unevenness(seen, table, _without_rim(filled(outline, box), _WELL_INSIDE)):
         return Told.LIGHT if level.sum() > usual.sum() else Told.SHADE
     most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
     return Told.NEITHER if max(spread.max(), usual_spread.max()) <= most else Told.THING
+
+
+def _without_rim(inside: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    # By default, what is beyond the picture counts as inside.
+    return cv2.erode(inside, kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0)
 
 
 def _shows_unevenness(seen: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:

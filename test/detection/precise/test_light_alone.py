@@ -56,6 +56,13 @@ def test_grey_patch_on_a_grey_surface_may_be_light(gain):
     assert found.centre == pytest.approx(PATCH, abs=0.5)
 
 
+def test_patch_with_straight_sides_may_be_light():
+    gain = np.ones(SIZE, np.float32)
+    gain[80:160, 60:140] = 0.5
+    (found,), _ = detected(table(), table() * cv2.GaussianBlur(gain, (0, 0), 3.0)[..., None])
+    assert found.may_be_light
+
+
 @pytest.mark.parametrize('colour', [
     (0.3, 0.1, 0.1), (0.02, 0.02, 0.02), (0.9, 0.9, 0.9), (0.15, 0.2, 0.15)])
 def test_another_colour_black_and_white_are_no_light(colour):
