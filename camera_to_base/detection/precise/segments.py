@@ -80,7 +80,7 @@ class Parted(NamedTuple):
     :param light: The light.
     :param unsure: Segments of both that may be the other.
     :param is_light: Whether all of it is light, for sure.
-    :param is_one: Whether no light is told from a thing.
+    :param is_one: Whether edges do not tell light from a thing: `things` and `light` say nothing.
     """
 
     things: np.ndarray
@@ -141,7 +141,7 @@ def parted(
     :param logs: Logarithms of the frame's light and the background's, each of shape (h, w, 3).
     :param min_area: Smaller segments do not count, in px².
     :returns: No things where nothing is surely a thing, and there is soft shade or all of it has
-        a coloured table's own colour; None where all is one, or has the same edges.
+        a coloured table's own colour; None where it has no edges but the table's.
     """
     noise = cv2.sqrt(found.variance / 2)
     labels, count = _segments(frame, changed, logs[0], noise)
@@ -215,15 +215,14 @@ def _are_coloured(segments: List[_Segment]) -> bool:
 
 def _without_things(
     result: Parted, surest: float, is_soft: bool, segments: List[_Segment]
-) -> Optional[Parted]:
-    """Give a region in which nothing is surely a thing: light, or unclear; None for neither."""
+) -> Parted:
+    """Give a region in which nothing is surely a thing: light, unclear, or all one."""
     is_surely_light = surest < -_SURE_LIGHT
     is_light = is_surely_light and any(one.detail.is_table for one in segments)
     # A coloured table's own colour tells of light, and a sharp rim of a thing.
     is_unclear = is_soft or is_surely_light and any(one.colour > _SURE_LIGHT for one in segments)
-    if not (is_light or is_unclear):
-        return None
-    return result._replace(things=np.zeros_like(result.things), is_light=is_light)
+    return result._replace(things=np.zeros_like(result.things), is_light=is_light,
+                           is_one=not (is_light or is_unclear))
 
 
 def _hard_shade(segments: List[_Segment], at_table: np.ndarray) -> List[Unsure]:

@@ -187,7 +187,7 @@ def _masks(
         frame, background, changed, things, found, min_area)
     if by_edges is not None and by_edges.is_light:
         return []
-    if by_edges is not None and not by_edges.things.any():
+    if by_edges is not None and not (by_edges.is_one or by_edges.things.any()):
         # Its edges are soft in part, and nothing is sharp all around to compare them with; or it
         # has a coloured table's own colour.
         return _Unclear(may_be_light=True)
@@ -208,7 +208,6 @@ def _masks(
                 return _Unclear(doubt=doubt_of(changed, unsure))
             if not things.any():
                 return []
-        unsure = ()
     things = with_stripes(things, frame, background)
     # Where a thing was seen, parts that are too small do not make it light.
     return [(thing, doubt_of(thing, unsure))
@@ -231,7 +230,7 @@ def _by_segments(
     joined = narrow & np.isin(labels, labels[(narrow & near) > 0]).view(np.uint8)
     things = result.things | cv2.dilate(joined, square(3)) & result.light
     if cv2.countNonZero(narrow & (1 - joined)) > min_area / 2:
-        return None
+        return result._replace(is_light=False, is_one=True)
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
 

@@ -518,6 +518,19 @@ def test_centre_is_in_doubt_where_a_grey_face_is_just_as_dark_as_a_hard_shade(ot
     assert off(grey, 160, 60, 10) < 2.5 * grey.doubt
 
 
+@pytest.mark.parametrize('grey, cap', [(0.28, 0.05), (0.28, 0.1), (0.34, 0.1)])
+def test_centre_is_in_doubt_where_edges_may_tell_a_grey_rod_from_its_shade(grey, cap):
+    # Its dark end is too narrow for a segment of its own, so that pixels decide.
+    background = np.full((*SIZE, 3), 0.82, np.float32)
+    light = shaded(background, covered((100, 122), (170, 122), (170, 136), (100, 136)), 0.6)
+    rows = np.arange(SIZE[0], dtype=np.float32)[:, None, None]
+    round_ = grey * (1 + 0.3 * np.cos((rows - 120) / 8 * np.pi / 2)) * np.ones(3, np.float32)
+    light = painted(light, covered((96, 112), (166, 112), (166, 128), (96, 128)), round_)
+    end = covered((162, 110), (166, 110), (166, 130), (162, 130))
+    (found,) = detect(painted(light, end, (cap,) * 3), background)
+    assert np.hypot(*np.subtract(found.centre, (131, 120))) < 2.5 * found.doubt
+
+
 def test_white_thing_on_a_white_table_is_no_trace_of_light():
     background = np.full((*SIZE, 3), 0.8, np.float32)
     colours = [(0.05, 0.08, 0.5), (0.06, 0.3, 0.05), (0.74, 0.74, 0.74), (0.5, 0.1, 0.06)]
