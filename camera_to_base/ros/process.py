@@ -120,9 +120,9 @@ class Ending:
         for number in _SIGNALS:
             signal.signal(number, self._ask)
 
-    def _ask(self, *_: Any) -> None:
+    def _ask(self, number: int, stack: Any) -> None:
         self.is_asked_for = True
-        raise KeyboardInterrupt
+        signal.default_int_handler(number, stack)
 
 
 def _spin(node: Any, ending: Ending) -> None:
