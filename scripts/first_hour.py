@@ -112,10 +112,10 @@ class Stranger:
         began = time.monotonic()
         # Without its domain, it chooses one of its own.
         demo = self._start(f'unset ROS_DOMAIN_ID; exec {command}', cwd=self._clone)
-        printed, first_at, is_told = '', None, False
+        first_at, is_told = None, False
         while demo.poll() is None:
-            printed += demo.read(0.2)
-            if first_at is None and 'error' in printed and ' mm' in printed:
+            demo.read(0.2)
+            if first_at is None and 'error' in demo.printed and ' mm' in demo.printed:
                 first_at = time.monotonic()
                 tell(f'the first position came after {first_at - began:.0f} s')
             if first_at and time.monotonic() - first_at > 10.0 and not is_told:
@@ -123,14 +123,14 @@ class Stranger:
                 os.killpg(demo.pid, signal.SIGINT)
             if time.monotonic() - began > LONGEST_S['setup']:
                 demo.end()
-                raise Failure(f'no position came, or it does not end:\n{printed[-3000:]}')
-        printed += demo.read(0.2)
-        summary = re.search(r'(\d+) positions, largest error ([\d.]+) mm', printed)
+                raise Failure(f'no position came, or it does not end:\n{demo.printed[-3000:]}')
+        demo.read(0.2)
+        summary = re.search(r'(\d+) positions, largest error ([\d.]+) mm', demo.printed)
         if demo.returncode or not summary:
-            raise Failure(f'exit code {demo.returncode}:\n{printed[-3000:]}')
+            raise Failure(f'exit code {demo.returncode}:\n{demo.printed[-3000:]}')
         judge(int(summary[1]), float(summary[2]))
-        if not re.search(r'\| http://\S+', printed):
-            raise Failure(f'no address of a page:\n{printed[-3000:]}')
+        if not re.search(r'\| http://\S+', demo.printed):
+            raise Failure(f'no address of a page:\n{demo.printed[-3000:]}')
         if not (self._clone / 'demo.png').exists():
             raise Failure('there is no demo.png')
         self._use_wheels()

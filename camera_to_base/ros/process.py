@@ -79,7 +79,7 @@ def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = Non
     """
     import rclpy
     from rclpy.executors import ExternalShutdownException
-    node, ending = None, Ending()
+    node, ending = None, _Ending()
     try:
         ending.listen()
         node = _make(name, make_node, args)
@@ -103,7 +103,7 @@ def run(name: str, make_node: Callable[[], Any], args: Optional[List[str]] = Non
     return 0
 
 
-class Ending:
+class _Ending:
     """
     Raises KeyboardInterrupt for SIGINT and SIGTERM, and remembers that one has come.
 
@@ -125,14 +125,16 @@ class Ending:
         signal.default_int_handler(number, stack)
 
 
-def _spin(node: Any, ending: Ending) -> None:
+def _spin(node: Any, ending: _Ending) -> None:
     from rclpy import get_global_executor
     executor = get_global_executor()
-    executor.add_node(node)
-    # What is raised within a destructor is lost.
-    while executor.context.ok() and not ending.is_asked_for:
-        executor.spin_once()
-    executor.remove_node(node)
+    try:
+        executor.add_node(node)
+        # As rclpy.spin, which goes on where an interrupt is lost, as within a destructor.
+        while executor.context.ok() and not ending.is_asked_for:
+            executor.spin_once()
+    finally:
+        executor.remove_node(node)
 
 
 @contextmanager

@@ -23,13 +23,13 @@ Each takes the best of the windows that contain the pixel, so that nothing leaks
 """
 
 import math
-from typing import Any, List, NamedTuple, Optional, Sequence
+from typing import Any, List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
     AXES, LEVEL_SCALE, LINEAR, log_levels, SATURATED, UNSEEN)
 from camera_to_base.detection.precise.piece import grown, slices, square
-from camera_to_base.detection.precise.shade import change_of, DARKEST, Shade
+from camera_to_base.detection.precise.shade import DARKEST, GREY, Shade
 import cv2
 import numpy as np
 
@@ -43,7 +43,6 @@ _LEAST_VARIANCE = 0.3
 # rounding); how far a camera trembles, in px.
 _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
 _NOTHING = 1e-9
-_LOGS = log_levels().tolist()
 # A channel is nearly black where this part of its changes is not seen, in the mean.
 _LEAST_UNSEEN = 0.05
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
@@ -51,8 +50,8 @@ _LEAST_UNSEEN = 0.05
 _PRIOR, _OWN = 12.0, 3.5
 # A thing of just the colour that a coloured table has is rare: nats for each unit of the table's
 # chroma (logarithm) above what a grey one has, and at most. So light may change the chroma more
-# there, for each change of the level. Two colours are one below this change.
-_OF_CHROMA, _GREY, _MOST_OF_CHROMA, _COLOURED_TINT, _ALIKE = 40.0, 0.5, 30.0, 0.04, 0.16
+# there, for each change of the level.
+_OF_CHROMA, _MOST_OF_CHROMA, _COLOURED_TINT = 40.0, 30.0, 0.04
 # How much chroma a lamp's light may have in a reflection, by its level; what is lighter by this
 # logarithm may be one, where the table has this chroma (logarithm) or a slope of this variance.
 _LAMP_TINT, _LIGHTER, _HARDLY_GREY, _TEXTURE = 0.03, 0.1, 0.25, 5.0
@@ -154,19 +153,7 @@ def evidence(
 
 def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:
     """Tell what speaks against a thing of the table's own chroma, in nats."""
-    return np.clip(_OF_CHROMA * (chroma - _GREY), 0, _MOST_OF_CHROMA)
-
-
-def is_of_its_colour(level: Sequence[float], usual: Sequence[float]) -> bool:
-    """
-    Tell whether a colour is that of a coloured table, but for its level: a thing's seldom is.
-
-    :param level: Mean grey levels, B, G and R.
-    :param usual: The table's.
-    """
-    table = [_LOGS[round(one)] for one in usual]
-    grey = [sum(table) / 3] * 3
-    return change_of(level, usual)[0] < _ALIKE and math.dist(table, grey) > _GREY
+    return np.clip(_OF_CHROMA * (chroma - GREY), 0, _MOST_OF_CHROMA)
 
 
 def _products(

@@ -31,10 +31,10 @@ import operator
 from typing import Iterable, List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.evidence import is_of_its_colour
 from camera_to_base.detection.precise.light import LINEAR, Reference
 from camera_to_base.detection.precise.piece import filled, has_holes, outlines_in, slices, square
 from camera_to_base.detection.precise.regions import SHORTEST_OUTLINE
+from camera_to_base.detection.precise.shade import is_of_its_colour
 from camera_to_base.detection.precise.shares import Placed
 import cv2
 import numpy as np

@@ -80,14 +80,19 @@ class Parted(NamedTuple):
     :param light: The light.
     :param unsure: Segments of both that may be the other.
     :param is_light: Whether all of it is light, for sure.
-    :param is_one: Whether edges do not tell light from a thing: `things` and `light` say nothing.
+    :param is_untold: Whether edges tell no light from a thing: `things` and `light` say nothing.
     """
 
     things: np.ndarray
     light: np.ndarray
     unsure: List[Unsure]
     is_light: bool = False
-    is_one: bool = False
+    is_untold: bool = False
+
+
+def untold(changed: np.ndarray) -> Parted:
+    """Give a region of which edges tell nothing."""
+    return Parted(np.zeros_like(changed), np.zeros_like(changed), [], is_untold=True)
 
 
 class _Segment(NamedTuple):
@@ -132,7 +137,7 @@ class _Steps(NamedTuple):
 def parted(
     frame: np.ndarray, changed: np.ndarray, logs: Tuple[np.ndarray, ...], found: Evidence,
     min_area: float,
-) -> Optional[Parted]:
+) -> Parted:
     """
     Part a region into things and light.
 
@@ -141,13 +146,13 @@ def parted(
     :param logs: Logarithms of the frame's light and the background's, each of shape (h, w, 3).
     :param min_area: Smaller segments do not count, in px².
     :returns: No things where nothing is surely a thing, and there is soft shade or all of it has
-        a coloured table's own colour; None where it has no edges but the table's.
+        a coloured table's own colour.
     """
     noise = cv2.sqrt(found.variance / 2)
     labels, count = _segments(frame, changed, logs[0], noise)
     steps = _steps(logs, labels, noise)
     if steps is None:
-        return None
+        return untold(changed)
     labels = _joined(labels, count, logs[0])
     at_table = cv2.dilate((labels == 1).view(np.uint8), square(3))
     sure = found.nats > _SURELY, (found.nats < 0) & (found.is_dark == 0)
@@ -175,7 +180,7 @@ def parted(
     if cv2.countNonZero(result.light) < min_area:
         hard = [] if shade.levels else _hard_shade(segments, at_table)
         return result._replace(
-            things=changed, unsure=hard or result.unsure, is_one=not hard)
+            things=changed, unsure=hard or result.unsure, is_untold=not hard)
     surest = max(nats for *_, nats in judged)
     penumbra = sum(cv2.countNonZero(segment) for one, segment, _ in judged if one.is_soft)
     is_soft = penumbra > _LEAST_PENUMBRA * cv2.countNonZero(result.things)
@@ -216,13 +221,13 @@ def _are_coloured(segments: List[_Segment]) -> bool:
 def _without_things(
     result: Parted, surest: float, is_soft: bool, segments: List[_Segment]
 ) -> Parted:
-    """Give a region in which nothing is surely a thing: light, unclear, or all one."""
+    """Give a region in which nothing is surely a thing: light, unclear, or untold."""
     is_surely_light = surest < -_SURE_LIGHT
     is_light = is_surely_light and any(one.detail.is_table for one in segments)
     # A coloured table's own colour tells of light, and a sharp rim of a thing.
     is_unclear = is_soft or is_surely_light and any(one.colour > _SURE_LIGHT for one in segments)
     return result._replace(things=np.zeros_like(result.things), is_light=is_light,
-                           is_one=not (is_light or is_unclear))
+                           is_untold=not (is_light or is_unclear))
 
 
 def _hard_shade(segments: List[_Segment], at_table: np.ndarray) -> List[Unsure]:

@@ -46,6 +46,8 @@ _LOGS = log_levels().tolist()
 _UNKNOWN = ((np.where(
     np.arange(256) < SATURATED, _KNOWN_TO * np.gradient(_LOGS) + UNSEEN, _CUT_OFF)
              / NEUTRAL) ** 2).tolist()
+# How much chroma a grey table has at most, logarithm; two colours are one below this change.
+GREY, _ALIKE = 0.5, 0.16
 # The faintest shade, logarithm of the ratio; the bins of the levels, from there down.
 FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
@@ -136,6 +138,18 @@ def change_of(level: Sequence[float], usual: Sequence[float]) -> Tuple[float, fl
     ratio = sum(map(operator.mul, weights, changes)) / sum(weights)
     return math.sqrt(sum(weight * (change - ratio) ** 2
                          for weight, change in zip(weights, changes))), ratio
+
+
+def is_of_its_colour(level: Sequence[float], usual: Sequence[float]) -> bool:
+    """
+    Tell whether a colour is that of a coloured table, but for its level: a thing's seldom is.
+
+    :param level: Mean grey levels, B, G and R.
+    :param usual: The table's.
+    """
+    table = [_LOGS[round(one)] for one in usual]
+    grey = [sum(table) / 3] * 3
+    return change_of(level, usual)[0] < _ALIKE and math.dist(table, grey) > GREY
 
 
 def _tint(changes: Sequence[np.ndarray]) -> np.ndarray:

@@ -26,7 +26,7 @@ from camera_to_base.detection.precise.piece import (
     chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
-from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure
+from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, untold
 from camera_to_base.detection.precise.shade import Shade
 from camera_to_base.detection.touching import cut_at_gaps, table_between, with_stripes
 import cv2
@@ -183,16 +183,15 @@ def _masks(
         make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
     if not is_cluttered and not wide.any() and _is_clear(wide, changed, found, has_highlight):
         return []
-    by_edges = None if has_highlight or not do_edges_tell else _by_segments(
+    by_edges = untold(changed) if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
-    if by_edges is not None and by_edges.is_light:
+    if by_edges.is_light:
         return []
-    if by_edges is not None and not (by_edges.is_one or by_edges.things.any()):
+    if not (by_edges.is_untold or by_edges.things.any()):
         # Its edges are soft in part, and nothing is sharp all around to compare them with; or it
         # has a coloured table's own colour.
         return _Unclear(may_be_light=True)
-    unsure: Sequence[Unsure] = () if by_edges is None else by_edges.unsure
-    if by_edges is not None and not by_edges.is_one:
+    if not by_edges.is_untold:
         things = by_edges.things
     else:
         sure = _no_light(wide, found)
@@ -205,23 +204,23 @@ def _masks(
             things = sure
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
             if has_highlight or not detail_of(found, rest).is_table:
-                return _Unclear(doubt=doubt_of(changed, unsure))
+                return _Unclear(doubt=doubt_of(changed, by_edges.unsure))
             if not things.any():
                 return []
     things = with_stripes(things, frame, background)
     # Where a thing was seen, parts that are too small do not make it light.
-    return [(thing, doubt_of(thing, unsure))
+    return [(thing, doubt_of(thing, by_edges.unsure))
             for thing in cut_at_gaps(things, frame, background, min_area)] or _Unclear()
 
 
 def _by_segments(
     frame: np.ndarray, background: np.ndarray, changed: np.ndarray, by_pixels: np.ndarray,
     found: Evidence, min_area: float,
-) -> Optional[Parted]:
+) -> Parted:
     logs = tuple(cv2.LUT(picture, log_levels()) for picture in (frame, background))
     result = parted(frame, changed, logs, found, min_area)
-    if result is None:
-        return None
+    if result.is_untold:
+        return result
     # What is narrow has no segment of its own; what touches things is a part of them.
     narrow = cv2.erode(by_pixels, square(3)) & result.light & (
         found.is_dark | (found.nats > _CLEAR).view(np.uint8))
@@ -230,7 +229,7 @@ def _by_segments(
     joined = narrow & np.isin(labels, labels[(narrow & near) > 0]).view(np.uint8)
     things = result.things | cv2.dilate(joined, square(3)) & result.light
     if cv2.countNonZero(narrow & (1 - joined)) > min_area / 2:
-        return result._replace(is_light=False, is_one=True)
+        return result._replace(is_light=False, is_untold=True)
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
 
