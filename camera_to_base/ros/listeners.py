@@ -24,15 +24,13 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import Trigger
 
-# Discovery of a running node takes up to a few seconds.
-_DISCOVERY_S = 3.0
-_LONGEST_WAIT_S = 10.0
+# Who misses another's first announcements, as on a busy computer, finds it 3 s later.
+_DISCOVERY_S = 5.0
+_LONGEST_WAIT_S, _ANSWER_S = 10.0, 5.0
 # Messages that waited in the queue are older than the question.
 _DRAIN_S = 0.3
 _NODE = 'camera_publisher'
 
-# Discovery of a running node takes up to a few seconds on a busy computer.
-_CORRECTION_DISCOVERY_S, _ANSWER_S = 5.0, 5.0
 # A node that says no because of the last frame is asked again after this time.
 _PAUSE_S = 0.3
 
@@ -145,7 +143,7 @@ class ObjectListener(Listener):
         future = None
         if self._client.wait_for_service(timeout_sec=_DISCOVERY_S):
             future = self._client.call_async(GetParameters.Request(names=names))
-            self.spin_until(future.done, _DISCOVERY_S)
+            self.spin_until(future.done, _ANSWER_S)
         if future is None or not future.done():
             raise CalibrationError(
                 f'{self._camera} does not say which surface it has: restart it, or stop it')
@@ -211,7 +209,7 @@ class CorrectionListener(Listener):
             raise CalibrationError(f'{self.camera} refuses the corrected surface: {result.reason}')
 
     def _answer(self, client: Any, request: Any) -> Any:
-        if not self.spin_until(client.service_is_ready, _CORRECTION_DISCOVERY_S):
+        if not self.spin_until(client.service_is_ready, _DISCOVERY_S):
             raise CalibrationError(
                 f'{self.camera} does not run, or it is an older one: start it, or name its '
                 'namespace with --namespace')

@@ -80,6 +80,7 @@ class Person:
             along = np.array(PLACES[place[1]])
             self._cell.table.lay_coin(tuple(self._low + along * (self._high - self._low)))
         elif 'Touch' in said:
+            assert 'Put one object near' in self.said, self.said  # else the node was not found
             self._cell.tool = self._cell.table.robot_position()
         else:
             return 'q\n'
