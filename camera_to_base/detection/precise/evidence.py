@@ -238,7 +238,8 @@ def _light(
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
     count = size ** 2
-    means, variance = ([_box_mean(one, size) for one in planes] for planes in (change, variance))
+    windows = _windows(change, variance, size)
+    means = windows.means
     shade = cv2.min(means[2], 0)
     # Tint and gain are the same all over a window.
     known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2 + (
@@ -251,8 +252,7 @@ def _light(
         # Nobody knows how much of this channel there is, besides what light changes.
         most = dark.unseen * (1 + np.float32(LEVEL_SCALE) * np.abs(means[2]))
         off = _without(off, dark.axis, -most, most)
-    return cv2.erode(
-        _chi_square(change, means, variance, off, drift, known, size), square(size))
+    return cv2.erode(_chi_square(windows, off, drift, known, size), square(size))
 
 
 def _without(
@@ -265,33 +265,49 @@ def _without(
     return [chroma[0] - part * x, chroma[1] - part * y]
 
 
+class _Windows(NamedTuple):
+    """
+    What the windows around each pixel hold of a picture on the axes, each of shape (h, w).
+
+    :param means: On each axis; of the chroma by what is known of each pixel.
+    :param variance: Of the two axes of chroma: that of a mean, times the number of pixels.
+    :param spread: Chi-square of a level that is a plane and of any one chroma.
+    """
+
+    means: List[np.ndarray]
+    variance: List[np.ndarray]
+    spread: np.ndarray
+
+
+def _windows(
+    values: List[np.ndarray], variance: List[np.ndarray], size: int
+) -> _Windows:
+    means, variances, level = [], [], _box_mean(values[2], size)
+    spread = _off_plane(values[2], level, size) / _box_mean(variance[2], size)
+    for value, one in zip(values[:2], variance):
+        # What the sensor has cut off, or an edge, must not hide what is seen beside it.
+        weighted = value / one
+        known = 1 / _box_mean(1 / one, size)
+        total = _box_mean(weighted, size)
+        spread += size ** 2 * (_box_mean(weighted * value, size) - total ** 2 * known)
+        means.append(total * known)
+        variances.append(known)
+    return _Windows([*means, level], variances, spread)
+
+
 def _chi_square(
-    change: List[np.ndarray], means: List[np.ndarray], variance: List[np.ndarray],
-    off_tint: List[np.ndarray], drift: float, known: np.ndarray, size: int
+    windows: _Windows, off: List[np.ndarray], drift: float, known: np.ndarray, size: int
 ) -> np.ndarray:
     """
     Give the chi-square of a level that is a plane and of a chroma that light may have.
 
-    :param means: Of the change in each window, as the variances.
-    :param off_tint: How far the two axes of chroma are off what light may have.
+    :param off: How far the two axes of chroma are off what light may have.
     :param known: The variance of that besides the noise, times the number of pixels.
     """
-    count = size ** 2
-    result = _spread(change, means, variance, size)
-    for axis in range(2):
-        result += count * off_tint[axis] ** 2 / (
-            variance[axis] + count * drift * cv2.min(variance[axis], _MOST_DRIFT) + known)
-    return result
-
-
-def _spread(
-    values: List[np.ndarray], means: List[np.ndarray], variance: List[np.ndarray], size: int
-) -> np.ndarray:
-    """Give the chi-square of a level that is a plane and of any one chroma in each window."""
-    result = _off_plane(values[2], means[2], size) / variance[2]
-    for axis in range(2):
-        result += size ** 2 * (
-            _box_mean(values[axis] ** 2, size) - means[axis] ** 2) / variance[axis]
+    count, result = size ** 2, windows.spread
+    for one, variance in zip(off, windows.variance):
+        result = result + count * one ** 2 / (
+            variance + count * drift * cv2.min(variance, _MOST_DRIFT) + known)
     return result
 
 
@@ -307,10 +323,9 @@ def _reflection(
     """
     # What the sensor has cut off is no sum of both: no reflection.
     added = _compared(frame, background, LINEAR, variances)
-    means, variance = ([_box_mean(one, _SIZE) for one in planes]
-                       for planes in (added.change, added.variance))
-    light = _chi_square(added.change, means, variance, means[:2], drift,
-                        _SIZE ** 2 * (_LAMP_TINT * means[2]) ** 2, _SIZE)
+    windows = _windows(added.change, added.variance, _SIZE)
+    light = _chi_square(windows, windows.means[:2], drift,
+                        _SIZE ** 2 * (_LAMP_TINT * windows.means[2]) ** 2, _SIZE)
     light[~lighter] = np.inf
     return cv2.erode(light, square(_SIZE))
 
@@ -321,8 +336,7 @@ def _off_constant(
     """Give the chi-square of one colour in the best window around each pixel: shape (h, w)."""
     # Small numbers: squares are taken.
     seen = [one - np.float32(cv2.mean(one)[0]) for one in seen]
-    means, variance = ([_box_mean(one, size) for one in planes] for planes in (seen, variance))
-    return cv2.erode(_spread(seen, means, variance, size), square(size))
+    return cv2.erode(_windows(seen, variance, size).spread, square(size))
 
 
 def _box_mean(values: np.ndarray, size: int) -> np.ndarray:
