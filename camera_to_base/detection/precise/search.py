@@ -291,11 +291,20 @@ def _without_foreign_light(found: Candidates, reference: Reference, min_area: fl
     # What is known to be a thing is one in any light.
     known = [region for region in found.regions if region.is_thing]
     boxes = [region.box for region in known] + [one.window for one in found.plain]
+    unclear = np.zeros(frame.shape[:2], np.uint8)
+    for region in found.regions:
+        if not region.is_thing:
+            cv2.drawContours(unclear, [region.outline], 0, 1, cv2.FILLED)
     others = [region._replace(in_other_light=has_light(field, region.box)) for region in regions
-              if touches_edge(region.box, frame) or (
+              if _is_in(region, unclear) and (touches_edge(region.box, frame) or (
                   not any(box.is_mostly_inside(region.box) for box in boxes)
-                  and region.strong_area > _MOSTLY * cv2.contourArea(region.outline))]
+                  and region.strong_area > _MOSTLY * cv2.contourArea(region.outline)))]
     return found._replace(regions=known + others)
+
+
+def _is_in(region: Region, mask: np.ndarray) -> bool:
+    inside = filled(region.outline, region.box)
+    return 2 * cv2.countNonZero(inside & mask[slices(region.box)]) > cv2.countNonZero(inside)
 
 
 def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float) -> bool:
