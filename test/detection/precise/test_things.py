@@ -573,3 +573,13 @@ def test_what_fades_all_around_on_a_plain_table_is_light_or_thing(gain):
     detector = PreciseDifferenceDetector(coded(table(0), 1))
     assert detector.detect(coded(table(0) * (1 + (gain - 1) * patch(blur=5.0)), 2)) == []
     assert 'light_or_thing' in [one.kind for one in detector.dropped]
+
+
+def test_object_whose_shade_reaches_the_border_comes_once_beside_foreign_shade():
+    bright = 0.9 * table(0)
+    foreign = np.zeros(SIZE, np.float32)
+    foreign[:, :90] = 1
+    own = covered((180, 197), (200, 197), (225, 245), (195, 245))
+    light = shaded(shaded(bright, foreign, 0.4), own[..., 0][..., None])
+    found, = detect(painted(light, square(190, 200, 12), (0.05, 0.1, 0.5)), bright)
+    assert found.centre == pytest.approx((189.5, 199.5), abs=1) and not found.cut_off
