@@ -54,7 +54,7 @@ from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.light_alone import (
     is_soft_light, LIGHT_OR_THING, Told, told)
 from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices
-from camera_to_base.detection.precise.placer import Placer, Placing, unplaced
+from camera_to_base.detection.precise.placer import hidden_doubt, Placer, Placing, unplaced
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)
 from camera_to_base.detection.precise.still import StillRegions
@@ -156,6 +156,7 @@ class PreciseDifferenceDetector:
             found = search(frame, parts, self._reference, self._min_area, budget)
         placed, unclear, places = self._placed(found)
         placed, left = self._judged(placed, unclear, found.frame)
+        placed = [self._hidden(one, found.frame) for one in placed]
         found = found._replace(light=[*found.light, *(
             NoObject(what.value, one.centre, one.area) for what, one in left)])
         self._dropped = left_over(
@@ -218,6 +219,10 @@ class PreciseDifferenceDetector:
             else:
                 published.append(one)
         return published, left
+
+    def _hidden(self, one: Detection, frame: np.ndarray) -> Detection:
+        doubt = 0.0 if one.cut_off else hidden_doubt(one, frame, self._reference)
+        return replace(one, doubt=math.hypot(one.doubt, doubt)) if doubt else one
 
     def _without_faint(
         self, parts: List[Detection], frame: np.ndarray

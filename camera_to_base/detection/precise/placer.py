@@ -18,7 +18,7 @@ from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
     centre_of, enclosed, enlarged, filled, grown, make_piece, outline_of,
-    outlines_in, Piece, reduced, slices)
+    outlines_in, Piece, reduced, slices, square)
 from camera_to_base.detection.precise.plain import Plain
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.shares import place, place_thing, Placed
@@ -38,6 +38,12 @@ _MOST_AT_EDGE = 150_000
 _OF_SHADE = 0.3
 # What reaches in from the edge and covers more than this part is not looked at closely.
 _MOST_CUT = 0.2
+# Both sides of a rim, in px from it. A print hides a rim where it has a step of twice what a thing
+# must differ by, and the thing is off the print beyond it by less than this part of the step.
+_BESIDE, _CLEAR_STEP, _SAME_COLOUR = 3, 2.0, 0.3
+# On how much of a rim that matters; the deviation of the centre, by that part and by the square
+# root of the area: 26 white discs over the edges of printed squares were 0.07 to 2 of that off.
+_LEAST_HIDDEN, _OF_SIZE = 0.2, 0.75
 
 
 class Placing(NamedTuple):
@@ -193,6 +199,42 @@ class _Window:
     def _cut(self, near: Box, mask: np.ndarray) -> '_Window':
         box = near._replace(x=near.x + self.box.x, y=near.y + self.box.y)
         return _Window(self.frame, self._reference, box, np.ascontiguousarray(mask[slices(near)]))
+
+
+def hidden_doubt(detection: Detection, frame: np.ndarray, reference: Reference) -> float:
+    """
+    Give the deviation of a centre because its thing may go on over a print of its colour, in px.
+
+    A white disc that lies half on a black square and half on a white one seems to end where the
+    squares meet.
+    """
+    window = grown(detection.box, 2 * _BESIDE, frame)
+    part, least = slices(window), _CLEAR_STEP * reference.limits.least
+    inside = filled(np.int32(detection.outline)[:, None], window)
+    rim = max(cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0],
+              key=len)[:, 0]
+    at_print = reference.limits.has_print(part, least)[tuple(rim.T[::-1])]
+    if np.count_nonzero(at_print) < _LEAST_HIDDEN * len(rim):
+        return 0.0
+    # An outer outline goes around in the direction that makes this point outwards.
+    along = np.roll(rim, -_BESIDE, axis=0) - np.roll(rim, _BESIDE, axis=0)
+    out = _BESIDE * along[:, ::-1] * (-1, 1) / np.maximum(np.hypot(*along.T), 1)[:, None]
+    within, beyond = (
+        tuple(np.clip(np.rint(rim + way).astype(int), 0, (window.width - 1, window.height - 1)
+                      ).T[::-1]) for way in (-out, out))
+    seen, usual = (np.float32(cv2.blur(picture[part], (3, 3)))
+                   for picture in (frame, reference.lit))
+    step = _off(usual[within], usual[beyond])
+    is_hidden = ((step > least) & (_off(seen[within], usual[beyond]) < _SAME_COLOUR * step)
+                 & (_off(seen[beyond], usual[beyond]) < least))
+    # Where a thing is narrow, this is beyond its other side.
+    is_hidden &= cv2.erode(inside, square(3))[within] > 0
+    share = np.count_nonzero(is_hidden) / len(rim)
+    return _OF_SIZE * share * math.sqrt(detection.area) if share > _LEAST_HIDDEN else 0.0
+
+
+def _off(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    return np.abs(one - other).max(axis=1)
 
 
 def _at_full_size(placed: Placed, scale: int, like: np.ndarray) -> Placed:

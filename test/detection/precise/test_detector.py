@@ -127,6 +127,25 @@ def test_printed_board_is_no_ghost_and_stays_as_it_is(level):
         assert detector.detect(board) == []
 
 
+@pytest.mark.parametrize('centre', [(96, 120), (144, 72), (192, 100)])
+def test_place_is_in_doubt_where_an_object_goes_on_over_a_print_of_its_colour(centre):
+    board = printed_board()
+    found = PreciseDifferenceDetector(board).detect(
+        with_ellipse(board, centre, (20, 20), level=220))
+    assert found
+    for one in found:
+        off = math.dist(one.centre, centre)
+        assert off > 3 and off < 2.5 * one.doubt
+
+
+@pytest.mark.parametrize('centre', [(96, 120), (144, 72), (192, 100)])
+def test_place_is_in_no_doubt_where_a_rim_is_seen_over_a_print(centre):
+    board = printed_board()
+    found, = PreciseDifferenceDetector(board).detect(
+        with_ellipse(board, centre, (20, 20), level=140))
+    assert math.dist(found.centre, centre) < 0.5 and found.doubt < 0.5
+
+
 def test_object_on_a_printed_square_stays_an_object():
     printed = table()
     printed[90:150, 70:130] = 120
