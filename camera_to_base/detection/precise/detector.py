@@ -27,8 +27,8 @@ Each step is a module of its own:
 - `still`: what was told of regions that lie still, so that it need not be told again.
 - `other_light`: smooth light, a lamp that flickers, shade from outside: taken out, no objects.
 - `ghosts`: objects of the background that have left, which are no objects of the frame.
-- `own_shadow`, `piece`: where `things` says nothing, what of a region is its object's shade, and
-  what its gloss.
+- `own_shadow`: where `things` says nothing, what of a region is its object's shade.
+- `gloss`: highlights, on things and in glass.
 - `light_alone`: which of what was found light alone could look like.
 - `placer`, `shares`: the object's place, by how much of each pixel it covers.
 - `touching`: objects that touch, one each.

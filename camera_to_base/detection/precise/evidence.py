@@ -65,9 +65,9 @@ BRIGHTEST, _FADES, _LEAST_SHARP, _NEAR_RIM, _BEYOND_RIM = 1.0, 0.4, 0.75, 5, 9
 # Chi-square of the light, over its degrees of freedom: from here on it is none.
 WORST_LIGHT = 3.0
 # How much of the table's detail is seen where only the light has changed; how many deviations of
-# chance tell that; what may be left of the variance; how much more than the known noise is a
-# texture's.
-_LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS = 0.3, 1.6, 8.0
+# chance tell that, and tell that it may be; what may be left of the variance; how much more than
+# the known noise is a texture's.
+_LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.3, 1.6, 8.0, 4.0
 _MOST_LEFT, _SURE_NOISE = 2.5, 1.4
 # From this part of the table's power on, what is seen is a texture of another kind.
 _OTHER_TEXTURE = 0.5
@@ -379,9 +379,14 @@ class Detail(NamedTuple):
     @property
     def is_table(self) -> bool:
         """Whether the table is seen, so that light alone has changed."""
-        return (self.likeness > _LEAST_LIKENESS
-                and _LEAST_SLOPE * self.added < self.slope < _MOST_SLOPE
+        return (self.likeness > _LEAST_LIKENESS and self.may_be_table
                 and self.left < _MOST_LEFT)
+
+    @property
+    def may_be_table(self) -> bool:
+        """Whether something like the table is seen."""
+        return (self.likeness > _SOME_LIKENESS
+                and _LEAST_SLOPE * self.added < self.slope < _MOST_SLOPE)
 
 
 def detail_of(found: Evidence, part: np.ndarray) -> Detail:

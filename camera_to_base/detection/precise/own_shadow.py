@@ -23,9 +23,10 @@ An object may be lighter than its shadow: then the shadow is a crescent, and the
 
 from typing import NamedTuple, Optional, Tuple
 
+from camera_to_base.detection.precise.gloss import find_highlight, surrounds
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, find_highlight, in_clearest_colour, largest_part, Look, look_at, outline_of,
-    Piece, quantile, square, surrounds)
+    channel_extremes, in_clearest_colour, largest_part, Look, look_at, Piece, quantile, solidity,
+    square)
 import cv2
 import numpy as np
 
@@ -246,7 +247,7 @@ def _darker_thing(
     gap = 9 if special.any() else 3
     thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(gap)))
     rest = _lighter_side(thing, piece.mask)
-    if not special.any() and _solidity(rest) > _solidity(thing) + _MORE_CONVEX:
+    if not special.any() and solidity(rest) > solidity(thing) + _MORE_CONVEX:
         # A shadow is what its object leaves of it, a crescent.
         thing = darker = rest
     is_thing = _is_thing_and_shade(thing, darker, piece, look)
@@ -258,14 +259,6 @@ def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
     rest = cv2.erode(mask, square(5)) & (1 - dark)
     rest = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
     return cv2.dilate(rest, square(5)) & mask & (1 - dark)
-
-
-def _solidity(mask: np.ndarray) -> float:
-    outline = outline_of(mask)
-    if outline is None:
-        return 0.0
-    hull = cv2.contourArea(cv2.convexHull(outline))
-    return cv2.contourArea(outline) / hull if hull else 0.0
 
 
 def _otsu(ratios: np.ndarray) -> float:

@@ -14,6 +14,7 @@ import math
 from typing import List, NamedTuple, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
+from camera_to_base.detection.precise.gloss import lighter, with_highlights
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
@@ -129,7 +130,8 @@ class Placer:
         thing = split_off_shade(coarse)
         if thing is None and region.may_be_light:
             return []
-        mask = window.mask if thing is None else enlarged(thing.mask, scale, window.mask)
+        mask = window.mask if thing is None else enlarged(with_highlights(
+            [thing.mask], lighter(coarse), coarse.mask)[0], scale, window.mask)
         outline = outline_of(mask, window.box)
         if outline is None:
             return []
@@ -141,7 +143,7 @@ class Placer:
         if thing.is_sure:
             return found
         doubt = _OF_SHADE * scale * math.dist(centre_of(thing.mask), centre_of(coarse.mask))
-        return [replace(one, doubt=doubt) for one in found]
+        return [replace(one, doubt=max(doubt, region.doubt)) for one in found]
 
     def _at(self, window: '_Window', mask: np.ndarray) -> List[Detection]:
         # Only what is near the object takes time.

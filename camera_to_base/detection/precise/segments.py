@@ -18,7 +18,7 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection.precise.evidence import Detail, detail_of, Evidence
+from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
 from camera_to_base.detection.precise.light import LEVEL_SCALE, SATURATED
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, disc, largest_part, quantile, square)
@@ -213,7 +213,7 @@ def _unsure(
 
 def _are_coloured(segments: List[_Segment]) -> bool:
     """Tell whether a region has nothing but coloured or black faces, and what may be shade."""
-    faces = [one for one in segments if not one.may_be_shade]
+    faces = [one for one in segments if not one.may_be_shade and one.ratio < BRIGHTEST]
     return bool(faces) and all(
         one.chroma > _OF_COLOUR or one.ratio < _BLACK for one in faces)
 

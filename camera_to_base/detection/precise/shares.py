@@ -23,9 +23,10 @@ the mixture's colour alone.
 import math
 from typing import Dict, NamedTuple, Optional, Tuple
 
+from camera_to_base.detection.precise.gloss import complete_shares, find_highlight
 from camera_to_base.detection.precise.light import LEAST_LIGHT
 from camera_to_base.detection.precise.piece import (
-    channel_sum, chosen, complete_shares, disc, find_highlight, Piece, quantile, square)
+    channel_sum, chosen, disc, Piece, quantile, square)
 from camera_to_base.detection.precise.shade import DARKEST
 import cv2
 import numpy as np
@@ -95,9 +96,11 @@ def place_thing(
         parts where a gap shows that these are two things.
     """
     values, mask = _values(piece, _ratio(piece)), piece.mask
-    sure = square(5 if _is_of_one_colour(piece) else 3)
+    sure, highlight = square(5 if _is_of_one_colour(piece) else 3), find_highlight(piece)
+    # The light of a highlight is no table's.
+    glossy = 0 if highlight is None else highlight & cv2.erode(mask, square(3))
     for _ in range(1 if is_settled else _TURNS):
-        shares = _shares(values, mask, cv2.erode(mask, sure), others)
+        shares = _shares(values, mask, cv2.erode(mask, sure) | glossy, others)
         if others is not None:
             shares *= 1 - others
         before, mask = mask, (shares > 0.5).view(np.uint8)

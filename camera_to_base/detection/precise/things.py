@@ -21,13 +21,16 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     detail_of, Evidence, evidence, gradient, WORST_LIGHT)
-from camera_to_base.detection.precise.light import LINEAR, log_levels, Reference
+from camera_to_base.detection.precise.gloss import (
+    find_highlight, is_on, may_be_highlight, with_highlights)
+from camera_to_base.detection.precise.light import (
+    LEVEL_SCALE, LINEAR, log_levels, Reference, SATURATED)
 from camera_to_base.detection.precise.piece import (
-    chosen, enclosed, enlarged, filled, find_highlight, grown, make_piece, outline_of, outlines_in,
-    quantile, shrunk, slices, square)
+    channel_extremes, chosen, enclosed, enlarged, filled, grown, make_piece, outline_of,
+    outlines_in, quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
-from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, untold
-from camera_to_base.detection.precise.shade import Shade
+from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure, untold
+from camera_to_base.detection.precise.shade import FAINTEST, Shade
 from camera_to_base.detection.touching import cut_at_gaps, table_between, with_stripes
 import cv2
 import numpy as np
@@ -44,8 +47,6 @@ _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE = 0.1, 0.6, 0.3, 0.75, 0.35
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
 _PRINT, _JPEG = 0.1, 9
-# So many deviations of chance tell that the table's detail is seen.
-_SOME_LIKENESS = 4.0
 # Light without an edge changes less per px; logarithm of the level.
 _STEEPEST = 0.06
 # What fades into the table has such an edge on less of its rim.
@@ -179,12 +180,20 @@ def _masks(
     things |= cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(_SIZE)) & (
         1 - table_between(frame, background))
     wide, is_cluttered = _wide(things, found, min_area)
-    has_highlight = find_highlight(
-        make_piece(frame, cv2.LUT(background, LINEAR), changed)) is not None
-    if not is_cluttered and not wide.any() and _is_clear(wide, changed, found, has_highlight):
+    sure = _no_light(wide, found)
+    highlight = find_highlight(make_piece(frame, cv2.LUT(background, LINEAR), changed))
+    has_highlight = highlight is not None and not is_on(sure, highlight, changed)
+    # Light is lighter than the table, and shade is darker.
+    is_glossy = has_highlight and cv2.countNonZero(
+        _may_be_shade(changed, found)) > _LEAST_REST * cv2.countNonZero(changed)
+    if not (is_cluttered or is_glossy or wide.any()) and _is_clear(
+            wide, changed, found, has_highlight):
         return []
     by_edges = untold(changed) if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
+    if sure.any() and not by_edges.things.any():
+        # It has no segment of its own.
+        by_edges = by_edges._replace(is_light=False, is_untold=True)
     if by_edges.is_light:
         return []
     if not (by_edges.is_untold or by_edges.things.any()):
@@ -194,7 +203,6 @@ def _masks(
     if not by_edges.is_untold:
         things = by_edges.things
     else:
-        sure = _no_light(wide, found)
         # Beside what is surely none, what light explains is light.
         things = sure if sure.any() else wide
         if is_cluttered or not things.any() or _goes_on(
@@ -204,13 +212,20 @@ def _masks(
             things = sure
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
             if has_highlight or not detail_of(found, rest).is_table:
-                return _Unclear(doubt=doubt_of(changed, by_edges.unsure))
+                # It may be no more than what is sure, or than what is no shade.
+                maybe = [Unsure(rest if sure.any() else _may_be_shade(changed, found), 0.5)]
+                return _Unclear(doubt=doubt_of(
+                    changed, maybe if sure.any() else by_edges.unsure or maybe))
             if not things.any():
                 return []
     things = with_stripes(things, frame, background)
+    parts = with_highlights(cut_at_gaps(things, frame, background, min_area),
+                            (found.seen > found.usual).view(np.uint8), changed)
+    cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
     # Where a thing was seen, parts that are too small do not make it light.
-    return [(thing, doubt_of(thing, by_edges.unsure))
-            for thing in cut_at_gaps(things, frame, background, min_area)] or _Unclear()
+    return [(thing, doubt_of(thing, by_edges.unsure if not may_be_highlight(
+        thing, changed, cut_off) else [Unsure(changed & (1 - thing), 0.5)]))
+        for thing in parts] or _Unclear()
 
 
 def _by_segments(
@@ -232,6 +247,12 @@ def _by_segments(
         return result._replace(is_light=False, is_untold=True)
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
+
+
+def _may_be_shade(changed: np.ndarray, found: Evidence) -> np.ndarray:
+    """Give what is darker than the table, and explained by light."""
+    darker = (found.seen - found.usual) * LEVEL_SCALE < FAINTEST
+    return changed & (darker & (found.nats < 0) & (found.is_dark == 0)).view(np.uint8)
 
 
 def _smooth(found: Evidence) -> np.ndarray:
@@ -315,7 +336,7 @@ def _is_clear(
     if bad > _MOST_BAD * count and sure < _SURE * count:
         return False
     detail, sure = detail_of(found, rest), sure > _MOSTLY * count
-    if (detail.is_table or sure and detail.likeness > _SOME_LIKENESS
+    if (detail.is_table or sure and detail.may_be_table
             or things.any() and _ends_softly(found, changed, things)):
         return True
     # A highlight or a lamp's mirror image is small and surrounded; a thing is not.
