@@ -14,17 +14,20 @@ Where two convex objects touch, their common outline has a neck: two notches tha
 closer together than either object is wide. A screw has two notches, too, but its neck is as wide
 as its shaft; an L has one notch. An outline is split only if all of its parts are convex then.
 
-Things with a narrow gap are apart where the table is seen between them: `cut_at_gaps`.
+Things with a narrow gap are apart where the table is seen between them, `cut_at_gaps`, also where
+their shade or compression has joined them by a neck: `without_necks`.
 """
 
 from itertools import combinations
+import math
 from typing import Iterator, List, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR, WEAK_LEVELS
 from camera_to_base.detection.precise.piece import (
     channel_extremes, chosen, enclosed, filled, grown, largest_part, outline_of, outlines_in,
-    quantile, slices, square)
+    quantile, slices, solidity, square)
+from camera_to_base.detection.precise.shade import DARKEST
 import cv2
 import numpy as np
 
@@ -46,6 +49,10 @@ _ALIKE, _THIRD_COLOUR = 0.15, 0.1
 _THIRD_LIGHT = 0.25
 # What is off by less than this part of what is near it shows the table.
 _SURELY = 0.15
+
+# What joins lumps is so narrow at most, px, and fills the hull by less than this; its middle is so
+# much nearer to the table than to a lump, and off a lump by this part of its light.
+_NECKS, _NOTCHED, _NEARER, _OTHER_LIGHT = (3, 5, 7, 9), 0.93, 0.5, 0.15
 
 Place = Tuple[int, int]
 
@@ -179,6 +186,48 @@ def cut_at_gaps(
         elif enclosed(outline) >= min_area:
             found.append(inside)
     return found
+
+
+def without_necks(
+    mask: np.ndarray, frame: np.ndarray, table: np.ndarray, min_area: float
+) -> np.ndarray:
+    """
+    Take away what joins lumps and shows the table between them, lit or in their shade.
+
+    :param mask: Shape (h, w), uint8, 1 inside.
+    :param frame: Its light, shape (h, w, 3), float32.
+    :param table: The table's, of the same shape.
+    :param min_area: Smaller lumps do not count, in px².
+    :returns: A mask in which they are apart; the mask itself where none are.
+    """
+    if solidity(mask) > _NOTCHED:
+        return mask
+    least = max(min_area, _LEAST_PART * cv2.countNonZero(mask)) / 2
+    for width in _NECKS:
+        rest = cv2.erode(mask, square(width))
+        whole = Box(0, 0, *mask.shape[::-1])
+        cores = [core for core in (filled(one, whole) & rest for one in outlines_in(rest))
+                 if cv2.countNonZero(core) >= least]
+        if len(cores) > 1:
+            away = np.sort([cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores],
+                           axis=0)
+            middle = mask & (away[1] - away[0] < 2).view(np.uint8)
+            if middle.any() and _shows_table(middle, cores, frame, table):
+                return mask & (away[0] <= width).view(np.uint8) & (1 - middle)
+            return mask
+    return mask
+
+
+def _shows_table(
+    middle: np.ndarray, cores: List[np.ndarray], frame: np.ndarray, table: np.ndarray
+) -> bool:
+    """Tell whether the middle of a neck is nearer to the table, in any light, than to a side."""
+    seen, usual = (quantile(chosen(light, middle)) for light in (frame, table))
+    factor = float(np.clip(seen @ usual / (usual @ usual), math.exp(DARKEST), 1.2))
+    off = np.linalg.norm(seen - factor * usual) / np.linalg.norm(seen)
+    sides = [np.linalg.norm(seen - quantile(chosen(frame, core))) / np.linalg.norm(seen)
+             for core in cores]
+    return off < _NEARER * min(sides) and min(sides) > _OTHER_LIGHT
 
 
 def with_stripes(things: np.ndarray, frame: np.ndarray, background: np.ndarray) -> np.ndarray:

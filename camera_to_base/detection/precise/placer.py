@@ -23,7 +23,7 @@ from camera_to_base.detection.precise.piece import (
 from camera_to_base.detection.precise.plain import Plain
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.shares import place, place_thing, Placed
-from camera_to_base.detection.touching import nearest_part, split_touching
+from camera_to_base.detection.touching import nearest_part, split_touching, without_necks
 import cv2
 import numpy as np
 
@@ -113,7 +113,8 @@ class Placer:
             cv2.drawContours(
                 others, region.neighbours, -1, 1, cv2.FILLED, offset=(-box.x, -box.y))
         placed, last = place_thing(coarse, others, region.is_settled)
-        placed = _at_full_size(placed, scale, window.mask)
+        placed = _at_full_size(_apart(placed, coarse, self._min_area / scale ** 2), scale,
+                               window.mask)
         found = _doubted(self._placed(placed, box), region)
         # What comes apart must do so on each frame.
         if not region.is_settled and len(outlines_in(placed.mask)) == 1:
@@ -149,7 +150,8 @@ class Placer:
         # Only what is near the object takes time.
         near = window.around(mask)
         coarse, scale = near.reduced(_MOST_TO_PLACE)
-        return self._placed(_at_full_size(place(coarse), scale, near.mask), near.box)
+        placed = _apart(place(coarse), coarse, self._min_area / scale ** 2)
+        return self._placed(_at_full_size(placed, scale, near.mask), near.box)
 
     def _placed(self, placed: Placed, window: Box) -> List[Detection]:
         parts = [placed.mask]
@@ -237,6 +239,15 @@ def hidden_doubt(detection: Detection, frame: np.ndarray, reference: Reference) 
 
 def _off(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.abs(one - other).max(axis=1)
+
+
+def _apart(placed: Placed, piece: Piece, min_area: float) -> Placed:
+    """Give what was placed without the necks between things."""
+    mask = without_necks(placed.mask, piece.frame, piece.table, min_area)
+    if mask is placed.mask:
+        return placed
+    neck = placed.mask & (1 - mask)
+    return placed._replace(mask=mask, shares=placed.shares * (1 - neck))
 
 
 def _at_full_size(placed: Placed, scale: int, like: np.ndarray) -> Placed:
