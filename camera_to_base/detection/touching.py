@@ -52,7 +52,7 @@ _SURELY = 0.15
 
 # What joins lumps is so narrow at most, px, and fills the hull by less than this; its middle is so
 # much nearer to the table than to a lump, and off a lump by this part of its light.
-_NECKS, _NOTCHED, _NEARER, _OTHER_LIGHT = (3, 5, 7, 9), 0.93, 0.5, 0.15
+_NECKS, _NOTCHED, _NEARER, _OTHER_LIGHT, _BRIGHTER = (3, 5, 7, 9), 0.93, 0.5, 0.15, 1.2
 
 Place = Tuple[int, int]
 
@@ -212,22 +212,30 @@ def without_necks(
             away = np.sort([cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores],
                            axis=0)
             middle = mask & (away[1] - away[0] < 2).view(np.uint8)
-            if middle.any() and _shows_table(middle, cores, frame, table):
+            if middle.any() and _is_over_table(middle, cores, frame, table):
                 return mask & (away[0] <= width).view(np.uint8) & (1 - middle)
             return mask
     return mask
 
 
-def _shows_table(
+def _is_over_table(
     middle: np.ndarray, cores: List[np.ndarray], frame: np.ndarray, table: np.ndarray
 ) -> bool:
-    """Tell whether the middle of a neck is nearer to the table, in any light, than to a side."""
+    """Tell whether the middle of a neck is much nearer to the table than to its sides."""
     seen, usual = (quantile(chosen(light, middle)) for light in (frame, table))
-    factor = float(np.clip(seen @ usual / (usual @ usual), math.exp(DARKEST), 1.2))
-    off = np.linalg.norm(seen - factor * usual) / np.linalg.norm(seen)
-    sides = [np.linalg.norm(seen - quantile(chosen(frame, core))) / np.linalg.norm(seen)
-             for core in cores]
-    return off < _NEARER * min(sides) and min(sides) > _OTHER_LIGHT
+    factor = float(np.clip(seen @ usual / (usual @ usual), math.exp(DARKEST), _BRIGHTER))
+    # An edge between two colours of a thing is a mixture of both.
+    off_sides = min(_off_line(seen, *pair) for pair in combinations(
+        [quantile(chosen(frame, core)) for core in cores], 2))
+    off_table = np.linalg.norm(seen - factor * usual)
+    return off_sides > max(off_table / _NEARER, _OTHER_LIGHT * np.linalg.norm(seen))
+
+
+def _off_line(colour: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
+    """Give how far a colour is off all mixtures of two."""
+    way = end - start
+    share = np.clip((colour - start) @ way / max(way @ way, 1e-9), 0, 1)
+    return float(np.linalg.norm(colour - start - share * way))
 
 
 def with_stripes(things: np.ndarray, frame: np.ndarray, background: np.ndarray) -> np.ndarray:

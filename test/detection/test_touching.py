@@ -85,3 +85,41 @@ def test_ring_is_not_split():
 def test_nothing_is_split_by_default():
     frame = drawn(polygon((100, 120), 22), polygon((144, 120), 22))
     assert len(PreciseDifferenceDetector(table()).detect(frame)) == 1
+
+
+def on_a_grey_table(coins, seed, quality):
+    """Draw coins as (centre, radius, B, G and R), each with a shade, and compress the picture."""
+    light = np.full((240, 320, 3), 0.4, np.float32)
+    for down, depth in ((3, 0.5), (0, 0)):
+        for centre, radius, *colour in coins:
+            large = np.zeros((960, 1280), np.uint8)
+            cv2.fillPoly(large, [np.int32(4 * (polygon(centre, radius) + (1, down)))], 255)
+            share = cv2.resize(large, (320, 240), interpolation=cv2.INTER_AREA)[..., None] / 255
+            share = cv2.GaussianBlur(share, (0, 0), 0.8)[..., None]
+            light = light * (1 - depth * share) if depth else (
+                light * (1 - share) + share * np.float32(colour))
+    noise = np.random.default_rng(seed).normal(0, 1.2, light.shape)
+    grey = np.uint8(np.clip(np.rint(255 * light ** (1 / 2.2) + noise), 0, 255))
+    return cv2.imdecode(cv2.imencode('.jpg', grey, [1, quality])[1], 1)
+
+
+@pytest.mark.parametrize('quality', [60, 75, 90])
+@pytest.mark.parametrize('gap', [2.5, 4, 6, 8])
+def test_two_whose_shade_fills_the_gap_are_two(gap, quality):
+    centres = (160, 100), (157, 100 + 14 + gap + 11)
+    colours = (0.05, 0.1, 0.4), (0.12, 0.3, 0.5)
+    detector = PreciseDifferenceDetector(on_a_grey_table([], 1, quality))
+    for colour in colours:
+        found = detector.detect(on_a_grey_table(
+            [(centres[0], 14, *colours[0]), (centres[1], 11, *colour)], 2, quality))
+        assert len(found) == 2
+        for centre in centres:
+            assert min(math.dist(one.centre, np.array(centre) - 0.4) for one in found) < 1
+
+
+def test_thing_of_two_colours_is_not_split_at_its_waist():
+    colours = (0.8, 0.8, 0.8), (0.03, 0.03, 0.03)
+    detector = PreciseDifferenceDetector(on_a_grey_table([], 1, 90))
+    found = detector.detect(on_a_grey_table(
+        [((150, 120), 14, *colours[0]), ((170, 120), 12, *colours[1])], 2, 90))
+    assert len(found) == 1

@@ -219,8 +219,9 @@ def _masks(
             if not things.any():
                 return []
     things = with_stripes(things, frame, background)
+    lighter = (found.seen - found.usual) * LEVEL_SCALE > -FAINTEST
     parts = with_highlights(cut_at_gaps(things, frame, background, min_area),
-                            (found.seen > found.usual).view(np.uint8), changed)
+                            lighter.view(np.uint8), changed)
     cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
     # Where a thing was seen, parts that are too small do not make it light.
     return [(thing, doubt_of(thing, by_edges.unsure if not may_be_highlight(
