@@ -56,6 +56,8 @@ _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
 # What a pixel is whatever its segment is, what tells that a region has a thing, and what that it
 # is light alone; nats. What is soft shade, by the thing's area.
 _SURELY, _SURE, _SURE_LIGHT, _LEAST_PENUMBRA = 30.0, 2.5, 9.0, 0.1
+# Soft shade without a segment is on this part of a region, or it is no more than a rim.
+_LEAST_SOFT = 0.15
 # Segments touch on so many px.
 _SHORTEST = 3
 
@@ -177,6 +179,11 @@ def parted(
         result[nats < 0][segment > 0] = 1
         judged.append((one, segment, nats))
     result.unsure.extend(_unsure(judged, are_coloured))
+    if cv2.countNonZero(result.light) < min_area:
+        # Shade so soft that it has no segment went to the table.
+        soft = light & changed & (labels == 1).view(np.uint8)
+        if cv2.countNonZero(soft) > _LEAST_SOFT * cv2.countNonZero(changed):
+            result.light[soft > 0] = 1
     if cv2.countNonZero(result.light) < min_area:
         hard = [] if shade.levels else _hard_shade(segments, at_table)
         return result._replace(
