@@ -12,6 +12,7 @@
 import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection.touching import without_necks
 import cv2
 import numpy as np
 import pytest
@@ -87,13 +88,13 @@ def test_nothing_is_split_by_default():
     assert len(PreciseDifferenceDetector(table()).detect(frame)) == 1
 
 
-def on_a_grey_table(coins, seed, quality):
+def on_a_grey_table(coins, shade, seed, quality):
     """Draw coins as (centre, radius, B, G and R), each with a shade, and compress the picture."""
     light = np.full((240, 320, 3), 0.4, np.float32)
-    for down, depth in ((3, 0.5), (0, 0)):
-        for centre, radius, *colour in coins:
+    for away, depth in ((shade, 0.5), ((0, 0), 0)):
+        for centre, radius, colour in coins:
             large = np.zeros((960, 1280), np.uint8)
-            cv2.fillPoly(large, [np.int32(4 * (polygon(centre, radius) + (1, down)))], 255)
+            cv2.fillPoly(large, [np.int32(4 * (polygon(centre, radius) + away))], 255)
             share = cv2.resize(large, (320, 240), interpolation=cv2.INTER_AREA)[..., None] / 255
             share = cv2.GaussianBlur(share, (0, 0), 0.8)[..., None]
             light = light * (1 - depth * share) if depth else (
@@ -103,23 +104,28 @@ def on_a_grey_table(coins, seed, quality):
     return cv2.imdecode(cv2.imencode('.jpg', grey, [1, quality])[1], 1)
 
 
-@pytest.mark.parametrize('quality', [60, 75, 90])
-@pytest.mark.parametrize('gap', [2.5, 4, 6, 8])
-def test_two_whose_shade_fills_the_gap_are_two(gap, quality):
-    centres = (160, 100), (157, 100 + 14 + gap + 11)
-    colours = (0.05, 0.1, 0.4), (0.12, 0.3, 0.5)
-    detector = PreciseDifferenceDetector(on_a_grey_table([], 1, quality))
-    for colour in colours:
-        found = detector.detect(on_a_grey_table(
-            [(centres[0], 14, *colours[0]), (centres[1], 11, *colour)], 2, quality))
-        assert len(found) == 2
-        for centre in centres:
-            assert min(math.dist(one.centre, np.array(centre) - 0.4) for one in found) < 1
+RED, YELLOW, PALE = (0.05, 0.1, 0.4), (0.12, 0.3, 0.5), (0.5, 0.5, 0.5)
 
 
-def test_thing_of_two_colours_is_not_split_at_its_waist():
-    colours = (0.8, 0.8, 0.8), (0.03, 0.03, 0.03)
-    detector = PreciseDifferenceDetector(on_a_grey_table([], 1, 90))
-    found = detector.detect(on_a_grey_table(
-        [((150, 120), 14, *colours[0]), ((170, 120), 12, *colours[1])], 2, 90))
-    assert len(found) == 1
+@pytest.mark.parametrize('first, second, gap, shade, quality', [
+    (PALE, PALE, 5, (1, 3), 75), (RED, YELLOW, 5, (0, -3), 90), (YELLOW, YELLOW, 5, (1, 3), 90),
+    (RED, YELLOW, 7, (0, -3), 75), (YELLOW, YELLOW, 7, (3, 1), 60), (PALE, PALE, 3, (-2, 2), 75)])
+def test_two_whose_shade_or_compression_fills_the_gap_are_two(first, second, gap, shade, quality):
+    centres = (160, 100), (157, 125 + gap)
+    found = PreciseDifferenceDetector(on_a_grey_table([], shade, 1, quality)).detect(
+        on_a_grey_table([(centres[0], 14, first), (centres[1], 11, second)], shade, 2, quality))
+    assert len(found) == 2
+    for centre in centres:
+        assert min(math.dist(one.centre, centre) for one in found) < 2
+
+
+@pytest.mark.parametrize('right, parts', [((0.8,) * 3, 2), ((0.0,) * 3, 1)])
+def test_neck_that_is_a_mixture_of_its_sides_is_a_thing_of_two_colours(right, parts):
+    mask = np.zeros((60, 100), np.uint8)
+    cv2.circle(mask, (30, 30), 14, 1, cv2.FILLED)
+    cv2.circle(mask, (66, 30), 14, 1, cv2.FILLED)
+    mask[28:33, 40:56] = 1
+    light = np.full((60, 100, 3), 0.4, np.float32)
+    light[:, :44], light[:, 52:] = 0.8, right
+    apart = without_necks(mask, light, np.full_like(light, 0.4), 30)
+    assert cv2.connectedComponents(apart)[0] - 1 == parts
