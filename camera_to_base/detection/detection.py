@@ -119,7 +119,7 @@ class Detection:
         the centres of the object's outermost pixels.
     :param cut_off: Whether the object touches the picture's edge, so that a part may be missing.
     :param moments: Moments of the object's pixels, from cv2.moments; None to use the outline's.
-    :param doubt: Standard deviation of the centre because a part may be light, in px.
+    :param doubt: Standard deviation of the centre because a part may be light or not be seen, px.
     :param may_be_light: Whether its sharp rim alone tells that it is no light: neither the object
         nor the surface below has a colour or a texture.
     :param is_part: Whether it was parted from an object that hides it, or that it hides.

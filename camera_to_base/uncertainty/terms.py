@@ -135,7 +135,7 @@ class Shape(NamedTuple):
     :param has_yaw: Whether it has a direction.
     :param height_cm: Its height; 0 for a flat object, whose face is at the height's tolerance.
     :param misfit_cm: Standard deviation of x and y because it is no upright object.
-    :param doubt_px: Standard deviation of the centre because a part may be light.
+    :param doubt_px: Standard deviation of the centre because a part may be light or not be seen.
     """
 
     pixel: Tuple[float, float]

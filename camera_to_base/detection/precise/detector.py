@@ -156,7 +156,8 @@ class PreciseDifferenceDetector:
             found = search(frame, parts, self._reference, self._min_area, budget)
         placed, unclear, places = self._placed(found)
         placed, left = self._judged(placed, unclear, found.frame)
-        placed = [self._hidden(one, found.frame) for one in placed]
+        placed = [replace(one, doubt=math.hypot(one.doubt, hidden_doubt(
+            one, found.frame, self._reference))) for one in placed]
         found = found._replace(light=[*found.light, *(
             NoObject(what.value, one.centre, one.area) for what, one in left)])
         self._dropped = left_over(
@@ -219,10 +220,6 @@ class PreciseDifferenceDetector:
             else:
                 published.append(one)
         return published, left
-
-    def _hidden(self, one: Detection, frame: np.ndarray) -> Detection:
-        doubt = 0.0 if one.cut_off else hidden_doubt(one, frame, self._reference)
-        return replace(one, doubt=math.hypot(one.doubt, doubt)) if doubt else one
 
     def _without_faint(
         self, parts: List[Detection], frame: np.ndarray

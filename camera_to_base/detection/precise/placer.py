@@ -210,8 +210,10 @@ def hidden_doubt(detection: Detection, frame: np.ndarray, reference: Reference) 
     Give the deviation of a centre because its thing may go on over a print of its colour, in px.
 
     A white disc that lies half on a black square and half on a white one seems to end where the
-    squares meet.
+    squares meet. What is cut off has no centre to doubt.
     """
+    if detection.cut_off:
+        return 0.0
     window = grown(detection.box, 2 * _BESIDE, frame)
     part, least = slices(window), _CLEAR_STEP * reference.limits.least
     inside = filled(np.int32(detection.outline)[:, None], window)
