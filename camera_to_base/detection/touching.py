@@ -139,9 +139,7 @@ def _width(mask: np.ndarray) -> float:
 
 
 def _is_convex(mask: np.ndarray) -> bool:
-    outline = outline_of(mask)
-    hull = cv2.contourArea(cv2.convexHull(outline))
-    return hull > 0 and cv2.contourArea(outline) >= _LEAST_SOLIDITY * hull
+    return solidity(mask) >= _LEAST_SOLIDITY
 
 
 def _grown_together(parts: List[np.ndarray], mask: np.ndarray) -> List[np.ndarray]:
@@ -204,18 +202,24 @@ def without_necks(
         return mask
     least = max(min_area, _LEAST_PART * cv2.countNonZero(mask)) / 2
     for width in _NECKS:
-        rest = cv2.erode(mask, square(width))
-        whole = Box(0, 0, *mask.shape[::-1])
-        cores = [core for core in (filled(one, whole) & rest for one in outlines_in(rest))
-                 if cv2.countNonZero(core) >= least]
+        cores = _lumps(cv2.erode(mask, square(width)), least)
         if len(cores) > 1:
-            away = np.sort([cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores],
-                           axis=0)
-            middle = mask & (away[1] - away[0] < 2).view(np.uint8)
-            if middle.any() and _is_over_table(middle, cores, frame, table):
-                return mask & (away[0] <= width).view(np.uint8) & (1 - middle)
-            return mask
-    return mask
+            break
+    else:
+        return mask
+    nearest, next_one = np.sort(
+        [cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores], axis=0)[:2]
+    middle = mask & (next_one - nearest < 2).view(np.uint8)
+    if not (middle.any() and _is_over_table(middle, cores, frame, table)):
+        return mask
+    return mask & (nearest <= width).view(np.uint8) & (1 - middle)
+
+
+def _lumps(mask: np.ndarray, least: float) -> List[np.ndarray]:
+    """Give the parts of a mask that are large enough, each of its shape."""
+    whole = Box(0, 0, *mask.shape[::-1])
+    lumps = (filled(outline, whole) & mask for outline in outlines_in(mask))
+    return [lump for lump in lumps if cv2.countNonZero(lump) >= least]
 
 
 def _is_over_table(
@@ -232,7 +236,7 @@ def _is_over_table(
 
 
 def _off_line(colour: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
-    """Give how far a colour is off all mixtures of two."""
+    """Give how far a colour is off the line from one colour to another."""
     way = end - start
     share = np.clip((colour - start) @ way / max(way @ way, 1e-9), 0, 1)
     return float(np.linalg.norm(colour - start - share * way))

@@ -14,6 +14,7 @@ import math
 from camera_to_base.detection import PreciseDifferenceDetector
 from camera_to_base.detection.touching import without_necks
 import cv2
+from lit_table import coded, covered
 import numpy as np
 import pytest
 
@@ -91,17 +92,12 @@ def test_nothing_is_split_by_default():
 def on_a_grey_table(coins, shade, seed, quality):
     """Draw coins as (centre, radius, B, G and R), each with a shade, and compress the picture."""
     light = np.full((240, 320, 3), 0.4, np.float32)
-    for away, depth in ((shade, 0.5), ((0, 0), 0)):
-        for centre, radius, colour in coins:
-            large = np.zeros((960, 1280), np.uint8)
-            cv2.fillPoly(large, [np.int32(4 * (polygon(centre, radius) + away))], 255)
-            share = cv2.resize(large, (320, 240), interpolation=cv2.INTER_AREA)[..., None] / 255
-            share = cv2.GaussianBlur(share, (0, 0), 0.8)[..., None]
-            light = light * (1 - depth * share) if depth else (
-                light * (1 - share) + share * np.float32(colour))
-    noise = np.random.default_rng(seed).normal(0, 1.2, light.shape)
-    grey = np.uint8(np.clip(np.rint(255 * light ** (1 / 2.2) + noise), 0, 255))
-    return cv2.imdecode(cv2.imencode('.jpg', grey, [1, quality])[1], 1)
+    for centre, radius, _ in coins:
+        light = light * (1 - 0.5 * covered(*(polygon(centre, radius) + shade), blur=0.8))
+    for centre, radius, colour in coins:
+        share = covered(*polygon(centre, radius), blur=0.8)
+        light = light * (1 - share) + share * np.float32(colour)
+    return coded(light, seed, quality, noise=1.2)
 
 
 RED, YELLOW, PALE = (0.05, 0.1, 0.4), (0.12, 0.3, 0.5), (0.5, 0.5, 0.5)

@@ -104,6 +104,11 @@ class Evidence(NamedTuple):
     detail: np.ndarray
     chroma: np.ndarray
 
+    @property
+    def is_light(self) -> np.ndarray:
+        """What light explains better than a thing: shape (h, w), uint8, 1 there."""
+        return (self.nats < 0).view(np.uint8) & (1 - self.is_dark)
+
 
 def evidence(
     frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, shade: Shade
@@ -282,6 +287,7 @@ class _Windows(NamedTuple):
 def _windows(
     values: List[np.ndarray], variance: List[np.ndarray], size: int
 ) -> _Windows:
+    """Sum up what a picture shows on the axes, with its variance, in each window."""
     means, variances, level = [], [], _box_mean(values[2], size)
     spread = _off_plane(values[2], level, size) / _box_mean(variance[2], size)
     for value, one in zip(values[:2], variance):

@@ -17,7 +17,7 @@ from functools import lru_cache
 from typing import NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LEAST_LIGHT, LINEAR
+from camera_to_base.detection.precise.light import LEAST_LIGHT, LINEAR, SATURATED
 import cv2
 import numpy as np
 
@@ -50,6 +50,11 @@ def channel_extremes(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     # One by one: cv2.split takes ten times as long on large pictures.
     blue, green, red = (cv2.extractChannel(values, channel) for channel in range(3))
     return (cv2.min(cv2.min(blue, green), red), cv2.max(cv2.max(blue, green), red))
+
+
+def cut_off(picture: np.ndarray) -> np.ndarray:
+    """Find what the sensor has cut off in all channels: shape (h, w), uint8, 1 there."""
+    return (channel_extremes(picture)[0] >= SATURATED).view(np.uint8)
 
 
 def ratio_of(light: np.ndarray, usual: np.ndarray) -> np.ndarray:

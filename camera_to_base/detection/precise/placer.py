@@ -113,8 +113,7 @@ class Placer:
             cv2.drawContours(
                 others, region.neighbours, -1, 1, cv2.FILLED, offset=(-box.x, -box.y))
         placed, last = place_thing(coarse, others, region.is_settled)
-        placed = _at_full_size(_apart(placed, coarse, self._min_area / scale ** 2), scale,
-                               window.mask)
+        placed = self._at_full_size(placed, coarse, scale, window.mask)
         found = _doubted(self._placed(placed, box), region)
         # What comes apart must do so on each frame.
         if not region.is_settled and len(outlines_in(placed.mask)) == 1:
@@ -150,8 +149,17 @@ class Placer:
         # Only what is near the object takes time.
         near = window.around(mask)
         coarse, scale = near.reduced(_MOST_TO_PLACE)
-        placed = _apart(place(coarse), coarse, self._min_area / scale ** 2)
-        return self._placed(_at_full_size(placed, scale, near.mask), near.box)
+        placed = self._at_full_size(place(coarse), coarse, scale, near.mask)
+        return self._placed(placed, near.box)
+
+    def _at_full_size(
+        self, placed: Placed, coarse: Piece, scale: int, like: np.ndarray
+    ) -> Placed:
+        """Give what was placed in a reduced piece, without the necks between things."""
+        mask = without_necks(
+            placed.mask, coarse.frame, coarse.table, self._min_area / scale ** 2)
+        shares = placed.shares * (1 - (placed.mask & (1 - mask)))
+        return Placed(*(enlarged(one, scale, like) for one in (shares, mask)))
 
     def _placed(self, placed: Placed, window: Box) -> List[Detection]:
         parts = [placed.mask]
@@ -216,11 +224,13 @@ def hidden_doubt(detection: Detection, frame: np.ndarray, reference: Reference) 
         return 0.0
     window = grown(detection.box, 2 * _BESIDE, frame)
     part, least = slices(window), _CLEAR_STEP * reference.limits.least
+    print_ = reference.limits.has_print(part, least)
+    if not cv2.countNonZero(print_):
+        return 0.0
     inside = filled(np.int32(detection.outline)[:, None], window)
     rim = max(cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0],
               key=len)[:, 0]
-    at_print = reference.limits.has_print(part, least)[tuple(rim.T[::-1])]
-    if np.count_nonzero(at_print) < _LEAST_HIDDEN * len(rim):
+    if np.count_nonzero(print_[tuple(rim.T[::-1])]) < _LEAST_HIDDEN * len(rim):
         return 0.0
     # An outer outline goes around in the direction that makes this point outwards.
     along = np.roll(rim, -_BESIDE, axis=0) - np.roll(rim, _BESIDE, axis=0)
@@ -241,19 +251,6 @@ def hidden_doubt(detection: Detection, frame: np.ndarray, reference: Reference) 
 
 def _off(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.abs(one - other).max(axis=1)
-
-
-def _apart(placed: Placed, piece: Piece, min_area: float) -> Placed:
-    """Give what was placed without the necks between things."""
-    mask = without_necks(placed.mask, piece.frame, piece.table, min_area)
-    if mask is placed.mask:
-        return placed
-    neck = placed.mask & (1 - mask)
-    return placed._replace(mask=mask, shares=placed.shares * (1 - neck))
-
-
-def _at_full_size(placed: Placed, scale: int, like: np.ndarray) -> Placed:
-    return Placed(*(enlarged(one, scale, like) for one in (placed.shares, placed.mask)))
 
 
 def _doubted(found: List[Detection], thing: Region) -> List[Detection]:

@@ -19,9 +19,9 @@ import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
-from camera_to_base.detection.precise.light import LEVEL_SCALE, SATURATED
+from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
-    centre_of, channel_extremes, disc, largest_part, quantile, square)
+    centre_of, channel_extremes, cut_off, disc, largest_part, quantile, square)
 from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, Shade
 import cv2
 import numpy as np
@@ -157,11 +157,9 @@ def parted(
         return untold(changed)
     labels = _joined(labels, count, logs[0])
     at_table = cv2.dilate((labels == 1).view(np.uint8), square(3))
-    sure = found.nats > _SURELY, (found.nats < 0) & (found.is_dark == 0)
+    sure = found.nats > _SURELY, found.is_light
     thing, light = (cv2.morphologyEx(pixels.view(np.uint8), cv2.MORPH_OPEN, square(5))
                     for pixels in sure)
-    cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
-    result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
     segments = [_look((labels == number).view(np.uint8), at_table, steps, found)
                 for number in np.unique(labels[changed > 0]) if number > 1]
     # Where the table goes on below it, light is seen; without a penumbra, it is a patch of sun.
@@ -170,14 +168,13 @@ def parted(
     most_by_rim = _most_by_rim(segments, on_table)
     are_coloured = _are_coloured(segments)
     judged: List[Tuple[_Segment, np.ndarray, float]] = []
+    is_cut_off = cut_off(frame)
     for one in segments:
         is_shade = are_coloured and one.may_be_shade
         nats = _MOST_LIGHT if is_shade else _nats(one, most_by_rim, shade, found)
         # Compression may hide its edge to its shade.
-        segment = _without(one.mask, light, cut_off, found)
-        result.light[one.mask > segment] = 1
-        result[nats < 0][segment > 0] = 1
-        judged.append((one, segment, nats))
+        judged.append((one, _without(one.mask, light, is_cut_off, found), nats))
+    result = _sorted(judged, changed)
     result.unsure.extend(_unsure(judged, are_coloured))
     if cv2.countNonZero(result.light) < min_area:
         # Shade so soft that it has no segment went to the table.
@@ -196,6 +193,17 @@ def parted(
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
     return Parted(things, result.light & (1 - things), result.unsure)
+
+
+def _sorted(
+    judged: Sequence[Tuple[_Segment, np.ndarray, float]], changed: np.ndarray
+) -> Parted:
+    """Give the things and the light among judged segments, see :func:`_unsure`."""
+    result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
+    for one, segment, nats in judged:
+        result.light[one.mask > segment] = 1
+        result[nats < 0][segment > 0] = 1
+    return result
 
 
 def _unsure(

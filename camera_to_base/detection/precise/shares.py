@@ -78,7 +78,8 @@ class Placed(NamedTuple):
 
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
-    placed, highlight = place_thing(piece)[0], find_highlight(piece)
+    highlight = find_highlight(piece)
+    placed, _ = _turns(piece, highlight)
     if highlight is None:
         return placed
     return placed._replace(shares=complete_shares(placed.shares, piece.mask, highlight))
@@ -95,8 +96,15 @@ def place_thing(
     :returns: Its place, and the mask that the last turn began with. The place's own mask has two
         parts where a gap shows that these are two things.
     """
+    return _turns(piece, find_highlight(piece), others, is_settled)
+
+
+def _turns(
+    piece: Piece, highlight: Optional[np.ndarray], others: Optional[np.ndarray] = None,
+    is_settled: bool = False,
+) -> Tuple[Placed, np.ndarray]:
     values, mask = _values(piece, _ratio(piece)), piece.mask
-    sure, highlight = square(5 if _is_of_one_colour(piece) else 3), find_highlight(piece)
+    sure = square(5 if _is_of_one_colour(piece) else 3)
     # The light of a highlight is no table's.
     glossy = 0 if highlight is None else highlight & cv2.erode(mask, square(3))
     for _ in range(1 if is_settled else _TURNS):

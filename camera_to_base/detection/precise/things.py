@@ -23,11 +23,10 @@ from camera_to_base.detection.precise.evidence import (
     detail_of, Evidence, evidence, gradient, WORST_LIGHT)
 from camera_to_base.detection.precise.gloss import (
     find_highlight, is_on, may_be_highlight, with_highlights)
-from camera_to_base.detection.precise.light import (
-    LEVEL_SCALE, LINEAR, log_levels, Reference, SATURATED)
+from camera_to_base.detection.precise.light import LEVEL_SCALE, LINEAR, log_levels, Reference
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, chosen, enclosed, enlarged, filled, grown, make_piece, outline_of,
-    outlines_in, quantile, shrunk, slices, square)
+    chosen, cut_off, enclosed, enlarged, filled, grown, make_piece, outline_of, outlines_in,
+    quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure, untold
 from camera_to_base.detection.precise.shade import FAINTEST, Shade
@@ -141,7 +140,7 @@ def _in_a_shade(found: Evidence, changed: np.ndarray, min_area: float) -> List[n
     """Give what is clearly a thing, and surrounded by shade or the table: it lies in an arm's."""
     clear = cv2.morphologyEx(changed & (
         found.is_dark | (found.nats > _CLEAR).view(np.uint8)), cv2.MORPH_OPEN, square(3))
-    table = (found.nats < 0).view(np.uint8) & (1 - found.is_dark)
+    table = found.is_light
     things: List[np.ndarray] = []
     for outline in outlines_in(clear):
         box = grown(Box(*cv2.boundingRect(outline)), _RING, clear)
@@ -213,20 +212,27 @@ def _masks(
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
             if has_highlight or not detail_of(found, rest).is_table:
                 # It may be no more than what is sure, or than what is no shade.
-                maybe = [Unsure(rest if sure.any() else _may_be_shade(changed, found), 0.5)]
-                return _Unclear(doubt=doubt_of(
-                    changed, maybe if sure.any() else by_edges.unsure or maybe))
+                unsure = [Unsure(rest, 0.5)] if sure.any() else by_edges.unsure or [
+                    Unsure(_may_be_shade(changed, found), 0.5)]
+                return _Unclear(doubt=doubt_of(changed, unsure))
             if not things.any():
                 return []
-    things = with_stripes(things, frame, background)
-    lighter = (found.seen - found.usual) * LEVEL_SCALE > -FAINTEST
-    parts = with_highlights(cut_at_gaps(things, frame, background, min_area),
-                            lighter.view(np.uint8), changed)
-    cut_off = (channel_extremes(frame)[0] >= SATURATED).view(np.uint8)
+    parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
-    return [(thing, doubt_of(thing, by_edges.unsure if not may_be_highlight(
-        thing, changed, cut_off) else [Unsure(changed & (1 - thing), 0.5)]))
-        for thing in parts] or _Unclear()
+    return _complete(parts, frame, changed, found, by_edges.unsure) or _Unclear()
+
+
+def _complete(
+    parts: List[np.ndarray], frame: np.ndarray, changed: np.ndarray, found: Evidence,
+    unsure: Sequence[Unsure],
+) -> List[Tuple[np.ndarray, float]]:
+    """Give things with their highlights, and their doubt."""
+    lighter = ((found.seen - found.usual) * LEVEL_SCALE > -FAINTEST).view(np.uint8)
+    is_cut_off = cut_off(frame)
+    # What is around a highlight may be its thing, or that thing's shade.
+    return [(thing, doubt_of(thing, [Unsure(changed & (1 - thing), 0.5)] if may_be_highlight(
+        thing, changed, is_cut_off) else unsure))
+        for thing in with_highlights(parts, lighter, changed)]
 
 
 def _by_segments(
@@ -253,7 +259,7 @@ def _by_segments(
 def _may_be_shade(changed: np.ndarray, found: Evidence) -> np.ndarray:
     """Give what is darker than the table, and explained by light."""
     darker = (found.seen - found.usual) * LEVEL_SCALE < FAINTEST
-    return changed & (darker & (found.nats < 0) & (found.is_dark == 0)).view(np.uint8)
+    return changed & found.is_light & darker.view(np.uint8)
 
 
 def _smooth(found: Evidence) -> np.ndarray:

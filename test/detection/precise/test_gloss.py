@@ -15,26 +15,12 @@ from camera_to_base.detection import PreciseDifferenceDetector
 from camera_to_base.detection.precise.evidence import evidence
 from camera_to_base.detection.precise.shade import Shade
 import cv2
+from lit_table import coded, covered, SIZE, TABLE
 import numpy as np
 import pytest
 
-SIZE = 240, 320
 ROWS, COLUMNS = np.mgrid[:SIZE[0], :SIZE[1]]
-TABLE = np.ones((*SIZE, 3), np.float32) * np.float32([0.28, 0.42, 0.55])  # light, B, G and R
-
-
-def coded(light, seed):
-    grey = 255 * np.clip(light, 0, 1) ** (1 / 2.2)
-    noise = np.random.default_rng(seed).normal(0, 1.5, light.shape)
-    jpeg = cv2.imencode('.jpg', np.uint8(np.clip(np.rint(grey + noise), 0, 255)))[1]
-    return cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
-
-
-def covered(corners, blur=0.7):
-    large = np.zeros((SIZE[0] * 4, SIZE[1] * 4), np.uint8)
-    cv2.fillPoly(large, [np.int32(np.array(corners) * 4)], 255)
-    shares = cv2.resize(large, SIZE[::-1], interpolation=cv2.INTER_AREA) / np.float32(255)
-    return cv2.GaussianBlur(shares, (0, 0), blur)[..., None]
+WOOD = np.ones((*SIZE, 3), np.float32) * TABLE
 
 
 def around(u, v, radius, count=48, turn=0.0):
@@ -45,8 +31,8 @@ def around(u, v, radius, count=48, turn=0.0):
 def lying(table, corners, colour, shade, depth=0.5, blur=1.5):
     """Lay a flat thing on a table, with a shade that is as long as told."""
     hull = cv2.convexHull(np.float32(np.vstack([corners, corners + shade])))[:, 0]
-    table = table * (1 - depth * covered(hull, blur))
-    share = covered(corners)
+    table = table * (1 - depth * covered(*hull, blur=blur))
+    share = covered(*corners)
     return table * (1 - share) + share * np.float32(colour)
 
 
@@ -65,7 +51,7 @@ def detect(light, background):
     ((0.5, 0.15, 0.05), (5, 5), 6), ((0.1, 0.4, 0.08), (5, 5), 6)])
 def test_glossy_ball_is_placed_without_its_shade(colour, spot, width):
     ball = with_highlight(colour, (150 + spot[0], 100 + spot[1]), width)
-    found, = detect(lying(TABLE, around(150, 100, 15), ball, (40, 30)), TABLE)
+    found, = detect(lying(WOOD, around(150, 100, 15), ball, (40, 30)), WOOD)
     assert math.dist(found.centre, (149.5, 99.5)) < 1.6
     assert 600 < found.area < 780
 

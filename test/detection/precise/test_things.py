@@ -11,31 +11,15 @@
 
 from camera_to_base.detection import PreciseDifferenceDetector
 import cv2
+from lit_table import coded, covered, SIZE, TABLE
 import numpy as np
 import pytest
-
-SIZE = 240, 320
-TABLE = np.float32([0.28, 0.42, 0.55])  # light, B, G and R
-
-
-def coded(light, seed):
-    grey = 255 * np.clip(light, 0, 1) ** (1 / 2.2)
-    noise = np.random.default_rng(seed).normal(0, 1.5, light.shape)
-    jpeg = cv2.imencode('.jpg', np.uint8(np.clip(np.rint(grey + noise), 0, 255)))[1]
-    return cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
 
 
 def table(texture):
     grain = np.random.default_rng(3).normal(0, 1, SIZE)
     grain = cv2.GaussianBlur(grain, (0, 0), 3, sigmaY=1)
     return TABLE * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
-
-
-def covered(*corners):
-    large = np.zeros((SIZE[0] * 4, SIZE[1] * 4), np.uint8)
-    cv2.fillPoly(large, [np.int32(np.array(corners) * 4)], 255)
-    shares = cv2.resize(large, SIZE[::-1], interpolation=cv2.INTER_AREA) / np.float32(255)
-    return cv2.GaussianBlur(shares, (0, 0), 0.7)[..., None]
 
 
 def square(u, v, half):
