@@ -72,9 +72,15 @@ def start():
         return processes[-1]
 
     yield start_one
-    for process in processes:
-        if process.is_running:
+    running = [process for process in processes if process.is_running]
+    try:
+        for process in running:
             process.end(signal.SIGTERM, 5.0)
+    finally:
+        # One that hangs must not leave the others to the tests that follow in this domain.
+        for process in running:
+            if process.is_running:
+                process.kill()
 
 
 @pytest.fixture(scope='session')
