@@ -23,13 +23,13 @@ Each takes the best of the windows that contain the pixel, so that nothing leaks
 """
 
 import math
-from typing import Any, List, NamedTuple, Optional
+from typing import Any, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
     AXES, LEVEL_SCALE, LINEAR, log_levels, SATURATED, UNSEEN)
 from camera_to_base.detection.precise.piece import grown, slices, square
-from camera_to_base.detection.precise.shade import DARKEST, GREY, Shade
+from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, GREY, Shade
 import cv2
 import numpy as np
 
@@ -90,7 +90,7 @@ class Evidence(NamedTuple):
     :param shade: What shade does on the frame.
     :param detail: Products of the background's detail and the frame's, over the variance, shape
         (h, w, 4): of both, of the background's, of the frame's; and the background's own variance.
-    :param chroma: How much the chroma has changed, logarithm.
+    :param chroma: How the chroma has changed, logarithms on both axes of it.
     """
 
     nats: np.ndarray
@@ -102,12 +102,17 @@ class Evidence(NamedTuple):
     colour: np.ndarray
     shade: Shade
     detail: np.ndarray
-    chroma: np.ndarray
+    chroma: Sequence[np.ndarray]
 
     @property
     def is_light(self) -> np.ndarray:
         """What light explains better than a thing: shape (h, w), uint8, 1 there."""
         return (self.nats < 0).view(np.uint8) & (1 - self.is_dark)
+
+    @property
+    def is_lighter(self) -> np.ndarray:
+        """What is lighter than the table, and so no shade: shape (h, w), uint8, 1 there."""
+        return ((self.seen - self.usual) * LEVEL_SCALE > -FAINTEST).view(np.uint8)
 
 
 def evidence(
@@ -153,7 +158,7 @@ def evidence(
     is_dark = (ratio < DARKEST).view(np.uint8) | _sharp_bright(ratio)
     return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2],
                     colour, shade, _products(usual[2], seen[2], usual_variance[2], variance[2]),
-                    cv2.magnitude(*change[:2]))
+                    change[:2])
 
 
 def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:

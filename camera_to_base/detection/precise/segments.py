@@ -22,7 +22,7 @@ from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, cut_off, disc, largest_part, quantile, square)
-from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, Shade
+from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, is_neutral, Shade
 import cv2
 import numpy as np
 
@@ -58,6 +58,9 @@ _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
 _SURELY, _SURE, _SURE_LIGHT, _LEAST_PENUMBRA = 30.0, 2.5, 9.0, 0.1
 # Soft shade without a segment is on this part of a region, or it is no more than a rim.
 _LEAST_SOFT = 0.15
+# Another chroma than the table's is off by so many times what light may change; one that is the
+# same as a thing's, by less than this part of the thing's own.
+_OTHER_CHROMA, _SAME_CHROMA = 1.5, 0.3
 # Segments touch on so many px.
 _SHORTEST = 3
 
@@ -107,7 +110,7 @@ class _Segment(NamedTuple):
     :param detail: Whether the table's texture is seen in it.
     :param colour: What speaks against a thing of the table's chroma, nats.
     :param ratio: The median logarithm of its level / the table's.
-    :param chroma: The median change of the chroma, logarithm.
+    :param tone: The median changes of both axes of the chroma, logarithms.
     """
 
     mask: np.ndarray
@@ -116,7 +119,12 @@ class _Segment(NamedTuple):
     detail: Detail
     colour: float
     ratio: float
-    chroma: float
+    tone: Tuple[float, float]
+
+    @property
+    def chroma(self) -> float:
+        """How much the chroma has changed, logarithm."""
+        return math.hypot(*self.tone)
 
     @property
     def may_be_shade(self) -> bool:
@@ -127,6 +135,10 @@ class _Segment(NamedTuple):
     def is_soft(self) -> Optional[bool]:
         """Whether its rim is a penumbra; None where it has none."""
         return None if self.softness is None else self.softness > _NO_PENUMBRA / _PENUMBRA
+
+
+# A segment, what of it counts, and what speaks for a thing, in nats.
+_Judged = Tuple[_Segment, np.ndarray, float]
 
 
 class _Steps(NamedTuple):
@@ -167,15 +179,16 @@ def parted(
     shade = found.shade.with_levels([one.ratio for one in on_table])
     most_by_rim = _most_by_rim(segments, on_table)
     are_coloured = _are_coloured(segments)
-    judged: List[Tuple[_Segment, np.ndarray, float]] = []
+    judged: List[_Judged] = []
     is_cut_off = cut_off(frame)
     for one in segments:
         is_shade = are_coloured and one.may_be_shade
         nats = _MOST_LIGHT if is_shade else _nats(one, most_by_rim, shade, found)
         # Compression may hide its edge to its shade.
         judged.append((one, _without(one.mask, light, is_cut_off, found), nats))
+    judged = _with_faces(judged, found.shade.tint)
     result = _sorted(judged, changed)
-    result.unsure.extend(_unsure(judged, are_coloured))
+    result.unsure.extend(_unsure(judged))
     if cv2.countNonZero(result.light) < min_area:
         # Shade so soft that it has no segment went to the table.
         soft = light & changed & (labels == 1).view(np.uint8)
@@ -195,9 +208,26 @@ def parted(
     return Parted(things, result.light & (1 - things), result.unsure)
 
 
-def _sorted(
-    judged: Sequence[Tuple[_Segment, np.ndarray, float]], changed: np.ndarray
-) -> Parted:
+def _with_faces(judged: Sequence[_Judged], tint: np.ndarray) -> List[_Judged]:
+    """
+    Take what has the chroma of a thing that it touches, and not the table's, for a face of it.
+
+    The faces of a thing differ in their level alone, and shade has the table's chroma and a tint.
+    """
+    things = [(one, cv2.dilate(segment, square(5))) for one, segment, nats in judged if nats > 0]
+    result: List[_Judged] = []
+    for one, segment, nats in judged:
+        if nats < 0 and not (one.is_soft or one.detail.is_table):
+            off = math.dist(one.tone, min(one.ratio, 0.0) / LEVEL_SCALE * tint)
+            if not is_neutral(off / _OTHER_CHROMA, one.ratio) and any(
+                    math.dist(one.tone, thing.tone) < _SAME_CHROMA * thing.chroma
+                    and cv2.countNonZero(near & segment) >= _FEW for thing, near in things):
+                nats = -nats
+        result.append((one, segment, nats))
+    return result
+
+
+def _sorted(judged: Sequence[_Judged], changed: np.ndarray) -> Parted:
     """Give the things and the light among judged segments, see :func:`_unsure`."""
     result = Parted(np.zeros_like(changed), np.zeros_like(changed), [])
     for one, segment, nats in judged:
@@ -206,21 +236,13 @@ def _sorted(
     return result
 
 
-def _unsure(
-    judged: Sequence[Tuple[_Segment, np.ndarray, float]], are_coloured: bool
-) -> Iterator[Unsure]:
-    """
-    Give what may be light as well as a thing.
-
-    :param judged: Each segment, what of it counts, and what speaks for a thing, in nats.
-    :param are_coloured: See :func:`_are_coloured`.
-    """
-    # A hard shade may be the lighter face of what is darker than any.
-    may_be_face = not are_coloured and not any(
-        one.is_soft or nats > 0 and one.ratio > DARKEST for one, _, nats in judged)
+def _unsure(judged: Sequence[_Judged]) -> Iterator[Unsure]:
+    """Give what may be light as well as a thing."""
+    # Beside a thing that has the table's chroma, shade without a penumbra may be its face.
+    are_grey = all(is_neutral(one.chroma, one.ratio) for one, _, nats in judged if nats > 0)
     for one, segment, nats in judged:
         deviation = 0.5 / math.cosh(nats / _NATS_OF_ODDS / 2)
-        if may_be_face and nats < 0 and not one.detail.is_table:
+        if are_grey and nats < 0 and not (one.is_soft or one.detail.is_table):
             deviation = 0.5
         if deviation > _LEAST_DEVIATION:
             yield Unsure(segment, deviation)
@@ -295,11 +317,10 @@ def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
     inside = mask > 0
-    nats, colour, chroma, ratio = (float(quantile(one)) for one in (
-        found.nats[inside], found.colour[inside], found.chroma[inside],
-        found.seen[inside] - found.usual[inside]))
+    nats, colour, ratio, *tone = (float(quantile(one[inside])) for one in (
+        found.nats, found.colour, found.seen - found.usual, *found.chroma))
     return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
-                    LEVEL_SCALE * ratio, chroma)
+                    LEVEL_SCALE * ratio, tuple(tone))
 
 
 def _most_by_rim(segments: List[_Segment], on_table: List[_Segment]) -> float:

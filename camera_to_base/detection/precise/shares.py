@@ -96,19 +96,23 @@ def place_thing(
     :returns: Its place, and the mask that the last turn began with. The place's own mask has two
         parts where a gap shows that these are two things.
     """
-    return _turns(piece, find_highlight(piece), others, is_settled)
+    return _turns(piece, find_highlight(piece), others, is_settled, is_right=True)
 
 
 def _turns(
     piece: Piece, highlight: Optional[np.ndarray], others: Optional[np.ndarray] = None,
-    is_settled: bool = False,
+    is_settled: bool = False, is_right: bool = False,
 ) -> Tuple[Placed, np.ndarray]:
     values, mask = _values(piece, _ratio(piece)), piece.mask
-    sure = square(5 if _is_of_one_colour(piece) else 3)
+    is_plain = _is_of_one_colour(piece)
     # The light of a highlight is no table's.
-    glossy = 0 if highlight is None else highlight & cv2.erode(mask, square(3))
+    known = np.zeros_like(mask) if highlight is None else highlight & cv2.erode(mask, square(3))
+    if is_right and not is_plain:
+        # Of a rod, the rim is far from the colour farther inside.
+        known |= cv2.erode(mask, square(5))
+    sure = square(5 if is_plain else 3)
     for _ in range(1 if is_settled else _TURNS):
-        shares = _shares(values, mask, cv2.erode(mask, sure) | glossy, others)
+        shares = _shares(values, mask, cv2.erode(mask, sure) | known, others)
         if others is not None:
             shares *= 1 - others
         before, mask = mask, (shares > 0.5).view(np.uint8)

@@ -40,8 +40,8 @@ _SIZE = 5
 _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # What is light beside the things, as a part of the region: where it matters; which part of it is
 # clear by its texture; on which part it may be none; how much of the region a thing is that shade
-# surrounds.
-_LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE = 0.1, 0.6, 0.3, 0.75, 0.35
+# surrounds; and how much of it is lighter than the table where there is no shade.
+_LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75, 0.35, 0.9
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
@@ -190,8 +190,8 @@ def _masks(
         return []
     by_edges = untold(changed) if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
-    if sure.any() and not by_edges.things.any():
-        # It has no segment of its own.
+    if 2 * cv2.countNonZero(sure & by_edges.things) < cv2.countNonZero(sure):
+        # Most of it has no segment of its own.
         by_edges = by_edges._replace(is_light=False, is_untold=True)
     if by_edges.is_light:
         return []
@@ -204,6 +204,10 @@ def _masks(
     else:
         # Beside what is surely none, what light explains is light.
         things = sure if sure.any() else wide
+        is_lighter = cv2.countNonZero(changed & found.is_lighter)
+        if sure.any() and is_lighter > _ALL * cv2.countNonZero(changed):
+            # No shade is beside it: all that edges tell of is the thing's.
+            things = sure | by_edges.things
         if is_cluttered or not things.any() or _goes_on(
                 things, changed, frame, min_area) or not _is_clear(
                 things, changed, found, has_highlight):
@@ -227,12 +231,11 @@ def _complete(
     unsure: Sequence[Unsure],
 ) -> List[Tuple[np.ndarray, float]]:
     """Give things with their highlights, and their doubt."""
-    lighter = ((found.seen - found.usual) * LEVEL_SCALE > -FAINTEST).view(np.uint8)
     is_cut_off = cut_off(frame)
     # What is around a highlight may be its thing, or that thing's shade.
     return [(thing, doubt_of(thing, [Unsure(changed & (1 - thing), 0.5)] if may_be_highlight(
         thing, changed, is_cut_off) else unsure))
-        for thing in with_highlights(parts, lighter, changed)]
+        for thing in with_highlights(parts, found.is_lighter, changed)]
 
 
 def _by_segments(

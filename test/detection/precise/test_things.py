@@ -143,6 +143,21 @@ def test_wall_that_is_darker_than_any_shade_belongs_to_its_top(depth):
     assert found.centre == pytest.approx((149.5, 119.5 + depth / 2), abs=0.5)
 
 
+@pytest.mark.parametrize('table_light', [(0.1, 0.095, 0.115), (0.3, 0.27, 0.25)])
+@pytest.mark.parametrize('top, wall, depth', [(1.6, 1.3, 6), (1.6, 1.3, 10), (2.2, 1.1, 6)])
+def test_wall_of_a_grey_box_has_its_chroma_and_not_that_of_a_hardly_coloured_table(
+        table_light, top, wall, depth):
+    background = np.full((*SIZE, 3), table_light, np.float32)
+    grey = np.full(3, np.mean(table_light), np.float32)
+    light = shaded(background, covered((140, 110), (172, 98), (215, 130), (180, 175), (130, 150)),
+                   0.35)
+    light = painted(light, square(150, 120, 22), top * grey)
+    side = covered((128, 142), (172, 142), (170, 142 + depth), (130, 142 + depth))
+    detector = PreciseDifferenceDetector(coded(background, 1, 85))
+    found, = detector.detect(coded(painted(light, side, wall * grey), 2, 85))
+    assert overlap(found, (np.maximum(square(150, 120, 22), side) > 0.5)[..., 0]) > 0.95
+
+
 @pytest.mark.parametrize('brightness', [0.35, 0.6])
 def test_thing_as_dark_as_its_shade_ends_where_its_edges_are_sharp(brightness):
     light = shaded(table(0), covered((140, 110), (172, 98), (215, 130), (180, 175), (130, 150)))
@@ -500,6 +515,38 @@ def test_centre_is_in_doubt_where_a_grey_face_is_just_as_dark_as_a_hard_shade(ot
     found = detect(hard_lamp_cell(background, [other, (0.2,) * 3], depth=0.4), background)
     grey, = [one for one in found if one.centre[0] > 115]
     assert off(grey, 160, 60, 10) < 2.5 * grey.doubt
+
+
+def steel_bolt(seed):
+    # Its sides are far darker than its highlight, and as grey as the table is dark.
+    rng = np.random.default_rng(seed)
+    grain = cv2.GaussianBlur(rng.normal(0, 1, SIZE), (0, 0), 6, sigmaY=1.5)
+    wood = 10 ** rng.uniform(-2.3, -1.3) * np.exp(rng.uniform(0.2, 0.6) * grain / grain.std())
+    wood = np.float32(wood)[..., None] * np.float32([0.8, 0.9, 1.1])
+    turn, half, length = rng.uniform(0, np.pi), rng.uniform(5, 8), rng.uniform(30, 50)
+    along, across = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+
+    def part(middle, length, half):
+        u, v = length * along, half * across
+        return covered(*(np.array([160, 120]) + middle * along + corner for corner in (
+            -u - v, u - v, u + v, v - u)))
+
+    rows, columns = np.mgrid[:SIZE[0], :SIZE[1]]
+    away = (columns - 160) * across[0] + (rows - 120) * across[1]
+    steel = rng.uniform(0.08, 0.25) + rng.uniform(0.1, 0.6) * np.exp(
+        -((away - rng.uniform(-0.5, 0.5) * half) / (half * rng.uniform(0.25, 0.5))) ** 2)
+    shares = np.maximum(part(0, length, half), part(-length, 7, half + 5))
+    return wood, painted(wood, shares, np.float32(steel)[..., None]), shares[..., 0] > 0.5
+
+
+@pytest.mark.parametrize(
+    'seed', [6, 50, 90, 97, 120, 155, 162, 221, 228, 291, 622, *range(400, 405)])
+def test_shiny_bolt_on_a_dark_table_is_more_than_its_highlight(seed):
+    wood, light, true = steel_bolt(seed)
+    detector = PreciseDifferenceDetector(coded(wood, 1, 85))
+    found, = detector.detect(coded(light, 2, 85))
+    place = np.argwhere(true).mean(axis=0)[::-1]
+    assert np.hypot(*np.subtract(found.centre, place)) < 1.5
 
 
 @pytest.mark.parametrize('grey, cap', [(0.28, 0.05), (0.28, 0.1), (0.34, 0.1)])
