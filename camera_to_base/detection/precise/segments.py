@@ -60,7 +60,7 @@ _SURELY, _SURE, _SURE_LIGHT, _LEAST_PENUMBRA = 30.0, 2.5, 9.0, 0.1
 _LEAST_SOFT = 0.15
 # Another chroma than the table's is off by so many times what light may change; one that is the
 # same as a thing's, by less than this part of the thing's own.
-_OTHER_CHROMA, _SAME_CHROMA = 1.5, 0.3
+_OTHER_CHROMA, _SAME_CHROMA = 1.5, 0.4
 # Segments touch on so many px.
 _SHORTEST = 3
 
@@ -212,12 +212,13 @@ def _with_faces(judged: Sequence[_Judged], tint: np.ndarray) -> List[_Judged]:
     """
     Take what has the chroma of a thing that it touches, and not the table's, for a face of it.
 
-    The faces of a thing differ in their level alone, and shade has the table's chroma and a tint.
+    The faces of a thing differ in their level alone, and shade has the table's chroma and a tint;
+    of a coloured table, it may have another one.
     """
     things = [(one, cv2.dilate(segment, square(5))) for one, segment, nats in judged if nats > 0]
     result: List[_Judged] = []
     for one, segment, nats in judged:
-        if nats < 0 and not (one.is_soft or one.detail.is_table):
+        if nats < 0 and not (one.colour or one.is_soft or one.detail.is_table):
             off = math.dist(one.tone, min(one.ratio, 0.0) / LEVEL_SCALE * tint)
             if not is_neutral(off / _OTHER_CHROMA, one.ratio) and any(
                     math.dist(one.tone, thing.tone) < _SAME_CHROMA * thing.chroma
