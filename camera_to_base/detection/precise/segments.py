@@ -21,7 +21,7 @@ from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
-    centre_of, channel_extremes, cut_off, disc, largest_part, quantile, square)
+    centre_of, channel_extremes, cut_off, disc, largest_part, outlines_in, quantile, square)
 from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, is_neutral, Shade
 import cv2
 import numpy as np
@@ -58,9 +58,11 @@ _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
 _SURELY, _SURE, _SURE_LIGHT, _LEAST_PENUMBRA = 30.0, 2.5, 9.0, 0.1
 # Soft shade without a segment is on this part of a region, or it is no more than a rim.
 _LEAST_SOFT = 0.15
-# Another chroma than the table's is off by so many times what light may change; one that is the
-# same as a thing's, by less than this part of the thing's own.
-_OTHER_CHROMA, _SAME_CHROMA = 1.5, 0.4
+# Chroma is told by the mean of a window, px. One that is not the table's is off by so many times
+# what light may change, and nearer to the thing's by this: a shade takes some of it. One that is
+# another thing's is off by more than this part of it. What touches, px.
+_WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA = 7, 1.5, 0.7, 0.4
+_BESIDE, _NOTHING = 5, 1e-3
 # Segments touch on so many px.
 _SHORTEST = 3
 
@@ -186,7 +188,6 @@ def parted(
         nats = _MOST_LIGHT if is_shade else _nats(one, most_by_rim, shade, found)
         # Compression may hide its edge to its shade.
         judged.append((one, _without(one.mask, light, is_cut_off, found), nats))
-    judged = _with_faces(judged, found.shade.tint)
     result = _sorted(judged, changed)
     result.unsure.extend(_unsure(judged))
     if cv2.countNonZero(result.light) < min_area:
@@ -205,27 +206,47 @@ def parted(
         return _without_things(result, surest, is_soft, segments)
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
+    things |= _faces(things, result.light & (1 - things), judged, found)
     return Parted(things, result.light & (1 - things), result.unsure)
 
 
-def _with_faces(judged: Sequence[_Judged], tint: np.ndarray) -> List[_Judged]:
+def _faces(
+    things: np.ndarray, light: np.ndarray, judged: Sequence[_Judged], found: Evidence
+) -> np.ndarray:
     """
-    Take what has the chroma of a thing that it touches, and not the table's, for a face of it.
+    Give what of the light has the chroma of a thing that it touches, shape (h, w), uint8, 1 there.
 
-    The faces of a thing differ in their level alone, and shade has the table's chroma and a tint;
-    of a coloured table, it may have another one.
+    The faces of a thing differ in their level, and a shade has the table's chroma and a tint. On a
+    coloured table, light changes the chroma as well.
     """
-    things = [(one, cv2.dilate(segment, square(5))) for one, segment, nats in judged if nats > 0]
-    result: List[_Judged] = []
-    for one, segment, nats in judged:
-        if nats < 0 and not (one.colour or one.is_soft or one.detail.is_table):
-            off = math.dist(one.tone, min(one.ratio, 0.0) / LEVEL_SCALE * tint)
-            if not is_neutral(off / _OTHER_CHROMA, one.ratio) and any(
-                    math.dist(one.tone, thing.tone) < _SAME_CHROMA * thing.chroma
-                    and cv2.countNonZero(near & segment) >= _FEW for thing, near in things):
-                nats = -nats
-        result.append((one, segment, nats))
-    return result
+    faces = np.zeros_like(things)
+    sure = [one for one, _, nats in judged if nats > 0]
+    if any(one.colour for one, *_ in judged):
+        return faces
+    count = cv2.max(_means(light.astype(np.float32)), _NOTHING)
+    *chroma, level = (_means(one * light) / count
+                      for one in (*found.chroma, found.seen - found.usual))
+    tint = [float(one) * cv2.min(level, 0) for one in found.shade.tint]
+    off = cv2.magnitude(*map(cv2.subtract, chroma, tint))
+    other = light & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
+    if not other.any():
+        return faces
+    beside = [cv2.dilate(one.mask, square(_BESIDE)) for one in sure]
+    for number, one in enumerate(sure):
+        is_same = cv2.magnitude(*map(cv2.subtract, chroma, one.tone)) < _NEARER * off
+        same = cv2.morphologyEx(other & is_same.view(np.uint8), cv2.MORPH_OPEN, square(5))
+        for outline in outlines_in(same):
+            face = cv2.drawContours(np.zeros_like(same), [outline], 0, 1, cv2.FILLED) & same
+            touched = [index for index, near in enumerate(beside) if (face & near).any()]
+            # It joins no two things.
+            if number in touched and all(math.dist(sure[index].tone, one.tone)
+                                         < _SAME_CHROMA * one.chroma for index in touched):
+                faces |= face
+    return faces
+
+
+def _means(values: np.ndarray) -> np.ndarray:
+    return cv2.blur(values, (_WINDOW, _WINDOW))
 
 
 def _sorted(judged: Sequence[_Judged], changed: np.ndarray) -> Parted:
