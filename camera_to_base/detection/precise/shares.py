@@ -33,6 +33,8 @@ import numpy as np
 
 # Turns at most, and which part of an object may still change in the last one.
 _TURNS, _SETTLED = 3, 0.005
+# Where less than this part of a right mask is left, its colours have misled.
+_LEAST_KEPT = 0.8
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
 # which part of that way is still to go.
 _STEEPEST = 0.3
@@ -79,7 +81,7 @@ class Placed(NamedTuple):
 def place(piece: Piece) -> Placed:
     """Place a region's object."""
     highlight = find_highlight(piece)
-    placed, _ = _turns(piece, highlight)
+    placed, _ = _turns(piece, _of_highlight(highlight, piece.mask))
     if highlight is None:
         return placed
     return placed._replace(shares=complete_shares(placed.shares, piece.mask, highlight))
@@ -93,24 +95,33 @@ def place_thing(
 
     :param others: The things near it, shape (h, w), uint8, 1 inside: no table is seen there.
     :param is_settled: Whether the mask is one that a last turn began with: there is one turn then.
-    :returns: Its place, and the mask that the last turn began with. The place's own mask has two
-        parts where a gap shows that these are two things.
+    :returns: Its place, and the mask that the last turn began with, which is empty where one turn
+        from there would not end in the same place. The place's own mask has two parts where a gap
+        shows that these are two things.
     """
-    return _turns(piece, find_highlight(piece), others, is_settled, is_right=True)
+    known = _of_highlight(find_highlight(piece), piece.mask)
+    placed, last = _turns(piece, known, others, is_settled)
+    least = _LEAST_KEPT * cv2.countNonZero(piece.mask)
+    if cv2.countNonZero(placed.mask) > least or _is_of_one_colour(piece):
+        return placed, last
+    # The rim of a rod is far from its colour farther inside, so that each turn cuts more off.
+    placed, _ = _turns(piece, known | cv2.erode(piece.mask, square(5)), others)
+    return placed, np.zeros_like(piece.mask)
+
+
+def _of_highlight(highlight: Optional[np.ndarray], mask: np.ndarray) -> np.ndarray:
+    """Give what is the object's for sure because a highlight is near: its light is no table's."""
+    return (np.zeros_like(mask) if highlight is None
+            else highlight & cv2.erode(mask, square(3)))
 
 
 def _turns(
-    piece: Piece, highlight: Optional[np.ndarray], others: Optional[np.ndarray] = None,
-    is_settled: bool = False, is_right: bool = False,
+    piece: Piece, known: np.ndarray, others: Optional[np.ndarray] = None,
+    is_settled: bool = False,
 ) -> Tuple[Placed, np.ndarray]:
+    """Place an object turn by turn; `known` is surely its, shape (h, w), uint8, 1 there."""
     values, mask = _values(piece, _ratio(piece)), piece.mask
-    is_plain = _is_of_one_colour(piece)
-    # The light of a highlight is no table's.
-    known = np.zeros_like(mask) if highlight is None else highlight & cv2.erode(mask, square(3))
-    if is_right and not is_plain:
-        # Of a rod, the rim is far from the colour farther inside.
-        known |= cv2.erode(mask, square(5))
-    sure = square(5 if is_plain else 3)
+    sure = square(5 if _is_of_one_colour(piece) else 3)
     for _ in range(1 if is_settled else _TURNS):
         shares = _shares(values, mask, cv2.erode(mask, sure) | known, others)
         if others is not None:
