@@ -135,11 +135,11 @@ def evidence(
     colour = _nats_of_chroma(chroma)
     dark = _Dark.of(background)
     light = _light(change, variance, drift, shade.tint, dark, colour, _SIZE)
-    lighter = _box_mean(change[2], _SIZE) * LEVEL_SCALE > _LIGHTER
+    lighter = box_mean(change[2], _SIZE) * LEVEL_SCALE > _LIGHTER
     if lighter.any():
         # On a plain grey table a reflection is as any other light.
         lighter &= (chroma > _HARDLY_GREY) | (
-            _box_mean(gradient(usual[2]), _SIZE) > _TEXTURE * usual_variance[2])
+            box_mean(gradient(usual[2]), _SIZE) > _TEXTURE * usual_variance[2])
     if lighter.any():
         light = cv2.min(light, _reflection(
             frame, background, _variances(noise, LINEAR), drift, lighter))
@@ -169,7 +169,7 @@ def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:
 def _products(
     usual: np.ndarray, seen: np.ndarray, usual_variance: np.ndarray, variance: np.ndarray
 ) -> np.ndarray:
-    own, now = (level - _box_mean(level, _SIZE) for level in (usual, seen))
+    own, now = (level - box_mean(level, _SIZE) for level in (usual, seen))
     per_noise = own / variance
     return cv2.merge([per_noise * now, per_noise * own, now * now / variance,
                       usual_variance / variance])
@@ -293,14 +293,14 @@ def _windows(
     values: List[np.ndarray], variance: List[np.ndarray], size: int
 ) -> _Windows:
     """Sum up what a picture shows on the axes, with its variance, in each window."""
-    means, variances, level = [], [], _box_mean(values[2], size)
-    spread = _off_plane(values[2], level, size) / _box_mean(variance[2], size)
+    means, variances, level = [], [], box_mean(values[2], size)
+    spread = _off_plane(values[2], level, size) / box_mean(variance[2], size)
     for value, one in zip(values[:2], variance):
         # What the sensor has cut off, or an edge, must not hide what is seen beside it.
         weighted = value / one
-        known = 1 / _box_mean(1 / one, size)
-        total = _box_mean(weighted, size)
-        spread += size ** 2 * (_box_mean(weighted * value, size) - total ** 2 * known)
+        known = 1 / box_mean(1 / one, size)
+        total = box_mean(weighted, size)
+        spread += size ** 2 * (box_mean(weighted * value, size) - total ** 2 * known)
         means.append(total * known)
         variances.append(known)
     return _Windows([*means, level], variances, spread)
@@ -350,13 +350,14 @@ def _off_constant(
     return cv2.erode(_windows(seen, variance, size).spread, square(size))
 
 
-def _box_mean(values: np.ndarray, size: int) -> np.ndarray:
+def box_mean(values: np.ndarray, size: int) -> np.ndarray:
+    """Give the mean of the window around each pixel, whose edge has `size` px."""
     return cv2.blur(values, (size, size))
 
 
 def _off_plane(level: np.ndarray, mean: np.ndarray, size: int) -> np.ndarray:
     """Sum up the squares of what a plane leaves of a level in each window: shape (h, w)."""
-    left = size ** 2 * (_box_mean(level ** 2, size) - mean ** 2)
+    left = size ** 2 * (box_mean(level ** 2, size) - mean ** 2)
     ramp, flat = np.arange(size, dtype=np.float32) - size // 2, np.ones(size, np.float32)
     power = size * float((ramp ** 2).sum())
     for across, down in ((ramp, flat), (flat, ramp)):

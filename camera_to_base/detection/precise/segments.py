@@ -18,10 +18,13 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.evidence import (
+    box_mean, BRIGHTEST, Detail, detail_of, Evidence)
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
-    centre_of, channel_extremes, cut_off, disc, largest_part, outlines_in, quantile, square)
+    centre_of, channel_extremes, cut_off, disc, filled, largest_part, outlines_in, quantile,
+    slices, square)
 from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, is_neutral, Shade
 import cv2
 import numpy as np
@@ -206,47 +209,43 @@ def parted(
         return _without_things(result, surest, is_soft, segments)
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
-    things |= _faces(things, result.light & (1 - things), judged, found)
+    things |= _faces(result.light & (1 - things), judged, found)
     return Parted(things, result.light & (1 - things), result.unsure)
 
 
-def _faces(
-    things: np.ndarray, light: np.ndarray, judged: Sequence[_Judged], found: Evidence
-) -> np.ndarray:
+def _faces(light: np.ndarray, judged: Sequence[_Judged], found: Evidence) -> np.ndarray:
     """
     Give what of the light has the chroma of a thing that it touches, shape (h, w), uint8, 1 there.
 
     The faces of a thing differ in their level, and a shade has the table's chroma and a tint. On a
     coloured table, light changes the chroma as well.
     """
-    faces = np.zeros_like(things)
-    sure = [one for one, _, nats in judged if nats > 0]
+    faces = np.zeros_like(light)
     if any(one.colour for one, *_ in judged):
         return faces
-    count = cv2.max(_means(light.astype(np.float32)), _NOTHING)
-    *chroma, level = (_means(one * light) / count
+    count = cv2.max(box_mean(light.astype(np.float32), _WINDOW), _NOTHING)
+    *chroma, level = (box_mean(one * light, _WINDOW) / count
                       for one in (*found.chroma, found.seen - found.usual))
     tint = [float(one) * cv2.min(level, 0) for one in found.shade.tint]
     off = cv2.magnitude(*map(cv2.subtract, chroma, tint))
     other = light & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
     if not other.any():
         return faces
-    beside = [cv2.dilate(one.mask, square(_BESIDE)) for one in sure]
-    for number, one in enumerate(sure):
+    things = [(one, cv2.dilate(one.mask, square(_BESIDE))) for one, _, nats in judged if nats > 0]
+    for one, _ in things:
         is_same = cv2.magnitude(*map(cv2.subtract, chroma, one.tone)) < _NEARER * off
         same = cv2.morphologyEx(other & is_same.view(np.uint8), cv2.MORPH_OPEN, square(5))
         for outline in outlines_in(same):
-            face = cv2.drawContours(np.zeros_like(same), [outline], 0, 1, cv2.FILLED) & same
-            touched = [index for index, near in enumerate(beside) if (face & near).any()]
+            box = Box(*cv2.boundingRect(outline))
+            face = filled(outline, box) & same[slices(box)]
+            touched = [thing for thing, near in things
+                       if cv2.countNonZero(face & near[slices(box)])]
             # It joins no two things.
-            if number in touched and all(math.dist(sure[index].tone, one.tone)
-                                         < _SAME_CHROMA * one.chroma for index in touched):
-                faces |= face
+            if any(thing is one for thing in touched) and all(
+                    math.dist(thing.tone, one.tone) < _SAME_CHROMA * one.chroma
+                    for thing in touched):
+                faces[slices(box)] |= face
     return faces
-
-
-def _means(values: np.ndarray) -> np.ndarray:
-    return cv2.blur(values, (_WINDOW, _WINDOW))
 
 
 def _sorted(judged: Sequence[_Judged], changed: np.ndarray) -> Parted:

@@ -204,8 +204,8 @@ def _masks(
     else:
         # Beside what is surely none, what light explains is light.
         things = sure if sure.any() else wide
-        is_lighter = cv2.countNonZero(changed & found.is_lighter)
-        if sure.any() and is_lighter > _ALL * cv2.countNonZero(changed):
+        if sure.any() and cv2.countNonZero(
+                changed & found.is_lighter) > _ALL * cv2.countNonZero(changed):
             # No shade is beside it: all that edges tell of is the thing's.
             things = sure | by_edges.things
         if is_cluttered or not things.any() or _goes_on(

@@ -49,9 +49,9 @@ def silhouette(u=150, v=120):
     return (np.maximum(square(u, v, 22), wall) > 0.5)[..., 0]
 
 
-def detect(light, background):
-    detector = PreciseDifferenceDetector(coded(background, 1))
-    return detector.detect(coded(light, 2))
+def detect(light, background, quality=95):
+    detector = PreciseDifferenceDetector(coded(background, 1, quality))
+    return detector.detect(coded(light, 2, quality))
 
 
 def overlap(detection, true):
@@ -60,9 +60,17 @@ def overlap(detection, true):
     return (found & true).sum() / (found | true).sum()
 
 
-def disc(u, v, radius):
+def ring(u, v, radius):
     turns = np.linspace(0, 2 * np.pi, 60, endpoint=False)
-    return covered(*zip(u + radius * np.cos(turns), v + radius * np.sin(turns)))
+    return np.column_stack([u + radius * np.cos(turns), v + radius * np.sin(turns)])
+
+
+def disc(u, v, radius):
+    return covered(*ring(u, v, radius))
+
+
+def shaded_to_the_right(light, depth=0.5):
+    return shaded(light, covered((140, 110), (172, 98), (215, 130), (180, 175), (130, 150)), depth)
 
 
 @pytest.mark.parametrize('colour, width', [
@@ -149,12 +157,9 @@ def test_wall_of_a_grey_box_has_its_chroma_and_not_that_of_a_hardly_coloured_tab
         table_light, top, wall, depth):
     background = np.full((*SIZE, 3), table_light, np.float32)
     grey = np.full(3, np.mean(table_light), np.float32)
-    light = shaded(background, covered((140, 110), (172, 98), (215, 130), (180, 175), (130, 150)),
-                   0.35)
-    light = painted(light, square(150, 120, 22), top * grey)
+    light = painted(shaded_to_the_right(background, 0.35), square(150, 120, 22), top * grey)
     side = covered((128, 142), (172, 142), (170, 142 + depth), (130, 142 + depth))
-    detector = PreciseDifferenceDetector(coded(background, 1, 85))
-    found, = detector.detect(coded(painted(light, side, wall * grey), 2, 85))
+    found, = detect(painted(light, side, wall * grey), background, 85)
     assert overlap(found, (np.maximum(square(150, 120, 22), side) > 0.5)[..., 0]) > 0.95
 
 
@@ -165,22 +170,17 @@ def test_round_wall_of_a_grey_cylinder_is_no_shade_though_its_level_is_from_sun_
         table_light, top, wall, slope, height):
     background = np.full((*SIZE, 3), table_light, np.float32)
     grey = np.full(3, np.mean(table_light), np.float32)
-    light = shaded(background, covered((140, 110), (172, 98), (215, 130), (180, 175), (130, 150)),
-                   0.35)
-    turns = np.linspace(0, 2 * np.pi, 60, endpoint=False)
-    ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    ends = np.float32([*(20 * ring + (150, 120)), *(18 * ring + (150, 120 + height))])
+    ends = np.float32([*ring(150, 120, 20), *ring(150, 120 + height, 18)])
     body = covered(*cv2.convexHull(ends)[:, 0])
     darker = 1 - slope * (np.arange(SIZE[1], dtype=np.float32)[None, :, None] - 150) / 20
-    light = painted(painted(light, body, wall * grey * darker), disc(150, 120, 20), top * grey)
-    detector = PreciseDifferenceDetector(coded(background, 1, 85))
-    found, = detector.detect(coded(light, 2, 85))
+    light = painted(shaded_to_the_right(background, 0.35), body, wall * grey * darker)
+    found, = detect(painted(light, disc(150, 120, 20), top * grey), background, 85)
     assert overlap(found, (body > 0.5)[..., 0]) > 0.9
 
 
 @pytest.mark.parametrize('brightness', [0.35, 0.6])
 def test_thing_as_dark_as_its_shade_ends_where_its_edges_are_sharp(brightness):
-    light = shaded(table(0), covered((140, 110), (172, 98), (215, 130), (180, 175), (130, 150)))
+    light = shaded_to_the_right(table(0))
     found, = detect(painted(light, square(150, 120, 22), brightness * TABLE), table(0))
     assert overlap(found, square(150, 120, 22)[..., 0] > 0.5) > 0.93
 
@@ -563,8 +563,7 @@ def steel_bolt(seed):
     'seed', [50, 90, 97, 120, 155, 162, 221, 228, 291, 622, *range(400, 405)])
 def test_shiny_bolt_on_a_dark_table_is_more_than_its_highlight(seed):
     wood, light, true = steel_bolt(seed)
-    detector = PreciseDifferenceDetector(coded(wood, 1, 85))
-    found, = detector.detect(coded(light, 2, 85))
+    found, = detect(light, wood, 85)
     place = np.argwhere(true).mean(axis=0)[::-1]
     assert np.hypot(*np.subtract(found.centre, place)) < 1.5
 
