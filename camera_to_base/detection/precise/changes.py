@@ -163,9 +163,8 @@ def _changed_tiles(
     if np.count_nonzero(changed) < _FEW * changed.size:
         return changed
     # Edges of a table whose picture trembles: the limits at each place know them.
-    inside = (cv2.inRange(*map(_by_row, (
-        frame[rows], *limits.strong_range((rows, slice(0, frame.shape[1])))))) for rows in places)
-    return _tiles_above(0, map(cv2.bitwise_not, inside))
+    limits.mark(frame)
+    return _tiles_with([limits.strong(frame, (rows, slice(None))) for rows in strips])
 
 
 def _cut(strips: List[slice], width: int) -> List[slice]:
@@ -181,15 +180,21 @@ def _by_row(picture: np.ndarray) -> np.ndarray:
 
 def _tiles_above(least: float, chunks: Iterable[np.ndarray]) -> np.ndarray:
     """Tell in which tiles a level is above a limit, shape (rows of tiles, columns)."""
-    largest = np.concatenate([_largest_in_tile_rows(levels) for levels in chunks])
+    largest = np.concatenate([_largest_in_tile_rows(levels, 3 * TILE) for levels in chunks])
     # Eight bytes at a time.
     above = (largest > int(least)).view(np.uint64).reshape(len(largest), -1, 3)
     return (above[..., 0] | above[..., 1] | above[..., 2]) != 0
 
 
-def _largest_in_tile_rows(levels: np.ndarray) -> np.ndarray:
+def _tiles_with(chunks: Iterable[np.ndarray]) -> np.ndarray:
+    """Tell in which tiles something is marked, see :func:`_tiles_above`."""
+    return np.concatenate([_largest_in_tile_rows(marks, TILE) for marks in chunks]).view(
+        np.uint64) != 0
+
+
+def _largest_in_tile_rows(levels: np.ndarray, across: int) -> np.ndarray:
     height, width = levels.shape
-    missing = -height % TILE, -width % (3 * TILE)
+    missing = -height % TILE, -width % across
     if any(missing):
         levels = cv2.copyMakeBorder(
             levels, 0, missing[0], 0, missing[1], cv2.BORDER_CONSTANT, value=0)

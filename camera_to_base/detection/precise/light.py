@@ -41,6 +41,7 @@ _MOVED = 0.2
 # Grey levels beyond the background's own range, and deviations of the noise: where an object's
 # rim still counts, and what an object must have somewhere.
 WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
+_STRONG, _WEAK, _ALL = 0, 1, (slice(None), slice(None))
 
 # Places that are compared, about, and how far apart the two of a pair are, in px.
 _PLACES, _APART = 9000, 3
@@ -217,9 +218,12 @@ class LevelLimits:
             cv2.subtract(*reversed(self._usual)), alpha=_MOVED)
         self._gain = NO_GAIN
         self._noise: Optional[np.ndarray] = None
-        self._ranges: Optional[List[Range]] = None
-        self._old: List[Sequence[Optional[np.ndarray]]] = [(None, None)] * 2
-        self._marked: Tuple[Any, ...] = (None,)
+        # For the strong and the weak limit: margins by level, and those of the whole picture; its
+        # ranges at this light, and at the last one; the marks of one frame.
+        self._margins: List[np.ndarray] = []
+        self._wide_margins = _nothing_yet()
+        self._ranges, self._old, self._masks = (_nothing_yet() for _ in range(3))
+        self._marked: Optional[np.ndarray] = None
         self._print: Optional[np.ndarray] = None
         self.least = faintest
 
@@ -229,7 +233,7 @@ class LevelLimits:
 
         A level that is beyond the strong range differs by more than `least` from the background.
         """
-        self._gain, self._ranges, self._marked = gain, None, (None,)
+        self._gain, self._ranges = gain, _nothing_yet()
         if noise is self._noise:
             return
         self._noise = noise
@@ -237,27 +241,22 @@ class LevelLimits:
         weak = np.maximum(min(WEAK_LEVELS, self._faintest), _WEAK_DEVIATIONS * noise)
         strong = np.maximum(self._faintest, STRONG_DEVIATIONS * noise)
         self.least = max(float(strong.min()) - 0.01, 0.0)
-        self._weak, self._strong = map(self._margins, (weak, strong))
-        # A thing's rim is still seen on an edge; no edge makes a thing.
-        self._strong = cv2.add(self._strong, self._moved)
+        self._margins = [np.uint8(np.minimum(np.rint(levels), 255))[:, None]
+                         for levels in (strong, weak)]
+        self._wide_margins = _nothing_yet()
 
-    def mark(self, frame: np.ndarray) -> None:
-        """Compare all of a frame at once: faster where much of it has changed."""
-        whole = (slice(0, frame.shape[0]), slice(0, frame.shape[1]))
-        if self._ranges is None:
-            # Where the last ones were: the system gives new memory slowly.
-            self._ranges = [self._range(whole, margins, old) for margins, old in zip(
-                (self._strong, self._weak), self._old)]
-            self._old = self._ranges
-        self._marked = (frame, *(bounds.outside(frame) for bounds in self._ranges))
+    def mark(self, frame: Optional[np.ndarray]) -> None:
+        """Compare all of a frame at once: faster where much of it has changed; None for parts."""
+        if frame is None or frame is not self._marked:
+            self._marked, self._masks = frame, _nothing_yet()
 
     def strong(self, frame: np.ndarray, part: tuple) -> np.ndarray:
         """Mark what an object must have somewhere, in a part: shape (h, w), uint8, 255 there."""
-        return self._outside(frame, part, 0)
+        return self._outside(frame, part, _STRONG)
 
     def weak(self, frame: np.ndarray, part: tuple) -> np.ndarray:
         """Mark what each pixel of an object shows, in a part: shape (h, w), uint8, 255 there."""
-        return self._outside(frame, part, 1)
+        return self._outside(frame, part, _WEAK)
 
     def has_print(self, part: tuple, levels: float) -> np.ndarray:
         """Mark where the background changes by some levels within 2 px: shape (h, w), uint8."""
@@ -269,26 +268,48 @@ class LevelLimits:
 
     def strong_range(self, part: tuple) -> Range:
         """Give the range that an object must leave somewhere, for a part of the picture."""
-        return self._range_of(part, 0)
+        return self._range_of(part, _STRONG)
 
     def _outside(self, frame: np.ndarray, part: tuple, which: int) -> np.ndarray:
-        if self._marked[0] is frame:
-            return self._marked[1 + which][part].copy()
-        return self._range_of(part, which).outside(frame[part])
+        if self._marked is not frame:
+            return self._range_of(part, which).outside(frame[part])
+        if self._masks[which] is None:
+            self._masks[which] = self._whole_range(which).outside(frame)
+        return self._masks[which][part].copy()
 
     def _range_of(self, part: tuple, which: int) -> Range:
-        if self._ranges is not None:
-            return Range(*(bound[part] for bound in self._ranges[which]))
-        return self._range(part, (self._strong, self._weak)[which])
+        known = self._ranges[which]
+        if known is not None:
+            return Range(*(bound[part] for bound in known))
+        return self._range(part, self._margin(part, which))
 
-    def _margins(self, levels: np.ndarray) -> np.ndarray:
-        return cv2.LUT(self._picture, np.uint8(np.minimum(np.rint(levels), 255))[:, None])
+    def _whole_range(self, which: int) -> Range:
+        if self._ranges[which] is None:
+            if self._wide_margins[which] is None:
+                self._wide_margins[which] = self._margin(_ALL, which)
+            # Where the last one was: the system gives new memory slowly.
+            self._ranges[which] = self._old[which] = self._range(
+                _ALL, self._wide_margins[which], self._old[which] or (None, None))
+        return self._ranges[which]
 
     def _range(
-        self, part: tuple, margins: np.ndarray, old: Sequence[Optional[np.ndarray]] = (None, None)
+        self, part: tuple, margin: np.ndarray,
+        into: Sequence[Optional[np.ndarray]] = (None, None)
     ) -> Range:
-        return Range(*(change(self._gain.lit(bound[part]), margins[part], dst=into)
-                       for bound, change, into in zip(self._usual, (cv2.subtract, cv2.add), old)))
+        return Range(*(change(self._gain.lit(bound[part]), margin, dst=old)
+                       for bound, change, old in zip(self._usual, (cv2.subtract, cv2.add), into)))
+
+    def _margin(self, part: tuple, which: int) -> np.ndarray:
+        known = self._wide_margins[which]
+        if known is not None:
+            return known[part]
+        levels = cv2.LUT(self._picture[part], self._margins[which])
+        # A thing's rim is still seen on an edge; no edge makes a thing.
+        return cv2.add(levels, self._moved[part]) if which == _STRONG else levels
+
+
+def _nothing_yet() -> List[Any]:
+    return [None, None]
 
 
 def measure_noise(
@@ -369,6 +390,7 @@ class Reference:
         :returns: Whether `lit` or `limits` have changed.
         """
         gain = self._meter.follow(frame)
+        self.limits.mark(None)
         self._frame_count += 1
         count = self._frame_count
         is_noise_due = count & (count - 1) == 0 or count % _NOISE_PERIOD == 0

@@ -20,8 +20,8 @@ from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, 
 from camera_to_base.detection.precise.changes import changed_parts, Strips
 from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.other_light import (
-    Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, without_bands,
-    without_smooth_light)
+    Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, thinned,
+    without_bands, without_smooth_light)
 from camera_to_base.detection.precise.piece import (
     centre_of, enclosed, filled, grown, outlines_in, slices)
 from camera_to_base.detection.precise.plain import find_plain, Plain
@@ -270,8 +270,10 @@ def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
 def _evened(frame: np.ndarray, parts: List[Box], reference: Reference) -> Optional[Even]:
     """Give a frame as it looks without the bands or the lobes of a lamp; None without any."""
     lit, limits = reference.lit, reference.limits
-    is_lit = any(_is_lit(frame, limits.weak(frame, slices(part)), part, lit) for part in parts
-                 if part.width * part.height > _LEAST_LIGHT * lit[..., 0].size)
+    large = [thinned(part) for part in parts
+             if part.width * part.height > _LEAST_LIGHT * lit[..., 0].size]
+    is_lit = any(looks_like_light(frame[some], lit[some], limits.weak(frame, some))
+                 for some in large)
     if is_lit or _are_bands_likely(frame, parts):
         bands = find_bands(frame, lit)
         if bands is not None:
@@ -327,11 +329,13 @@ def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
 def _may_be_light(frame: np.ndarray, region: Region, lit: np.ndarray) -> bool:
     area = cv2.contourArea(region.outline) / frame[..., 0].size
     return (_LEAST_LIGHT < area < _MOST_LIGHT and _may_reach_border(frame, region)
-            and _is_lit(frame, filled(region.outline, region.box), region.box, lit))
+            and _is_lit(frame, region, lit))
 
 
-def _is_lit(frame: np.ndarray, mask: np.ndarray, box: Box, lit: np.ndarray) -> bool:
-    return looks_like_light(frame[slices(box)], lit[slices(box)], mask)
+def _is_lit(frame: np.ndarray, region: Region, lit: np.ndarray) -> bool:
+    some = thinned(region.box)
+    inside = filled(region.outline, region.box)[thinned(region.box._replace(x=0, y=0))]
+    return looks_like_light(frame[some], lit[some], inside)
 
 
 def parts_of(frame: np.ndarray, reference: Reference) -> List[Box]:
