@@ -37,6 +37,9 @@ import numpy as np
 _SIZE, _NARROW = 5, 3
 # How much of a step of colour is seen beside it.
 _BLEED = 0.1
+# What JPEG leaves of a step beside it, on both axes of chroma and on the level: as a part of the
+# step, and in a window of so many px: its blocks. Chosen on 1349 things in 20 rendered cells.
+_BLOCKS = (0.02, 17), (0.02, 17), (0.0075, 9)
 # A mean of levels is known no better, in grey levels²; the compression and the rounding.
 _LEAST_VARIANCE = 0.3
 # How much chroma light may change for each change of the level, and anyway (steps of the gain,
@@ -85,7 +88,7 @@ class Evidence(NamedTuple):
     :param light: Chi-square of the light, by its degrees of freedom.
     :param usual: The background's level.
     :param seen: The frame's.
-    :param variance: Of a difference of both.
+    :param variance: Of a difference of both, by noise alone.
     :param colour: What speaks against a thing of the table's chroma, nats.
     :param shade: What shade does on the frame.
     :param detail: Products of the background's detail and the frame's, over the variance, shape
@@ -116,7 +119,8 @@ class Evidence(NamedTuple):
 
 
 def evidence(
-    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, shade: Shade
+    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, shade: Shade,
+    compression: float = 0.0,
 ) -> Evidence:
     """
     Compare both explanations of a part of a frame.
@@ -126,11 +130,19 @@ def evidence(
     :param noise: Shape (256, 3): the deviation of the grey levels, see `light.measure_noise`.
     :param drift: The variance that all of a window has in common, by that of the noise.
     :param shade: What shade does on the frame.
+    :param compression: How much of a step is seen beside it: 0 in a raw picture, up to 1.
     """
     variances = _variances(noise, log_levels())
     variances[SATURATED:] = _UNKNOWN
     seen, seen_variance, usual, usual_variance, change, variance = _compared(
         frame, background, log_levels(), variances)
+    noise_alone = variance[2]
+    if compression:
+        for axis, (part, reach) in enumerate(_BLOCKS):
+            step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(reach))
+            beside = compression * (part * step) ** 2
+            seen_variance[axis] = seen_variance[axis] + beside
+            variance[axis] = variance[axis] + beside
     chroma = cv2.magnitude(*usual[:2])
     colour = _nats_of_chroma(chroma)
     dark = _Dark.of(background)
@@ -156,8 +168,8 @@ def evidence(
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * LEVEL_SCALE
     is_dark = (ratio < DARKEST).view(np.uint8) | _sharp_bright(ratio)
-    return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], variance[2],
-                    colour, shade, _products(usual[2], seen[2], usual_variance[2], variance[2]),
+    return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], noise_alone,
+                    colour, shade, _products(usual[2], seen[2], usual_variance[2], noise_alone),
                     change[:2])
 
 

@@ -16,7 +16,7 @@ The light of a frame: its curve and gain, its noise, and the limits that follow 
 from functools import lru_cache
 import math
 import operator
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, List, NamedTuple, Optional, Sequence
 
 import cv2
 import numpy as np
@@ -44,7 +44,7 @@ WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
 _STRONG, _WEAK, _ALL = 0, 1, (slice(None), slice(None))
 
 # Places that are compared, about, and how far apart the two of a pair are, in px.
-_PLACES, _APART = 9000, 3
+_PLACES, _APART, _NEXT = 9000, 3, 1
 # The same for what neighbours have in common, and how much larger its deviation is at least.
 _FAR_APART, _LEAST_DRIFT = 24, 1.3
 _BIN, _LEAST_IN_BIN = 16, 60
@@ -53,6 +53,8 @@ _BINS, _DIFFERENCES = 256 // _BIN, 2 * 255 + 1
 _QUIETEST = 0.3
 # The median of a normal distribution's absolute values is 0.6745 of its deviation.
 _DEVIATION = 1 / 0.6745
+# The least that is measured, see `_by_level`, and a little more.
+_NO_NOISE = 1.01 * _QUIETEST * _DEVIATION / 2
 
 # The noise is measured in frames 1, 2, 4, 8 and so on, and in each of this number.
 _NOISE_PERIOD = 64
@@ -376,6 +378,8 @@ class Reference:
         self.mean_noise: Optional[float] = None
         # The variance that neighbours have in common (JPEG, video), by that of the noise.
         self.drift = 0.0
+        # Which part of the noise neighbours have alike: compression makes it so.
+        self.compression = 0.0
         self._faintest = faintest
         self._meter = GainMeter(picture)
         self._frame_count = 0
@@ -400,12 +404,18 @@ class Reference:
             self._use_gain(gain)
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
-            self.mean_noise = float(self.noise[self._usual_level].mean())
-            far = float(measure_noise(frame, self.lit, _FAR_APART)[self._usual_level].mean())
-            ratio = far / self.mean_noise
-            self.drift = ratio ** 2 - 1 if ratio > _LEAST_DRIFT else 0.0
+            self.mean_noise = self._usual_noise(self.noise)
+            far, near = (self._usual_noise(measure_noise(frame, self.lit, apart)) / self.mean_noise
+                         for apart in (_FAR_APART, _NEXT))
+            self.drift = far ** 2 - 1 if far > _LEAST_DRIFT else 0.0
+            # Each camera has noise: where there is none, it was compressed away.
+            self.compression = (1.0 if self.mean_noise < _NO_NOISE
+                                else 1 - min(near, 1.0) ** 2)
         self.limits.set_light(gain, self.noise)
         return True
+
+    def _usual_noise(self, noise: np.ndarray) -> float:
+        return float(noise[self._usual_level].mean())
 
     def _use_gain(self, gain: Gain) -> None:
         self.gain = gain

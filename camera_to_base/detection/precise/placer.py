@@ -141,7 +141,7 @@ class Placer:
         if thing is None:
             return _doubted(found, region)
         if thing.is_sure:
-            return found
+            return _doubted(found, region)
         doubt = _OF_SHADE * scale * math.dist(centre_of(thing.mask), centre_of(coarse.mask))
         return [replace(one, doubt=max(doubt, region.doubt)) for one in found]
 

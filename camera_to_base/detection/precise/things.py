@@ -42,6 +42,8 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # clear by its texture; on which part it may be none; how much of the region a thing is that shade
 # surrounds; and how much of it is lighter than the table where there is no shade.
 _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75, 0.35, 0.9
+# Where so much of a region is surely a thing, one highlight does not tell of all of it.
+_HARDLY = 0.4
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
@@ -109,7 +111,7 @@ def things_in(
                    for picture in (frame, reference.lit))
     changed = np.ascontiguousarray(changed[::scale, ::scale])
     found = evidence(seen, usual, reference.noise / scale, reference.drift,
-                     shade.beside(region.box))
+                     shade.beside(region.box), reference.compression if scale == 1 else 0.0)
     # Light from outside of the picture may end as sharply as a thing.
     is_at_edge = touches_edge(region.box, frame)
     masks = _masks(seen, usual, changed, found, min_area / scale ** 2, not is_at_edge)
@@ -181,7 +183,9 @@ def _masks(
     wide, is_cluttered = _wide(things, found, min_area)
     sure = _no_light(wide, found)
     highlight = find_highlight(make_piece(frame, cv2.LUT(background, LINEAR), changed))
-    has_highlight = highlight is not None and not is_on(sure, highlight, changed)
+    # Glass, or a lamp's mirror image: nothing of it is sure.
+    has_highlight = (highlight is not None and not is_on(sure, highlight, changed)
+                     and cv2.countNonZero(sure) < _HARDLY * cv2.countNonZero(changed))
     # Light is lighter than the table, and shade is darker.
     is_glossy = has_highlight and cv2.countNonZero(
         _may_be_shade(changed, found)) > _LEAST_REST * cv2.countNonZero(changed)
@@ -199,14 +203,15 @@ def _masks(
         # Its edges are soft in part, and nothing is sharp all around to compare them with; or it
         # has a coloured table's own colour.
         return _Unclear(may_be_light=True)
+    # Where hardly anything is darker than the table, no shade is beside a thing.
+    has_no_shade = cv2.countNonZero(
+        changed & found.is_lighter) > _ALL * cv2.countNonZero(changed)
     if not by_edges.is_untold:
-        things = by_edges.things
+        things = by_edges.things | sure if has_no_shade else by_edges.things
     else:
         # Beside what is surely none, what light explains is light.
         things = sure if sure.any() else wide
-        if sure.any() and cv2.countNonZero(
-                changed & found.is_lighter) > _ALL * cv2.countNonZero(changed):
-            # No shade is beside it: all that edges tell of is the thing's.
+        if sure.any() and has_no_shade:
             things = sure | by_edges.things
         if is_cluttered or not things.any() or _goes_on(
                 things, changed, frame, min_area) or not _is_clear(

@@ -10,6 +10,7 @@
 """What is a thing and what is light, on tables with a texture and without one."""
 
 from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection.precise.light import Reference
 import cv2
 from lit_table import coded, covered, SIZE, TABLE
 import numpy as np
@@ -97,6 +98,19 @@ def test_dark_wall_ends_where_it_stands_though_the_top_is_far_lighter():
     assert len(found) == 1 and overlap(found[0], true) > 0.97
     place = np.argwhere(true).mean(axis=0)[::-1]
     assert np.hypot(*np.subtract(found[0].centre, place)) < 0.3
+
+
+def compression(*pictures):
+    reference = Reference(pictures[0], 13.0)
+    reference.follow(pictures[1])
+    return reference.compression
+
+
+def test_what_neighbours_have_alike_tells_of_compression():
+    raw = (np.random.default_rng(seed).normal(120, 1.5, (*SIZE, 3)) for seed in range(2))
+    assert compression(*(np.uint8(np.rint(one)) for one in raw)) < 0.1
+    assert 0.4 < compression(*(coded(table(0), seed, 85) for seed in range(2))) < 0.8
+    assert compression(*(coded(table(0), seed, 85, 0.5) for seed in range(2))) == 1
 
 
 @pytest.mark.parametrize('depth', [10, 16])
@@ -560,12 +574,33 @@ def steel_bolt(seed):
 
 
 @pytest.mark.parametrize(
-    'seed', [50, 90, 97, 120, 155, 162, 221, 228, 291, 622, *range(400, 405)])
+    'seed', [50, 90, 97, 120, 155, 162, 221, 228, 291, 622, *range(400, 405), 682, 721, 1266])
 def test_shiny_bolt_on_a_dark_table_is_more_than_its_highlight(seed):
     wood, light, true = steel_bolt(seed)
     found, = detect(light, wood, 85)
     place = np.argwhere(true).mean(axis=0)[::-1]
     assert np.hypot(*np.subtract(found.centre, place)) < 1.5
+
+
+def pale_box_on_wood(seed):
+    # Its side lies in its own shade, and is about as dark as that of a hard lamp.
+    rng, grain = np.random.default_rng(seed), np.random.default_rng(3).normal(0, 1, SIZE)
+    grain = cv2.GaussianBlur(grain, (0, 0), 8, sigmaY=1.5)
+    wood = 0.3 * (1 + 0.15 * grain / grain.std())[..., None] * np.ones(3)
+    top, side, depth, wall = (
+        rng.uniform(*ends) for ends in ((0.5, 0.9), (0.05, 0.2), (0.25, 0.45), (10, 25)))
+    shade = covered((135, 137), (165, 105), (200, 135), (200, 170), (170, 172))
+    light = painted(wood * (1 - (1 - depth) * shade), foot(150, 120, wall), (side,) * 3)
+    true = np.maximum(square(150, 120, 15), foot(150, 120, wall))[..., 0] > 0.5
+    return wood, painted(light, square(150, 120, 15), (top,) * 3), true
+
+
+@pytest.mark.parametrize('seed', [57, 125, 151, 152, 200])
+def test_centre_is_in_doubt_where_what_was_split_off_may_be_a_side(seed):
+    wood, light, true = pale_box_on_wood(seed)
+    found, = detect(light, wood, 85)
+    place = np.argwhere(true).mean(axis=0)[::-1]
+    assert np.hypot(*np.subtract(found.centre, place)) < 2.5 * found.doubt + 1
 
 
 @pytest.mark.parametrize('grey, cap', [(0.28, 0.05), (0.28, 0.1), (0.34, 0.1)])
