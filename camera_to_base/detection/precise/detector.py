@@ -21,8 +21,9 @@ Each step is a module of its own:
 - `changes`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
 - `shade`: how dark and of which tint the shade of this frame is.
-- `evidence`, `segments`, `things`: what of a region is a thing, and what is shade, sun or a lamp,
-  pixel by pixel and edge by edge; they say nothing where the picture cannot tell.
+- `evidence`, `segments`, `faces`, `things`: what of a region is a thing, and what is shade, sun or
+  a lamp, pixel by pixel, edge by edge, and by chroma and texture where there is no edge; they say
+  nothing where the picture cannot tell.
 - `search`, `regions`: where such pixels are connected, for the long way.
 - `still`: what was told of regions that lie still, so that it need not be told again.
 - `other_light`: smooth light, a lamp that flickers, shade from outside: taken out, no objects.

@@ -434,6 +434,19 @@ def detail_of(found: Evidence, part: np.ndarray) -> Detail:
     return Detail(likeness, slope, (seen - slope * both) / (1 + own / 4), nats, added)
 
 
+def detail_nats(found: Evidence, inside: np.ndarray, size: int) -> np.ndarray:
+    """
+    Tell what speaks against the table's texture in the window around each pixel: nats, (h, w).
+
+    :param inside: Where to look, shape (h, w), uint8, 1 there.
+    :param size: The edge of a window, px.
+    """
+    both, own, _, own_noise = cv2.split(cv2.boxFilter(
+        cv2.copyTo(found.detail, inside), -1, (size, size), normalize=False))
+    texture = cv2.max(1 - _SURE_NOISE * own_noise / cv2.max(own, _NOTHING), 0)
+    return texture * (texture / 2 * own - both) / _SPREAD
+
+
 def _added(found: Evidence, near: tuple, inside: np.ndarray) -> float:
     """Tell which part of a light is left of the table's, if the rest was added; 1 where darker."""
     seen, usual = (cv2.mean(level[near], inside)[0] for level in (found.seen, found.usual))

@@ -18,13 +18,11 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.evidence import (
-    box_mean, BRIGHTEST, Detail, detail_of, Evidence)
+from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
+from camera_to_base.detection.precise.faces import Side, with_faces
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
-    centre_of, channel_extremes, cut_off, disc, filled, largest_part, outlines_in, quantile,
-    slices, square)
+    centre_of, channel_extremes, cut_off, disc, largest_part, quantile, square)
 from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, is_neutral, Shade
 import cv2
 import numpy as np
@@ -61,11 +59,6 @@ _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
 _SURELY, _SURE, _SURE_LIGHT, _LEAST_PENUMBRA = 30.0, 2.5, 9.0, 0.1
 # Soft shade without a segment is on this part of a region, or it is no more than a rim.
 _LEAST_SOFT = 0.15
-# Chroma is told by the mean of a window, px. One that is not the table's is off by so many times
-# what light may change, and nearer to the thing's by this: a shade takes some of it. One that is
-# another thing's is off by more than this part of it. What touches, px.
-_WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA = 7, 1.5, 0.7, 0.4
-_BESIDE, _NOTHING = 5, 1e-3
 # Segments touch on so many px.
 _SHORTEST = 3
 
@@ -209,43 +202,15 @@ def parted(
         return _without_things(result, surest, is_soft, segments)
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
-    things |= _faces(result.light & (1 - things), judged, found)
+    things = with_faces(things, result.light & (1 - things), _sides(judged), changed, found)
     return Parted(things, result.light & (1 - things), result.unsure)
 
 
-def _faces(light: np.ndarray, judged: Sequence[_Judged], found: Evidence) -> np.ndarray:
-    """
-    Give what of the light has the chroma of a thing that it touches, shape (h, w), uint8, 1 there.
-
-    The faces of a thing differ in their level, and a shade has the table's chroma and a tint. On a
-    coloured table, light changes the chroma as well.
-    """
-    faces = np.zeros_like(light)
+def _sides(judged: Sequence[_Judged]) -> List[Side]:
+    """Give the things whose chroma tells of their faces: on a coloured table, light changes it."""
     if any(one.colour for one, *_ in judged):
-        return faces
-    count = cv2.max(box_mean(light.astype(np.float32), _WINDOW), _NOTHING)
-    *chroma, level = (box_mean(one * light, _WINDOW) / count
-                      for one in (*found.chroma, found.seen - found.usual))
-    tint = [float(one) * cv2.min(level, 0) for one in found.shade.tint]
-    off = cv2.magnitude(*map(cv2.subtract, chroma, tint))
-    other = light & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
-    if not other.any():
-        return faces
-    things = [(one, cv2.dilate(one.mask, square(_BESIDE))) for one, _, nats in judged if nats > 0]
-    for one, _ in things:
-        is_same = cv2.magnitude(*map(cv2.subtract, chroma, one.tone)) < _NEARER * off
-        same = cv2.morphologyEx(other & is_same.view(np.uint8), cv2.MORPH_OPEN, square(5))
-        for outline in outlines_in(same):
-            box = Box(*cv2.boundingRect(outline))
-            face = filled(outline, box) & same[slices(box)]
-            touched = [thing for thing, near in things
-                       if cv2.countNonZero(face & near[slices(box)])]
-            # It joins no two things.
-            if any(thing is one for thing in touched) and all(
-                    math.dist(thing.tone, one.tone) < _SAME_CHROMA * one.chroma
-                    for thing in touched):
-                faces[slices(box)] |= face
-    return faces
+        return []
+    return [Side(one.mask, one.tone) for one, _, nats in judged if nats > 0]
 
 
 def _sorted(judged: Sequence[_Judged], changed: np.ndarray) -> Parted:

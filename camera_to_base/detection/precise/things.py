@@ -207,7 +207,9 @@ def _masks(
     has_no_shade = cv2.countNonZero(
         changed & found.is_lighter) > _ALL * cv2.countNonZero(changed)
     if not by_edges.is_untold:
-        things = by_edges.things | sure if has_no_shade else by_edges.things
+        # What is surely a thing may have no segment of its own.
+        things = by_edges.things | (sure if has_no_shade else _without_segment(
+            sure, by_edges, min_area))
     else:
         # Beside what is surely none, what light explains is light.
         things = sure if sure.any() else wide
@@ -229,6 +231,18 @@ def _masks(
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
     return _complete(parts, frame, changed, found, by_edges.unsure) or _Unclear()
+
+
+def _without_segment(sure: np.ndarray, by_edges: Parted, min_area: float) -> np.ndarray:
+    """Give what is surely a thing, and of which edges tell nothing."""
+    kept = np.zeros_like(sure)
+    for outline in outlines_in(cv2.morphologyEx(
+            sure & (1 - by_edges.things), cv2.MORPH_OPEN, square(_SIZE))):
+        box = Box(*cv2.boundingRect(outline))
+        inside = filled(outline, box)
+        if enclosed(outline) >= min_area and not (inside & by_edges.light[slices(box)]).any():
+            kept[slices(box)] |= inside
+    return kept
 
 
 def _complete(

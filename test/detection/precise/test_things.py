@@ -582,11 +582,11 @@ def test_shiny_bolt_on_a_dark_table_is_more_than_its_highlight(seed):
     assert np.hypot(*np.subtract(found.centre, place)) < 1.5
 
 
-def pale_box_on_wood(seed):
+def pale_box_on_wood(seed, texture):
     # Its side lies in its own shade, and is about as dark as that of a hard lamp.
     rng, grain = np.random.default_rng(seed), np.random.default_rng(3).normal(0, 1, SIZE)
     grain = cv2.GaussianBlur(grain, (0, 0), 8, sigmaY=1.5)
-    wood = 0.3 * (1 + 0.15 * grain / grain.std())[..., None] * np.ones(3)
+    wood = 0.3 * (1 + texture * grain / grain.std())[..., None] * np.ones(3)
     top, side, depth, wall = (
         rng.uniform(*ends) for ends in ((0.5, 0.9), (0.05, 0.2), (0.25, 0.45), (10, 25)))
     shade = covered((135, 137), (165, 105), (200, 135), (200, 170), (170, 172))
@@ -595,12 +595,36 @@ def pale_box_on_wood(seed):
     return wood, painted(light, square(150, 120, 15), (top,) * 3), true
 
 
-@pytest.mark.parametrize('seed', [57, 125, 151, 152, 200])
-def test_centre_is_in_doubt_where_what_was_split_off_may_be_a_side(seed):
-    wood, light, true = pale_box_on_wood(seed)
+@pytest.mark.parametrize('texture', [0.15, 0.3])
+@pytest.mark.parametrize('seed', [2, 6, 22, 24, 30, 54])
+def test_texture_tells_a_side_from_a_shade_that_is_as_dark(seed, texture):
+    wood, light, true = pale_box_on_wood(seed, texture)
+    found, = detect(light, wood, 85)
+    place = np.argwhere(true).mean(axis=0)[::-1]
+    assert overlap(found, true) > 0.85
+    assert np.hypot(*np.subtract(found.centre, place)) < 1.5
+
+
+@pytest.mark.parametrize('texture', [0, 0.03])
+@pytest.mark.parametrize('seed', range(300, 306))
+def test_centre_is_in_doubt_where_a_side_may_be_shade_and_no_texture_tells(seed, texture):
+    wood, light, true = pale_box_on_wood(seed, texture)
     found, = detect(light, wood, 85)
     place = np.argwhere(true).mean(axis=0)[::-1]
     assert np.hypot(*np.subtract(found.centre, place)) < 2.5 * found.doubt + 1
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_dark_coin_without_a_flat_part_of_its_own_is_found_beside_a_light_one(seed):
+    turn = np.random.default_rng(seed).uniform(0, 2 * np.pi)
+    way = 15 * np.array([np.cos(turn), np.sin(turn)])
+    light, places = table(0.1), [(160, 120) + way, (160, 120) - way]
+    for place, colour in zip(places, (0.85, 0.04)):
+        light = painted(light, disc(*place, 12), (colour,) * 3)
+    found = detect(light, table(0.1), 70)
+    assert len(found) == 2
+    for place in places:
+        assert min(np.hypot(*np.subtract(one.centre, place)) for one in found) < 1
 
 
 @pytest.mark.parametrize('grey, cap', [(0.28, 0.05), (0.28, 0.1), (0.34, 0.1)])

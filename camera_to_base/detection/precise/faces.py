@@ -1,0 +1,153 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""
+Tells what of a region's light is a face of a thing, and no shade or sun, where no edge tells it.
+
+- It has the chroma of the thing and not the table's; on a table that is nearly grey.
+- The table's texture is gone. What shows it is light, though it was taken for a part of the thing.
+
+Between a light face and a dark one, an edge looks like the table, but only at once.
+"""
+
+import math
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise.evidence import box_mean, detail_nats, Evidence
+from camera_to_base.detection.precise.light import LEVEL_SCALE
+from camera_to_base.detection.precise.piece import (
+    filled, outlines_in, quantile, slices, square)
+from camera_to_base.detection.precise.shade import is_neutral
+import cv2
+import numpy as np
+
+# Chroma is told by the mean of a window, px. One that is not the table's is off by so many times
+# what light may change, and nearer to the thing's by this: a shade takes some of it. One that is
+# another thing's is off by more than this part of it.
+_WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA = 7, 1.5, 0.7, 0.4
+# What touches, px, and on how many of them; compression parts faces as far as that.
+_BESIDE, _FEW, _NEARBY = 5, 8, 9
+_NOTHING = 1e-3
+# The table's texture is looked for in windows, px; the median of what tells that it is seen, or
+# gone, where that is sure, nats.
+_TEXTURE_WINDOW, _SURELY = 11, 15.0
+# An edge between faces has this part of their step within 3 px; what is off the table by less than
+# this part of it looks like the table.
+_AT_ONCE, _AS_TABLE = 0.55, 0.25
+
+
+class Side(NamedTuple):
+    """
+    A part of a thing, by its colour.
+
+    :param mask: Shape (h, w), uint8, 1 inside.
+    :param tone: How both axes of its chroma are off the table's, logarithms.
+    """
+
+    mask: np.ndarray
+    tone: Tuple[float, float]
+
+
+def with_faces(
+    things: np.ndarray, light: np.ndarray, sides: Sequence[Side], changed: np.ndarray,
+    found: Evidence,
+) -> np.ndarray:
+    """
+    Give things with their faces, shape (h, w), uint8, 1 inside.
+
+    :param things: What edges tell to be things, of that shape.
+    :param light: What they tell to be light.
+    :param sides: The things whose chroma tells of their faces; none on a coloured table.
+    :param changed: The region.
+    """
+    things = things | _of_chroma(light, sides, found)
+    things = _by_texture(things, light & (1 - things), found)
+    return _with_edges(things, changed, found)
+
+
+def _of_chroma(light: np.ndarray, sides: Sequence[Side], found: Evidence) -> np.ndarray:
+    """
+    Give what of the light has the chroma of a thing that it touches, shape (h, w), uint8, 1 there.
+
+    The faces of a thing differ in their level, and a shade has the table's chroma and a tint.
+    """
+    faces = np.zeros_like(light)
+    if not sides:
+        return faces
+    count = cv2.max(box_mean(light.astype(np.float32), _WINDOW), _NOTHING)
+    *chroma, level = (box_mean(one * light, _WINDOW) / count
+                      for one in (*found.chroma, found.seen - found.usual))
+    tint = [float(one) * cv2.min(level, 0) for one in found.shade.tint]
+    off = cv2.magnitude(*map(cv2.subtract, chroma, tint))
+    other = light & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
+    if not other.any():
+        return faces
+    nearby = [(one, cv2.dilate(one.mask, square(_BESIDE))) for one in sides]
+    for side in sides:
+        is_same = cv2.magnitude(*map(cv2.subtract, chroma, side.tone)) < _NEARER * off
+        for box, face in _parts(other & is_same.view(np.uint8)):
+            touched = [one for one, near in nearby if cv2.countNonZero(face & near[slices(box)])]
+            # It joins no two things.
+            if any(one is side for one in touched) and all(
+                    math.dist(one.tone, side.tone) < _SAME_CHROMA * math.hypot(*side.tone)
+                    for one in touched):
+                faces[slices(box)] |= face
+    return faces
+
+
+def _by_texture(things: np.ndarray, light: np.ndarray, found: Evidence) -> np.ndarray:
+    """Give things without what shows the table's texture, and with what of the light does not."""
+    inside = cv2.erode(things, square(5)) | cv2.erode(light, square(5))
+    nats = detail_nats(found, inside, _TEXTURE_WINDOW)
+    things = things & (1 - _where(things & found.is_light, -nats))
+    return things | _where(light, nats, cv2.dilate(things, square(_NEARBY)))
+
+
+def _where(
+    mask: np.ndarray, nats: np.ndarray, near: Optional[np.ndarray] = None
+) -> np.ndarray:
+    """
+    Give the parts of a mask that something speaks for, surely in the median: of its shape.
+
+    :param nats: What speaks for it, shape (h, w).
+    :param near: What they must touch.
+    """
+    result = np.zeros_like(mask)
+    for box, part in _parts(mask & (nats > 0).view(np.uint8)):
+        is_near = near is None or cv2.countNonZero(part & near[slices(box)]) >= _FEW
+        if is_near and quantile(nats[slices(box)][part > 0]) > _SURELY:
+            result[slices(box)] |= part
+    return result
+
+
+def _with_edges(things: np.ndarray, changed: np.ndarray, found: Evidence) -> np.ndarray:
+    """
+    Give things with the edges between their light faces and their dark ones.
+
+    The table looks like itself between two things for longer.
+    """
+    light = found.is_lighter
+    near_light, near_dark = (
+        cv2.dilate(things & one, square(_NEARBY)) for one in (light, 1 - light))
+    edge = near_light & near_dark & changed & (1 - things)
+    if not edge.any():
+        return things
+    step, whole = (cv2.morphologyEx(found.seen, cv2.MORPH_GRADIENT, square(size))
+                   for size in (3, _NEARBY))
+    is_table = cv2.absdiff(found.seen, found.usual) < _AS_TABLE * whole
+    table = edge & (is_table & (step < _AT_ONCE * whole)).view(np.uint8)
+    return things | edge & (1 - cv2.dilate(table, square(_NEARBY)))
+
+
+def _parts(mask: np.ndarray) -> List[Tuple[Box, np.ndarray]]:
+    """Give the parts of a mask that are 5 px wide: the box of each, and what of it is inside."""
+    wide = cv2.morphologyEx(mask, cv2.MORPH_OPEN, square(5))
+    boxes = [(outline, Box(*cv2.boundingRect(outline))) for outline in outlines_in(wide)]
+    return [(box, filled(outline, box) & wide[slices(box)]) for outline, box in boxes]
