@@ -17,10 +17,11 @@ Between a light face and a dark one, an edge looks like the table, but only at o
 """
 
 import math
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.evidence import box_mean, detail_nats, Evidence
+from camera_to_base.detection.precise.evidence import (
+    box_mean, detail_nats, detail_of, Evidence)
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
     filled, outlines_in, quantile, slices, square)
@@ -106,24 +107,30 @@ def _by_texture(things: np.ndarray, light: np.ndarray, found: Evidence) -> np.nd
     """Give things without what shows the table's texture, and with what of the light does not."""
     inside = cv2.erode(things, square(5)) | cv2.erode(light, square(5))
     nats = detail_nats(found, inside, _TEXTURE_WINDOW)
-    things = things & (1 - _where(things & found.is_light, -nats))
-    return things | _where(light, nats, cv2.dilate(things, square(_NEARBY)))
+    shown, gone = (_surely(mask, one) for mask, one in (
+        (things & found.is_light, -nats), (light, nats)))
+    for part in shown:
+        # A thing's own texture may be like the table's by chance.
+        if detail_of(found, part).is_table:
+            things = things & (1 - part)
+    near = cv2.dilate(things, square(_NEARBY))
+    for part in gone:
+        if cv2.countNonZero(part & near) >= _FEW:
+            things = things | part
+    return things
 
 
-def _where(
-    mask: np.ndarray, nats: np.ndarray, near: Optional[np.ndarray] = None
-) -> np.ndarray:
+def _surely(mask: np.ndarray, nats: np.ndarray) -> List[np.ndarray]:
     """
-    Give the parts of a mask that something speaks for, surely in the median: of its shape.
+    Give the parts of a mask that something speaks for, surely in the median: each of its shape.
 
     :param nats: What speaks for it, shape (h, w).
-    :param near: What they must touch.
     """
-    result = np.zeros_like(mask)
+    result = []
     for box, part in _parts(mask & (nats > 0).view(np.uint8)):
-        is_near = near is None or cv2.countNonZero(part & near[slices(box)]) >= _FEW
-        if is_near and quantile(nats[slices(box)][part > 0]) > _SURELY:
-            result[slices(box)] |= part
+        if quantile(nats[slices(box)][part > 0]) > _SURELY:
+            result.append(np.zeros_like(mask))
+            result[-1][slices(box)] = part
     return result
 
 

@@ -20,7 +20,7 @@ from typing import List, Optional, Sequence
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_sum, disc, filled, outlines_in, Piece, solidity, square)
+    channel_extremes, channel_sum, disc, filled, outlines_in, Piece, slices, solidity, square)
 import cv2
 import numpy as np
 
@@ -126,9 +126,12 @@ def with_highlights(
         spots = outlines_in(bright & (1 - thing))
         near = cv2.dilate(thing, square(_NEAR)) if spots else thing
         for outline in spots:
-            spot = filled(outline, Box(0, 0, *thing.shape[::-1]))
-            if cv2.countNonZero(spot & near) and cv2.countNonZero(spot) < area:
-                joined = cv2.morphologyEx(thing | spot, cv2.MORPH_CLOSE, square(_NEAR))
+            box = Box(*cv2.boundingRect(outline))
+            spot = filled(outline, box)
+            if cv2.countNonZero(spot & near[slices(box)]) and cv2.countNonZero(spot) < area:
+                joined = thing.copy()
+                joined[slices(box)] |= spot
+                joined = cv2.morphologyEx(joined, cv2.MORPH_CLOSE, square(_NEAR))
                 if solidity(joined) > max(solidity(thing) + _ROUNDER, _ROUND):
                     thing = thing | joined & changed
         result.append(thing)

@@ -50,7 +50,7 @@ _FEW = 8
 _COLOURED, _SINGLE, _MUCH = 45.0, 0.85, 0.3
 # All faces of a coloured thing have so much chroma, and those of a black one so little light,
 # logarithms: beside 740 shades in rendered cells, no side of a thing had the table's chroma.
-_OF_COLOUR, _BLACK = 0.3, -4.0
+COLOURED, _BLACK = 0.3, -4.0
 # So many of a segment's nats make one of its odds: of the segments above, 8 of 28 within 6 nats
 # are mistaken, 12 of the 13 mistakes lie within 15. What has a smaller deviation is sure.
 _NATS_OF_ODDS, _LEAST_DEVIATION = 5.0, 0.4
@@ -238,7 +238,7 @@ def _are_coloured(segments: List[_Segment]) -> bool:
     """Tell whether a region has nothing but coloured or black faces, and what may be shade."""
     faces = [one for one in segments if not one.may_be_shade and one.ratio < BRIGHTEST]
     return bool(faces) and all(
-        one.chroma > _OF_COLOUR or one.ratio < _BLACK for one in faces)
+        one.chroma > COLOURED or one.ratio < _BLACK for one in faces)
 
 
 def _without_things(

@@ -28,8 +28,9 @@ from camera_to_base.detection.precise.piece import (
     chosen, cut_off, enclosed, enlarged, filled, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
 from camera_to_base.detection.precise.regions import Region
-from camera_to_base.detection.precise.segments import doubt_of, Parted, parted, Unsure, untold
-from camera_to_base.detection.precise.shade import FAINTEST, Shade
+from camera_to_base.detection.precise.segments import (
+    COLOURED, doubt_of, Parted, parted, Unsure, untold)
+from camera_to_base.detection.precise.shade import FAINTEST, is_neutral, Shade
 from camera_to_base.detection.touching import cut_at_gaps, table_between, with_stripes
 import cv2
 import numpy as np
@@ -182,7 +183,9 @@ def _masks(
         1 - table_between(frame, background))
     wide, is_cluttered = _wide(things, found, min_area)
     sure = _no_light(wide, found)
-    highlight = find_highlight(make_piece(frame, cv2.LUT(background, LINEAR), changed))
+    is_cut_off = cut_off(frame)
+    highlight = find_highlight(make_piece(
+        frame, cv2.LUT(background, LINEAR), changed)) if is_cut_off.any() else None
     # Glass, or a lamp's mirror image: nothing of it is sure.
     has_highlight = (highlight is not None and not is_on(sure, highlight, changed)
                      and cv2.countNonZero(sure) < _HARDLY * cv2.countNonZero(changed))
@@ -221,16 +224,29 @@ def _masks(
             # The table's texture all over it tells of light, but for what is surely none.
             things = sure
             rest = changed & (1 - cv2.dilate(things, square(_JPEG)))
-            if has_highlight or not detail_of(found, rest).is_table:
+            is_light = _is_shade_beside(sure, changed, found) or (
+                not has_highlight and detail_of(found, rest).is_table)
+            if not is_light:
                 # It may be no more than what is sure, or than what is no shade.
-                unsure = [Unsure(rest, 0.5)] if sure.any() else by_edges.unsure or [
-                    Unsure(_may_be_shade(changed, found), 0.5)]
+                unsure = ([Unsure(changed & (1 - sure), 0.5)] if sure.any() else by_edges.unsure
+                          or [Unsure(_may_be_shade(changed, found), 0.5)])
                 return _Unclear(doubt=doubt_of(changed, unsure))
             if not things.any():
                 return []
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
-    return _complete(parts, frame, changed, found, by_edges.unsure) or _Unclear()
+    return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
+
+
+def _is_shade_beside(things: np.ndarray, changed: np.ndarray, found: Evidence) -> bool:
+    """Tell whether things have a colour, and what is beside them is darker than the table only."""
+    rest = changed & (1 - cv2.dilate(things, square(_SIZE)))
+    if not (things.any() and rest.any()):
+        return False
+    chroma = cv2.magnitude(*found.chroma)
+    ratio = LEVEL_SCALE * float(quantile((found.seen - found.usual)[rest > 0]))
+    return bool(quantile(chroma[things > 0], 0.2) > COLOURED and ratio < FAINTEST
+                and is_neutral(quantile(chroma[rest > 0]), ratio))
 
 
 def _without_segment(sure: np.ndarray, by_edges: Parted, min_area: float) -> np.ndarray:
@@ -246,11 +262,10 @@ def _without_segment(sure: np.ndarray, by_edges: Parted, min_area: float) -> np.
 
 
 def _complete(
-    parts: List[np.ndarray], frame: np.ndarray, changed: np.ndarray, found: Evidence,
+    parts: List[np.ndarray], is_cut_off: np.ndarray, changed: np.ndarray, found: Evidence,
     unsure: Sequence[Unsure],
 ) -> List[Tuple[np.ndarray, float]]:
     """Give things with their highlights, and their doubt."""
-    is_cut_off = cut_off(frame)
     # What is around a highlight may be its thing, or that thing's shade.
     return [(thing, doubt_of(thing, [Unsure(changed & (1 - thing), 0.5)] if may_be_highlight(
         thing, changed, is_cut_off) else unsure))

@@ -614,6 +614,38 @@ def test_centre_is_in_doubt_where_a_side_may_be_shade_and_no_texture_tells(seed,
     assert np.hypot(*np.subtract(found.centre, place)) < 2.5 * found.doubt + 1
 
 
+def small_box_below_two_lamps(seed):
+    # Coloured on white, or grey on wood; its shades are as narrow as JPEG's blocks.
+    rng = np.random.default_rng(seed)
+    half, turn = rng.uniform(8, 14), rng.uniform(0, np.pi)
+    along, across = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]) * half
+    box = (160, 120) + np.array([-along - 0.6 * across, along - 0.6 * across,
+                                 along + 0.6 * across, 0.6 * across - along])
+    background = np.full((*SIZE, 3), 0.8, np.float32)
+    background *= np.float32((1, 1, 1) if seed % 2 else (0.12, 0.35, 0.75))
+    light = background
+    for _ in range(2):
+        angle, far, depth = (rng.uniform(*ends) for ends in (
+            (0, 2 * np.pi), (5, 9), (0.1, 0.3)))
+        way = far * np.array([np.cos(angle), np.sin(angle)])
+        shade = sum(np.maximum(covered(*(box + part * way)), covered(*(box + part / 2 * way)))
+                    for part in (0.6, 0.8, 1, 1.2, 1.4)) / 5
+        light = light * (1 - depth * shade)
+    colours = (0.05, 0.25, 0.8), (0.5, 0.08, 0.03), (0.05, 0.4, 0.1)
+    colour = colours[rng.integers(3)] if seed % 2 else (0.35,) * 3
+    return background, painted(light, covered(*box), colour), covered(*box)[..., 0] > 0.5
+
+
+@pytest.mark.parametrize('seed, quality, noise', [
+    *((seed, 75, 1.2) for seed in (9, 37, 45, 50, 84, 97, 101, 114)), (273, 85, 1.5)])
+def test_jpeg_joins_no_narrow_shade_to_a_thing(seed, quality, noise):
+    background, light, true = small_box_below_two_lamps(seed)
+    detector = PreciseDifferenceDetector(coded(background, 1, quality, noise))
+    found, = detector.detect(coded(light, 2, quality, noise))
+    place = np.argwhere(true).mean(axis=0)[::-1]
+    assert np.hypot(*np.subtract(found.centre, place)) < 1
+
+
 @pytest.mark.parametrize('seed', range(3))
 def test_dark_coin_without_a_flat_part_of_its_own_is_found_beside_a_light_one(seed):
     turn = np.random.default_rng(seed).uniform(0, 2 * np.pi)
