@@ -23,6 +23,9 @@ FIRST_DAY = int(os.environ.get('RANDOM_DAY', '5'))
 
 # Days that went wrong once, without the events that they did not need.
 SMALL_DAYS = {
+    'edge of an object that has moved in a patch of sun was taken for a texture': Day(163, (
+        Event('put', 0.5, 806641), Event('leave', 1.33, 259388), Event('patch', 2.0, 850626),
+        Event('leave', 3.98, 107378))),
     'neighbour that is parted from an object in the third turn only': Day(141, (
         Event('put', 0.5, 736296), Event('neighbour', 1.02, 687924))),
     'camera that is put back after a corrected bump': Day(2029, (

@@ -74,6 +74,8 @@ _LEAST_SLOPE, _MOST_SLOPE, _LEAST_LIKENESS, _SOME_LIKENESS = 0.3, 1.6, 8.0, 4.0
 _MOST_LEFT, _SURE_NOISE = 2.5, 1.4
 # From this part of the table's power on, what is seen is a texture of another kind.
 _OTHER_TEXTURE = 0.5
+# A pixel's detail, by its variance, counts no more than so much where a few pixels are asked.
+_MOST_OF_A_PIXEL = 9.0
 # How many pixels tell as much of a texture as one whose noise is its own: demosaicing and JPEG
 # spread noise.
 _SPREAD = 3
@@ -441,8 +443,11 @@ def detail_nats(found: Evidence, inside: np.ndarray, size: int) -> np.ndarray:
     :param inside: Where to look, shape (h, w), uint8, 1 there.
     :param size: The edge of a window, px.
     """
+    # One edge of the background, where an object has left, is no texture.
+    own = cv2.extractChannel(found.detail, 1)
+    weight = (inside * cv2.min(_MOST_OF_A_PIXEL / cv2.max(own, _NOTHING), 1))[..., None]
     both, own, _, own_noise = cv2.split(cv2.boxFilter(
-        cv2.copyTo(found.detail, inside), -1, (size, size), normalize=False))
+        found.detail * weight, -1, (size, size), normalize=False))
     texture = cv2.max(1 - _SURE_NOISE * own_noise / cv2.max(own, _NOTHING), 0)
     return texture * (texture / 2 * own - both) / _SPREAD
 
