@@ -13,7 +13,7 @@ Tells what of a region's light is a face of a thing, and no shade or sun, where 
 - It has the chroma of the thing and not the table's; on a table that is nearly grey.
 - The table's texture is gone. What shows it is light, though it was taken for a part of the thing.
 
-Between a light face and a dark one, an edge looks like the table, but only at once.
+The edge between a light face and a dark one looks like the table, but not for more than a pixel.
 """
 
 import math
@@ -33,7 +33,7 @@ import numpy as np
 # what light may change, and nearer to the thing's by this: a shade takes some of it. One that is
 # another thing's is off by more than this part of it.
 _WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA = 7, 1.5, 0.7, 0.4
-# What touches, px, and on how many of them; compression parts faces as far as that.
+# What touches is so near, px, and on so many px; JPEG parts faces by so many.
 _BESIDE, _FEW, _NEARBY = 5, 8, 9
 _NOTHING = 1e-3
 # The table's texture is looked for in windows, px; the median of what tells that it is seen, or
@@ -138,7 +138,7 @@ def _with_edges(things: np.ndarray, changed: np.ndarray, found: Evidence) -> np.
     """
     Give things with the edges between their light faces and their dark ones.
 
-    The table looks like itself between two things for longer.
+    Between two things, the table is seen on more pixels than on such an edge.
     """
     light = found.is_lighter
     near_light, near_dark = (

@@ -41,7 +41,9 @@ _MOVED = 0.2
 # Grey levels beyond the background's own range, and deviations of the noise: where an object's
 # rim still counts, and what an object must have somewhere.
 WEAK_LEVELS, _WEAK_DEVIATIONS, STRONG_DEVIATIONS = 5.0, 4.5, 10.0
-_STRONG, _WEAK, _ALL = 0, 1, (slice(None), slice(None))
+# Which of the two limits; all of a picture, as indices.
+_STRONG, _WEAK = range(2)
+_ALL = slice(None), slice(None)
 
 # Places that are compared, about, and how far apart the two of a pair are, in px.
 _PLACES, _APART, _NEXT = 9000, 3, 1

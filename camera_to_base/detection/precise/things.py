@@ -43,7 +43,7 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # clear by its texture; on which part it may be none; how much of the region a thing is that shade
 # surrounds; and how much of it is lighter than the table where there is no shade.
 _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75, 0.35, 0.9
-# Where so much of a region is surely a thing, one highlight does not tell of all of it.
+# Where this part of a region is surely a thing, one highlight does not tell of all of it.
 _HARDLY = 0.4
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
@@ -184,11 +184,7 @@ def _masks(
     wide, is_cluttered = _wide(things, found, min_area)
     sure = _no_light(wide, found)
     is_cut_off = cut_off(frame)
-    highlight = find_highlight(make_piece(
-        frame, cv2.LUT(background, LINEAR), changed)) if is_cut_off.any() else None
-    # Glass, or a lamp's mirror image: nothing of it is sure.
-    has_highlight = (highlight is not None and not is_on(sure, highlight, changed)
-                     and cv2.countNonZero(sure) < _HARDLY * cv2.countNonZero(changed))
+    has_highlight = bool(is_cut_off.any()) and _has_highlight(frame, background, changed, sure)
     # Light is lighter than the table, and shade is darker.
     is_glossy = has_highlight and cv2.countNonZero(
         _may_be_shade(changed, found)) > _LEAST_REST * cv2.countNonZero(changed)
@@ -206,18 +202,17 @@ def _masks(
         # Its edges are soft in part, and nothing is sharp all around to compare them with; or it
         # has a coloured table's own colour.
         return _Unclear(may_be_light=True)
-    # Where hardly anything is darker than the table, no shade is beside a thing.
-    has_no_shade = cv2.countNonZero(
-        changed & found.is_lighter) > _ALL * cv2.countNonZero(changed)
-    if not by_edges.is_untold:
-        # What is surely a thing may have no segment of its own.
-        things = by_edges.things | (sure if has_no_shade else _without_segment(
-            sure, by_edges, min_area))
-    else:
+    if sure.any() and cv2.countNonZero(
+            changed & found.is_lighter) > _ALL * cv2.countNonZero(changed):
+        # Hardly anything is darker than the table: all that edges tell of is the thing's.
+        things = sure | by_edges.things
+    elif by_edges.is_untold:
         # Beside what is surely none, what light explains is light.
         things = sure if sure.any() else wide
-        if sure.any() and has_no_shade:
-            things = sure | by_edges.things
+    else:
+        # What is surely a thing may have no segment of its own.
+        things = by_edges.things | _without_segment(sure, by_edges, min_area)
+    if by_edges.is_untold:
         if is_cluttered or not things.any() or _goes_on(
                 things, changed, frame, min_area) or not _is_clear(
                 things, changed, found, has_highlight):
@@ -238,8 +233,19 @@ def _masks(
     return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
 
 
+def _has_highlight(
+    frame: np.ndarray, background: np.ndarray, changed: np.ndarray, sure: np.ndarray
+) -> bool:
+    """Tell whether a region has a highlight on glass, or is a lamp's mirror image."""
+    # Of either, hardly anything is surely a thing.
+    if cv2.countNonZero(sure) >= _HARDLY * cv2.countNonZero(changed):
+        return False
+    highlight = find_highlight(make_piece(frame, cv2.LUT(background, LINEAR), changed))
+    return highlight is not None and not is_on(sure, highlight, changed)
+
+
 def _is_shade_beside(things: np.ndarray, changed: np.ndarray, found: Evidence) -> bool:
-    """Tell whether things have a colour, and what is beside them is darker than the table only."""
+    """Tell whether things have a colour, and what is beside them is no more than darker."""
     rest = changed & (1 - cv2.dilate(things, square(_SIZE)))
     if not (things.any() and rest.any()):
         return False
