@@ -23,13 +23,14 @@ Each takes the best of the windows that contain the pixel, so that nothing leaks
 """
 
 import math
-from typing import Any, List, NamedTuple, Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
     AXES, LEVEL_SCALE, LINEAR, log_levels, SATURATED, UNSEEN)
 from camera_to_base.detection.precise.piece import grown, slices, square
-from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, GREY, Shade
+from camera_to_base.detection.precise.shade import (
+    DARKEST, FAINTEST, GREY, Shade, without)
 import cv2
 import numpy as np
 
@@ -148,7 +149,7 @@ def evidence(
     chroma = cv2.magnitude(*usual[:2])
     colour = _nats_of_chroma(chroma)
     dark = _Dark.of(background)
-    light = _light(change, variance, drift, shade.tint, dark, colour, _SIZE)
+    light = _light(change, variance, drift, shade, dark, colour, _SIZE)
     lighter = box_mean(change[2], _SIZE) * LEVEL_SCALE > _LIGHTER
     if lighter.any():
         # On a plain grey table a reflection is as any other light.
@@ -165,7 +166,7 @@ def evidence(
         for axis in range(2):
             step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(_SIZE))
             variance[axis] += (_BLEED * step) ** 2
-        narrow = _light(change, variance, drift, shade.tint, dark, colour, _NARROW)
+        narrow = _light(change, variance, drift, shade, dark, colour, _NARROW)
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
     nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * LEVEL_SCALE
@@ -257,7 +258,7 @@ class _Dark(NamedTuple):
 
 
 def _light(
-    change: List[np.ndarray], variance: List[np.ndarray], drift: float, tint: np.ndarray,
+    change: List[np.ndarray], variance: List[np.ndarray], drift: float, room: Shade,
     dark: Optional[_Dark], colour: np.ndarray, size: int
 ) -> np.ndarray:
     """Give the chi-square of the light in the best window around each pixel: shape (h, w)."""
@@ -268,25 +269,13 @@ def _light(
     # Tint and gain are the same all over a window.
     known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2 + (
         _COLOURED_TINT / _MOST_OF_CHROMA * colour * means[2]) ** 2)
-    off = means[:2]
-    if tint.any():
-        # The chroma may be any between none and the tint's.
-        off = _without(off, tint, shade, 0)
+    # The chroma may be any between none and the tint's.
+    off = room.off_tints(means[:2], means[2])
     if dark is not None:
         # Nobody knows how much of this channel there is, besides what light changes.
         most = dark.unseen * (1 + np.float32(LEVEL_SCALE) * np.abs(means[2]))
-        off = _without(off, dark.axis, -most, most)
+        off = without(off, dark.axis, -most, most)
     return cv2.erode(_chi_square(windows, off, drift, known, size), square(size))
-
-
-def _without(
-    chroma: List[np.ndarray], direction: np.ndarray, least: np.ndarray, most: Any
-) -> List[np.ndarray]:
-    """Take a direction out of a chroma, as far as it may be there: between `least` and `most`."""
-    x, y = map(np.float32, direction)
-    along = (chroma[0] * x + chroma[1] * y) / (x * x + y * y)
-    part = cv2.min(cv2.max(along, least), most)
-    return [chroma[0] - part * x, chroma[1] - part * y]
 
 
 class _Windows(NamedTuple):

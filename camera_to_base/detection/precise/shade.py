@@ -12,13 +12,14 @@ Measures what shade does on a frame: how it tints the table, and how dark it is.
 
 All things of a frame lie in the same lamps' light, so their shades are alike: below one hard lamp
 each is as dark as the others, below two lamps there are three levels. A grey thing's faces seldom
-have just these levels. They are measured beside coloured and black things: what has the table's
-chroma there is shade.
+have just these levels. Where lamps differ in colour, the shade of each has the others' tint. Both
+are measured beside coloured and black things: what is darker there, and not of their colour, is
+shade.
 """
 
 import math
 import operator
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
@@ -30,9 +31,11 @@ import numpy as np
 
 # Logarithm of the ratio: a sixth of the light.
 DARKEST = float(np.log(1 / 6))
-# The tint of a frame's shade: how strong, in which bins, how common among the places that are
-# darker by this logarithm, and on how many of them.
-_STRONGEST_TINT, _BINS, _LEAST_COMMON, _LEAST_PLACES, _LEAST_SHADE = 0.12, 24, 0.3, 60, -0.25
+# The tints of a frame's shade: how strong on each axis, in how many bins, how many of them, and
+# how common each is; beside coloured things, and anywhere.
+_BESIDE_COLOURED, _ANYWHERE = (0.48, 48, 3, 0.08), (0.12, 24, 1, 0.3)
+# On how many places, and how much darker these are, logarithm; what is called a tint.
+_LEAST_PLACES, _LEAST_SHADE, _LEAST_TINT = 60, -0.25, 0.04
 _MOST_REGIONS, _MOST_PLACES = 30, 4000
 # A place shows a thing and no shade from this chroma on, logarithm, or where it is darker than all
 # shade; on which part of a region.
@@ -59,13 +62,26 @@ class Shade(NamedTuple):
     """
     What shade does on a frame.
 
-    :param tint: How much chroma it has for each change of the level, shape (2,).
+    :param tints: How much chroma each lamp's has for each change of the level, shape (2,) each.
     :param levels: What is known of shade: the region's box, if it is one's, and how common each
         level is in its shade, shape (n,), with the sum 1.
     """
 
-    tint: np.ndarray = np.zeros(2)
+    tints: Sequence[np.ndarray] = ()
     levels: Sequence[Tuple[Optional[Box], np.ndarray]] = ()
+
+    def off_tints(self, chroma: Sequence[Any], level: Any) -> Sequence[Any]:
+        """
+        Take out of a chroma what shade may have of it: what is left, on both axes.
+
+        :param level: By how much the level has changed, of the chroma's shape.
+        """
+        shade = np.minimum(level, 0)
+        least, *others = [without(chroma, one, shade, 0) for one in self.tints] or [chroma]
+        for one in others:
+            is_less = one[0] ** 2 + one[1] ** 2 < least[0] ** 2 + least[1] ** 2
+            least = [np.where(is_less, *pair) for pair in zip(one, least)]
+        return least
 
     def beside(self, box: Box) -> 'Shade':
         """Give what is known without a region: it does not speak for itself."""
@@ -89,6 +105,16 @@ class Shade(NamedTuple):
             (_LEVELS * common + _ANY) / (len(self.levels) + _ANY))
 
 
+def without(
+    chroma: Sequence[Any], direction: np.ndarray, least: Any, most: Any
+) -> Sequence[Any]:
+    """Take a direction out of a chroma, as far as it may be there: between `least` and `most`."""
+    x, y = map(np.float32, direction)
+    along = (chroma[0] * x + chroma[1] * y) / (x * x + y * y)
+    part = np.minimum(np.maximum(along, least), most)
+    return [chroma[0] - part * x, chroma[1] - part * y]
+
+
 def measure_shade(frame: np.ndarray, regions: List[Region], reference: Reference) -> Shade:
     """
     Measure what the shade of a frame's regions does.
@@ -98,8 +124,11 @@ def measure_shade(frame: np.ndarray, regions: List[Region], reference: Reference
     :param reference: The background at the frame's light.
     """
     changes = [_change(frame, region, reference) for region in regions[:_MOST_REGIONS]]
-    levels = [(region.box, _levels(change)) for region, change in zip(regions, changes)]
-    return Shade(_tint(changes), [(box, one) for box, one in levels if one is not None])
+    beside = [_beside(change) for change in changes]
+    shade = Shade(_tints(changes, beside))
+    levels = [(region.box, _levels(rest, shade))
+              for region, rest in zip(regions, beside) if rest is not None]
+    return shade._replace(levels=[(box, one) for box, one in levels if one is not None])
 
 
 def _change(frame: np.ndarray, region: Region, reference: Reference) -> np.ndarray:
@@ -152,29 +181,61 @@ def is_of_its_colour(level: Sequence[float], usual: Sequence[float]) -> bool:
     return change_of(level, usual)[0] < _ALIKE and math.dist(table, grey) > GREY
 
 
-def _tint(changes: Sequence[np.ndarray]) -> np.ndarray:
-    """Give the tint, shape (2,); zeros where no such colour is common."""
-    change = np.concatenate([*changes, np.zeros((0, 3), np.float32)])
-    change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > DARKEST / LEVEL_SCALE)]
-    slopes = change[:, :2] / change[:, 2:]
-    places = np.floor((slopes / _STRONGEST_TINT + 1) * (_BINS / 2)).astype(int)
-    places = places[((places >= 0) & (places < _BINS)).all(axis=1)] @ (_BINS, 1)
-    counts = np.bincount(places, minlength=_BINS ** 2).reshape(_BINS, _BINS).astype(float)
-    counts = cv2.blur(counts, (3, 3))
-    if counts.max() * 9 < max(_LEAST_COMMON * len(slopes), _LEAST_PLACES):
-        return np.zeros(2)
-    most = np.array(np.unravel_index(counts.argmax(), counts.shape))
-    return ((most + 0.5) / (_BINS / 2) - 1) * _STRONGEST_TINT
-
-
-def _levels(change: np.ndarray) -> Optional[np.ndarray]:
-    """Tell how common each level is in the shade of a region; None where that is not seen."""
-    chroma, ratio = np.hypot(change[:, 0], change[:, 1]), LEVEL_SCALE * change[:, 2]
-    things = np.count_nonzero((chroma > _COLOURED) | (ratio < DARKEST))
-    neutral = ratio[is_neutral(chroma, ratio) & (ratio < FAINTEST)]
-    if things < _LEAST_THING * len(ratio) or len(neutral) < _LEAST_NEUTRAL:
+def _beside(change: np.ndarray) -> Optional[np.ndarray]:
+    """Give what is darker beside things that have a colour or are black, shape (n, 3)."""
+    ratio = LEVEL_SCALE * change[:, 2]
+    is_thing = (np.hypot(change[:, 0], change[:, 1]) > _COLOURED) | (ratio < DARKEST)
+    if np.count_nonzero(is_thing) < _LEAST_THING * len(ratio):
         return None
-    return _common(neutral)
+    return change[~is_thing & (ratio < FAINTEST)]
+
+
+def _tints(
+    changes: Sequence[np.ndarray], beside: Sequence[Optional[np.ndarray]]
+) -> List[np.ndarray]:
+    """Give the tints, shape (2,) each: any beside coloured things, a faint one elsewhere."""
+    nothing = np.zeros((0, 3), np.float32)
+    shade = np.concatenate([nothing, *(one for one in beside if one is not None)])
+    tints = _common_slopes(shade[:, :2] / shade[:, 2:], *_BESIDE_COLOURED)
+    if tints:
+        return tints
+    change = np.concatenate([nothing, *changes])
+    change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > DARKEST / LEVEL_SCALE)]
+    return _common_slopes(change[:, :2] / change[:, 2:], *_ANYWHERE)
+
+
+def _common_slopes(
+    slopes: np.ndarray, strongest: float, bins: int, most: int, least_common: float
+) -> List[np.ndarray]:
+    """
+    Give the commonest slopes, shape (2,) each.
+
+    :param slopes: Shape (n, 2).
+    :param strongest: The largest that is looked for, on each axis, in so many bins.
+    :param most: How many are looked for.
+    :param least_common: Which part of the slopes each must have.
+    """
+    places = np.floor((slopes / strongest + 1) * (bins / 2)).astype(int)
+    places = places[((places >= 0) & (places < bins)).all(axis=1)] @ (bins, 1)
+    counts = np.bincount(places, minlength=bins ** 2).reshape(bins, bins).astype(np.float32)
+    found: List[np.ndarray] = []
+    for _ in range(most):
+        near = 9 * cv2.blur(counts, (3, 3))
+        if near.max() < max(least_common * len(slopes), _LEAST_PLACES):
+            break
+        row, column = np.unravel_index(near.argmax(), near.shape)
+        found.append(((np.array([row, column]) + 0.5) / (bins / 2) - 1) * strongest)
+        counts[max(row - 2, 0):row + 3, max(column - 2, 0):column + 3] = 0
+    # Less than that is no more than any light may change.
+    return [one for one in found if np.hypot(*one) > _LEAST_TINT]
+
+
+def _levels(rest: np.ndarray, shade: Shade) -> Optional[np.ndarray]:
+    """Tell how common each level is in the shade beside a thing; None where that is not seen."""
+    ratio = LEVEL_SCALE * rest[:, 2]
+    off = shade.off_tints([rest[:, 0], rest[:, 1]], rest[:, 2])
+    neutral = ratio[is_neutral(np.hypot(*off), ratio)]
+    return None if len(neutral) < _LEAST_NEUTRAL else _common(neutral)
 
 
 def _common(ratios: np.ndarray) -> np.ndarray:

@@ -43,6 +43,8 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # clear by its texture; on which part it may be none; how much of the region a thing is that shade
 # surrounds; and how much of it is lighter than the table where there is no shade.
 _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75, 0.35, 0.9
+# Edges tell nothing where pixels tell of more things, as a part of those that edges tell of.
+_MOST_ALONE = 0.05
 # Where this part of a region is surely a thing, one highlight does not tell of all of it.
 _HARDLY = 0.4
 # A thing is wide enough for a window on this part of it; the others are few.
@@ -229,8 +231,13 @@ def _masks(
             if not things.any():
                 return []
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
+    unsure = [*by_edges.unsure]
+    if by_edges.is_untold:
+        # No edge tells what of the rest is a darker face.
+        rest = changed & (1 - things) & (found.nats > -_CLEAR).view(np.uint8)
+        unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
     # Where a thing was seen, parts that are too small do not make it light.
-    return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
+    return _complete(parts, is_cut_off, changed, found, unsure) or _Unclear()
 
 
 def _has_highlight(
@@ -250,9 +257,10 @@ def _is_shade_beside(things: np.ndarray, changed: np.ndarray, found: Evidence) -
     if not (things.any() and rest.any()):
         return False
     chroma = cv2.magnitude(*found.chroma)
+    off = np.hypot(*found.shade.off_tints(found.chroma, found.seen - found.usual))
     ratio = LEVEL_SCALE * float(quantile((found.seen - found.usual)[rest > 0]))
     return bool(quantile(chroma[things > 0], 0.2) > COLOURED and ratio < FAINTEST
-                and is_neutral(quantile(chroma[rest > 0]), ratio))
+                and is_neutral(quantile(off[rest > 0]), ratio))
 
 
 def _without_segment(sure: np.ndarray, by_edges: Parted, min_area: float) -> np.ndarray:
@@ -293,8 +301,11 @@ def _by_segments(
     labels = cv2.connectedComponents(narrow)[1]
     joined = narrow & np.isin(labels, labels[(narrow & near) > 0]).view(np.uint8)
     things = result.things | cv2.dilate(joined, square(3)) & result.light
-    if cv2.countNonZero(narrow & (1 - joined)) > min_area / 2:
-        return result._replace(is_light=False, is_untold=True)
+    alone = narrow & (1 - joined)
+    if cv2.countNonZero(alone) > min_area / 2:
+        if cv2.countNonZero(alone) > _MOST_ALONE * cv2.countNonZero(things):
+            return result._replace(is_light=False, is_untold=True)
+        result.unsure.append(Unsure(cv2.dilate(alone, square(3)), 0.5))
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
 

@@ -1,0 +1,52 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""Below lamps of two colours, each shade has its own tint, measured beside coloured things."""
+
+import math
+
+from camera_to_base.detection import PreciseDifferenceDetector
+import cv2
+from lit_table import coded, covered, SIZE
+import numpy as np
+import pytest
+
+TABLE = np.float32([0.5, 0.5, 0.5])
+WARM, COLD = np.float32([0.7, 0.76, 0.82]), np.float32([0.76, 0.7, 0.64])
+RED, GREY = (0.05, 0.05, 0.5), (0.24, 0.24, 0.24)
+
+
+def table(texture=0.0):
+    grain = cv2.GaussianBlur(np.random.default_rng(5).normal(0, 1, SIZE), (0, 0), 2)
+    return TABLE * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
+
+
+def thing_in_two_lamps(light, u, v, colour):
+    """Lay a square down with a shade to each side, in the other lamp's colour."""
+    for gain, side in ((WARM, 1), (COLD, -1)):
+        near, far = u + side * 16, u + side * 50
+        shares = covered((near, v - 14), (far, v - 8), (far, v + 22), (near, v + 18))
+        light = light * (1 - cv2.GaussianBlur(shares, (0, 0), 2)[..., None] * (1 - gain))
+    shares = covered((u - 18, v - 18), (u + 18, v - 18), (u + 18, v + 18), (u - 18, v + 18))
+    return light * (1 - shares) + shares * np.float32(colour)
+
+
+@pytest.mark.parametrize('texture', [0.0, 0.1])
+@pytest.mark.parametrize('colour', [RED, GREY])
+def test_shades_of_two_colours_are_no_part_of_their_thing(texture, colour):
+    places = [(80, 70), (230, 150)]
+    frame = table(texture)
+    for place, one in zip(places, (RED, colour)):
+        frame = thing_in_two_lamps(frame, *place, one)
+    detector = PreciseDifferenceDetector(coded(table(texture), 1))
+    found = detector.detect(coded(frame, 2))
+    assert len(found) == 2
+    for place in places:
+        # The middle of pixel 0 is at 0.
+        assert min(math.dist(one.centre, np.subtract(place, 0.5)) for one in found) < 0.3
