@@ -13,7 +13,7 @@ Tells which detections light alone could look like, where the evidence of single
 Shade and sun keep the table's chroma, and change its level by one factor. A thing that does the
 same is told from them in three ways:
 
-- the rim of light is soft, or a crescent's,
+- the rim of light is soft, or a crescent's, and it has no sharp edges inside,
 - light shows the table's stains and pile, too faint for single pixels, where many of them agree,
 - else, where neither the thing nor the table has a colour or a texture of its own, nothing but a
   sharp rim tells, and that is said.
@@ -42,6 +42,9 @@ _DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
 _LEAST_SOLIDITY = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
 _SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
+# The least step between two faces in grey levels; the table has less than this part of it; how
+# long such edges are, by the square root of the area.
+_LEAST_STEP, _SAME_STEP, _LEAST_EDGES = 13.0, 0.4, 0.5
 # What is of one colour: its deviation in grey levels, and by that of the noise.
 _EVEN_LEVELS, _EVEN_DEVIATIONS = 2.0, 2.5
 # Every so many px are asked, this far from the rim, and at least so many.
@@ -64,10 +67,12 @@ def is_soft_light(detection: Detection, frame: np.ndarray, background: np.ndarra
     outline = np.int32(detection.outline)[:, None]
     part = slices(detection.box)
     pictures, inside = (frame[part], background[part]), filled(outline, detection.box)
-    if not _is_shade(*pictures, inside):
-        if not _is_shade(*reversed(pictures), inside):
-            return False
-    elif _is_crescent(outline):
+    is_shade = _is_shade(*pictures, inside)
+    if not (is_shade or _is_shade(*reversed(pictures), inside)):
+        return False
+    if _has_edges_inside(*pictures, inside):
+        return False
+    if is_shade and _is_crescent(outline):
         return True
     window = grown(detection.box, max(_WINDOWS), frame)
     return not _has_sharp_rim(frame[slices(window)], outline, window)
@@ -89,16 +94,33 @@ def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
     return cv2.countNonZero(shade) > least
 
 
+def _has_edges_inside(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
+    """Tell whether there are sharp steps inside that are not the table's: faces of a thing."""
+    near, far = _steps(cv2.blur(piece, (3, 3)))
+    own = _steps(cv2.blur(table, (3, 3)))[1]
+    sharp = (near > _SHARP * far) & (far > _LEAST_STEP) & (own < _SAME_STEP * far)
+    edges = _without_rim(inside, _WELL_INSIDE) & sharp.view(np.uint8)
+    # Around an edge, a step is seen in as many px as the window has.
+    length = cv2.countNonZero(edges) / _WINDOWS[0]
+    return length > _LEAST_EDGES * math.sqrt(cv2.countNonZero(inside))
+
+
 def _is_crescent(outline: np.ndarray) -> bool:
     hull = cv2.contourArea(cv2.convexHull(outline))
     return cv2.contourArea(outline) < _LEAST_SOLIDITY * hull
 
 
+def _steps(piece: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Give the steps of levels in the smaller window around each pixel and in the larger one."""
+    near, far = (np.float32(channel_extremes(
+        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1]) for size in _WINDOWS)
+    return near, far
+
+
 def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
     # At a sharp step, a small window shows as large a step as a larger window does.
     x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
-    near, far = (np.float32(channel_extremes(
-        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1]) for size in _WINDOWS)
+    near, far = _steps(piece)
     return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)
 
 

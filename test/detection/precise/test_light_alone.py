@@ -9,11 +9,14 @@
 
 """What only its sharp edge tells from light: it is published with a warning, or as is chosen."""
 
+import math
+
 from camera_to_base.detection import DetectorSettings, PreciseDifferenceDetector
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.pipeline import CameraPipeline
 from camera_to_base.surface.models import ParallelSurface
 import cv2
+from lit_table import coded
 import numpy as np
 import pytest
 
@@ -148,3 +151,45 @@ def test_pipeline_warns_while_it_is_published(choice, kind):
     assert doubt is None or '(100, 120) px' in doubt.sentence
     pipeline.process(seen(table(), 6), 6.0)
     assert pipeline.doubt is None
+
+
+def bolt_in_its_shade(light, gains, metal=None):
+    """Lay a grey bolt down: darker and darker across, with two lamps' soft shade beside it."""
+    shade = np.zeros(SIZE, np.float32)
+    for corners in (((66, 110), (186, 106), (186, 130), (66, 130)),
+                    ((64, 110), (184, 110), (184, 136), (68, 132))):
+        one = np.zeros(SIZE, np.float32)
+        cv2.fillConvexPoly(one, np.int32(corners), 1)
+        shade = shade + cv2.GaussianBlur(one, (0, 0), 3)
+    light = light * (1 - 0.25 * shade)[..., None]
+    faces = np.zeros((8 * SIZE[0], 8 * SIZE[1]), np.float32)
+    for index, gain in enumerate(gains):
+        for left, right, half in ((70, 170, 8), (160, 182, 14)):
+            step = 2 * half / len(gains)
+            cv2.rectangle(faces, np.int32([8 * left, 8 * (118 - half + index * step)]).tolist(),
+                          np.int32([8 * right, 8 * (118 - half + (index + 1) * step)]).tolist(),
+                          gain, cv2.FILLED)
+    shares = cv2.resize(np.float32(faces > 0), SIZE[::-1], interpolation=cv2.INTER_AREA)
+    faces = cv2.resize(faces, SIZE[::-1], interpolation=cv2.INTER_AREA)
+    shares, faces = (cv2.GaussianBlur(one, (0, 0), 0.7)[..., None] for one in (shares, faces))
+    return light * (1 - shares) + faces * (light[0, 0] if metal is None else metal)
+
+
+@pytest.mark.parametrize('lightest, darkest', [(0.95, 0.35), (0.8, 0.2), (0.65, 0.35)])
+def test_faces_with_sharp_edges_between_them_are_a_thing(lightest, darkest):
+    white = table((0.7, 0.7, 0.7))
+    bolt = bolt_in_its_shade(white, np.linspace(lightest, darkest, 12))
+    (found,), _ = detected(white, bolt)
+    # Its shade may be a part of it.
+    assert found.doubt > 1
+    assert math.dist(found.centre, (126, 118)) < 3 * found.doubt
+
+
+@pytest.mark.parametrize('colour, metal', [
+    ((0.4, 0.35, 0.5), 0.35), ((0.4, 0.35, 0.5), 0.5), ((0.1, 0.12, 0.14), 0.35),
+    ((0.15, 0.1, 0.13), 0.2)])
+def test_dark_half_that_no_edge_tells_from_shade_widens_the_ellipse(colour, metal):
+    bolt = bolt_in_its_shade(table(colour), np.linspace(1, 0.15, 12), metal)
+    detector = PreciseDifferenceDetector(coded(table(colour), 1, 88))
+    found, = detector.detect(coded(bolt, 2, 88))
+    assert math.dist(found.centre, (126, 118)) < 3 * max(found.doubt, 0.5)
