@@ -109,6 +109,7 @@ class _Segment(NamedTuple):
     :param colour: What speaks against a thing of the table's chroma, nats.
     :param ratio: The median logarithm of its level / the table's.
     :param tone: The median changes of both axes of the chroma, logarithms.
+    :param chroma: How far that is off what the tint of shade may do.
     """
 
     mask: np.ndarray
@@ -118,11 +119,7 @@ class _Segment(NamedTuple):
     colour: float
     ratio: float
     tone: Tuple[float, float]
-
-    @property
-    def chroma(self) -> float:
-        """How much the chroma has changed, logarithm."""
-        return math.hypot(*self.tone)
+    chroma: float
 
     @property
     def may_be_shade(self) -> bool:
@@ -305,8 +302,9 @@ def _look(
     inside = mask > 0
     nats, colour, ratio, *tone = (float(quantile(one[inside])) for one in (
         found.nats, found.colour, found.seen - found.usual, *found.chroma))
+    chroma = math.hypot(*found.shade.off_tints(tone, ratio))
     return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
-                    LEVEL_SCALE * ratio, tuple(tone))
+                    LEVEL_SCALE * ratio, tuple(tone), chroma)
 
 
 def _most_by_rim(segments: List[_Segment], on_table: List[_Segment]) -> float:

@@ -256,10 +256,9 @@ def _is_shade_beside(things: np.ndarray, changed: np.ndarray, found: Evidence) -
     rest = changed & (1 - cv2.dilate(things, square(_SIZE)))
     if not (things.any() and rest.any()):
         return False
-    chroma = cv2.magnitude(*found.chroma)
     off = np.hypot(*found.shade.off_tints(found.chroma, found.seen - found.usual))
     ratio = LEVEL_SCALE * float(quantile((found.seen - found.usual)[rest > 0]))
-    return bool(quantile(chroma[things > 0], 0.2) > COLOURED and ratio < FAINTEST
+    return bool(quantile(off[things > 0], 0.2) > COLOURED and ratio < FAINTEST
                 and is_neutral(quantile(off[rest > 0]), ratio))
 
 

@@ -22,9 +22,9 @@ WARM, COLD = np.float32([0.7, 0.76, 0.82]), np.float32([0.76, 0.7, 0.64])
 RED, GREY = (0.05, 0.05, 0.5), (0.24, 0.24, 0.24)
 
 
-def table(texture=0.0):
+def table(texture=0.0, colour=TABLE):
     grain = cv2.GaussianBlur(np.random.default_rng(5).normal(0, 1, SIZE), (0, 0), 2)
-    return TABLE * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
+    return np.float32(colour) * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
 
 
 def thing_in_two_lamps(light, u, v, colour):
@@ -50,3 +50,16 @@ def test_shades_of_two_colours_are_no_part_of_their_thing(texture, colour):
     for place in places:
         # The middle of pixel 0 is at 0.
         assert min(math.dist(one.centre, np.subtract(place, 0.5)) for one in found) < 0.3
+
+
+@pytest.mark.parametrize('colour', [(0.38, 0.5, 0.5), (0.5, 0.45, 0.4), (0.42, 0.5, 0.46)])
+@pytest.mark.parametrize('light, dark', [(0.2, 0.06), (0.15, 0.04), (0.25, 0.08)])
+def test_grey_thing_on_a_coloured_table_keeps_its_dark_face(colour, light, dark):
+    empty = table(colour=colour)
+    frame = thing_in_two_lamps(empty, 80, 70, RED)
+    frame = thing_in_two_lamps(frame, 230, 150, (light,) * 3)
+    face = covered((248, 132), (262, 136), (262, 160), (248, 168))
+    frame = frame * (1 - face) + face * np.float32([dark] * 3)
+    found = PreciseDifferenceDetector(coded(empty, 1)).detect(coded(frame, 2))
+    assert [round(one.area, -2) for one in found] == [1700, 1300]
+    assert math.dist(found[0].centre, (235, 149.5)) < 1
