@@ -85,7 +85,7 @@ def _of_chroma(light: np.ndarray, sides: Sequence[Side], found: Evidence) -> np.
     count = cv2.max(box_mean(light.astype(np.float32), _WINDOW), _NOTHING)
     *chroma, level = (box_mean(one * light, _WINDOW) / count
                       for one in (*found.chroma, found.seen - found.usual))
-    off = cv2.magnitude(*map(np.float32, found.shade.off_tints(chroma, level)))
+    off = np.hypot(*found.shade.off_tints(chroma, level))
     other = light & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
     if not other.any():
         return faces

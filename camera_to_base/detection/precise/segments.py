@@ -174,10 +174,13 @@ def parted(
     shade = found.shade.with_levels([one.ratio for one in on_table])
     most_by_rim = _most_by_rim(segments, on_table)
     are_coloured = _are_coloured(segments)
+    is_lamp_soft = any(one.may_be_shade and one.is_soft for one in segments)
     judged: List[_Judged] = []
     is_cut_off = cut_off(frame)
     for one in segments:
-        is_shade = are_coloured and one.may_be_shade
+        # Beside soft shade, a sharp rim is that of a grey part of the thing.
+        is_shade = are_coloured and one.may_be_shade and (
+            one.is_soft is not False or not is_lamp_soft)
         nats = _MOST_LIGHT if is_shade else _nats(one, most_by_rim, shade, found)
         # Compression may hide its edge to its shade.
         judged.append((one, _without(one.mask, light, is_cut_off, found), nats))

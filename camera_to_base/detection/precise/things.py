@@ -231,13 +231,12 @@ def _masks(
             if not things.any():
                 return []
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
-    unsure = [*by_edges.unsure]
     if by_edges.is_untold:
         # No edge tells what of the rest is a darker face.
         rest = changed & (1 - things) & (found.nats > -_CLEAR).view(np.uint8)
-        unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
+        by_edges.unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
     # Where a thing was seen, parts that are too small do not make it light.
-    return _complete(parts, is_cut_off, changed, found, unsure) or _Unclear()
+    return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
 
 
 def _has_highlight(

@@ -724,3 +724,18 @@ def test_object_whose_shade_reaches_the_border_comes_once_beside_foreign_shade()
     light = shaded(shaded(bright, foreign, 0.4), own[..., 0][..., None])
     found, = detect(painted(light, square(190, 200, 12), (0.05, 0.1, 0.5)), bright)
     assert found.centre == pytest.approx((189.5, 199.5), abs=1) and not found.cut_off
+
+
+@pytest.mark.parametrize('texture', [0.0, 0.1])
+@pytest.mark.parametrize('grey, part', [(0.1, 0.5), (0.15, 0.5), (0.1, 0.65), (0.15, 0.35)])
+def test_grey_part_of_a_coloured_thing_is_no_shade(texture, grey, part):
+    """A screwdriver lies in soft light: a red handle, and a blade of the table's chroma."""
+    background = table(texture)
+    light = shaded(background, covered((145, 110), (190, 115), (195, 150), (150, 148)))
+    light = painted(light, covered((120, 105), (180, 105), (180, 140), (120, 140)),
+                    (0.05, 0.05, 0.5))
+    middle = 120 + 60 * part
+    light = painted(light, covered((middle, 105), (180, 105), (180, 140), (middle, 140)),
+                    grey * TABLE / TABLE.mean())
+    found, = detect(light, background, 90)
+    assert np.hypot(found.centre.u - 149.5, found.centre.v - 122) < 3 * max(found.doubt, 0.4)
