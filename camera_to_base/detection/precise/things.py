@@ -43,8 +43,6 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # clear by its texture; on which part it may be none; how much of the region a thing is that shade
 # surrounds; and how much of it is lighter than the table where there is no shade.
 _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75, 0.35, 0.9
-# Edges tell nothing where pixels tell of more things, as a part of those that edges tell of.
-_MOST_ALONE = 0.05
 # Where this part of a region is surely a thing, one highlight does not tell of all of it.
 _HARDLY = 0.4
 # A thing is wide enough for a window on this part of it; the others are few.
@@ -299,11 +297,8 @@ def _by_segments(
     labels = cv2.connectedComponents(narrow)[1]
     joined = narrow & np.isin(labels, labels[(narrow & near) > 0]).view(np.uint8)
     things = result.things | cv2.dilate(joined, square(3)) & result.light
-    alone = narrow & (1 - joined)
-    if cv2.countNonZero(alone) > min_area / 2:
-        if cv2.countNonZero(alone) > _MOST_ALONE * cv2.countNonZero(things):
-            return result._replace(is_light=False, is_untold=True)
-        result.unsure.append(Unsure(cv2.dilate(alone, square(3)), 0.5))
+    if cv2.countNonZero(narrow & (1 - joined)) > min_area / 2:
+        return result._replace(is_light=False, is_untold=True)
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
 
