@@ -68,9 +68,8 @@ def is_soft_light(detection: Detection, frame: np.ndarray, background: np.ndarra
     part = slices(detection.box)
     pictures, inside = (frame[part], background[part]), filled(outline, detection.box)
     is_shade = _is_shade(*pictures, inside)
-    if not (is_shade or _is_shade(*reversed(pictures), inside)):
-        return False
-    if _has_edges_inside(*pictures, inside):
+    if (not (is_shade or _is_shade(*reversed(pictures), inside))
+            or _has_edges_inside(*pictures, inside)):
         return False
     if is_shade and _is_crescent(outline):
         return True
@@ -96,8 +95,9 @@ def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
 
 def _has_edges_inside(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
     """Tell whether there are sharp steps inside that are not the table's: faces of a thing."""
-    near, far = _steps(cv2.blur(piece, (3, 3)))
-    own = _steps(cv2.blur(table, (3, 3)))[1]
+    seen, usual = (cv2.blur(picture, (3, 3)) for picture in (piece, table))
+    near, far = (_steps(seen, size) for size in _WINDOWS)
+    own = _steps(usual, _WINDOWS[1])
     sharp = (near > _SHARP * far) & (far > _LEAST_STEP) & (own < _SAME_STEP * far)
     edges = _without_rim(inside, _WELL_INSIDE) & sharp.view(np.uint8)
     # Around an edge, a step is seen in as many px as the window has.
@@ -110,17 +110,16 @@ def _is_crescent(outline: np.ndarray) -> bool:
     return cv2.contourArea(outline) < _LEAST_SOLIDITY * hull
 
 
-def _steps(piece: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Give the steps of levels in the smaller window around each pixel and in the larger one."""
-    near, far = (np.float32(channel_extremes(
-        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1]) for size in _WINDOWS)
-    return near, far
+def _steps(piece: np.ndarray, size: int) -> np.ndarray:
+    """Give the step of levels in the window around each pixel: shape (h, w), float32."""
+    return np.float32(channel_extremes(
+        cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1])
 
 
 def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
     # At a sharp step, a small window shows as large a step as a larger window does.
     x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
-    near, far = _steps(piece)
+    near, far = (_steps(piece, size) for size in _WINDOWS)
     return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)
 
 

@@ -76,8 +76,10 @@ class Shade(NamedTuple):
 
         :param level: By how much the level has changed, of the chroma's shape.
         """
+        if not self.tints:
+            return chroma
         shade = np.minimum(level, 0)
-        least, *others = [without(chroma, one, shade, 0) for one in self.tints] or [chroma]
+        least, *others = [without(chroma, one, shade, 0) for one in self.tints]
         for one in others:
             is_less = one[0] ** 2 + one[1] ** 2 < least[0] ** 2 + least[1] ** 2
             least = [np.where(is_less, *pair) for pair in zip(one, least)]
@@ -124,10 +126,10 @@ def measure_shade(frame: np.ndarray, regions: List[Region], reference: Reference
     :param reference: The background at the frame's light.
     """
     changes = [_change(frame, region, reference) for region in regions[:_MOST_REGIONS]]
-    beside = [_beside(change) for change in changes]
-    shade = Shade(_tints(changes, beside))
-    levels = [(region.box, _levels(rest, shade))
-              for region, rest in zip(regions, beside) if rest is not None]
+    shades = [_shade_in(change) for change in changes]
+    shade = Shade(_tints(changes, shades))
+    levels = [(region.box, _levels(one, shade))
+              for region, one in zip(regions, shades) if one is not None]
     return shade._replace(levels=[(box, one) for box, one in levels if one is not None])
 
 
@@ -181,8 +183,8 @@ def is_of_its_colour(level: Sequence[float], usual: Sequence[float]) -> bool:
     return change_of(level, usual)[0] < _ALIKE and math.dist(table, grey) > GREY
 
 
-def _beside(change: np.ndarray) -> Optional[np.ndarray]:
-    """Give what is darker beside things that have a colour or are black, shape (n, 3)."""
+def _shade_in(change: np.ndarray) -> Optional[np.ndarray]:
+    """Give the shade in a region, shape (n, 3); None without a coloured or black thing in it."""
     ratio = LEVEL_SCALE * change[:, 2]
     is_thing = (np.hypot(change[:, 0], change[:, 1]) > _COLOURED) | (ratio < DARKEST)
     if np.count_nonzero(is_thing) < _LEAST_THING * len(ratio):
@@ -191,11 +193,11 @@ def _beside(change: np.ndarray) -> Optional[np.ndarray]:
 
 
 def _tints(
-    changes: Sequence[np.ndarray], beside: Sequence[Optional[np.ndarray]]
+    changes: Sequence[np.ndarray], shades: Sequence[Optional[np.ndarray]]
 ) -> List[np.ndarray]:
     """Give the tints, shape (2,) each: any beside coloured things, a faint one elsewhere."""
     nothing = np.zeros((0, 3), np.float32)
-    shade = np.concatenate([nothing, *(one for one in beside if one is not None)])
+    shade = np.concatenate([nothing, *(one for one in shades if one is not None)])
     tints = _common_slopes(shade[:, :2] / shade[:, 2:], *_BESIDE_COLOURED)
     if tints:
         return tints
@@ -230,10 +232,10 @@ def _common_slopes(
     return [one for one in found if np.hypot(*one) > _LEAST_TINT]
 
 
-def _levels(rest: np.ndarray, shade: Shade) -> Optional[np.ndarray]:
+def _levels(change: np.ndarray, shade: Shade) -> Optional[np.ndarray]:
     """Tell how common each level is in the shade beside a thing; None where that is not seen."""
-    ratio = LEVEL_SCALE * rest[:, 2]
-    off = shade.off_tints([rest[:, 0], rest[:, 1]], rest[:, 2])
+    ratio = LEVEL_SCALE * change[:, 2]
+    off = shade.off_tints([change[:, 0], change[:, 1]], change[:, 2])
     neutral = ratio[is_neutral(np.hypot(*off), ratio)]
     return None if len(neutral) < _LEAST_NEUTRAL else _common(neutral)
 

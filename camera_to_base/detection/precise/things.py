@@ -228,11 +228,10 @@ def _masks(
                 return _Unclear(doubt=doubt_of(changed, unsure))
             if not things.any():
                 return []
-    parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
-    if by_edges.is_untold:
         # No edge tells what of the rest is a darker face.
         rest = changed & (1 - things) & (found.nats > -_CLEAR).view(np.uint8)
         by_edges.unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
+    parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
     return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
 
