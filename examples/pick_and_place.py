@@ -38,6 +38,7 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from two_link_arm import joint_angles
 from visualization_msgs.msg import MarkerArray
@@ -362,13 +363,6 @@ def _start() -> PickAndPlace:
         sys.exit(f'pick_and_place: cannot start: {error}')
 
 
-def _spin(node: PickAndPlace) -> None:
-    try:
-        rclpy.spin(node)
-    except ExternalShutdownException:
-        pass
-
-
 def main() -> None:
     """Answer --help, or pick until a signal arrives."""
     argparse.ArgumentParser(
@@ -377,15 +371,19 @@ def main() -> None:
     node = _start()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: node.end())
-    receiving = threading.Thread(target=_spin, args=(node,), daemon=True)
+    is_over = Future()
+    receiving = threading.Thread(
+        target=rclpy.spin_until_future_complete, args=(node, is_over), daemon=True)
     receiving.start()
     try:
         node.run()
     except ExternalShutdownException:
         pass
     finally:
-        rclpy.shutdown()
+        # Spinning fails if the context goes while the executor prepares to wait.
+        is_over.set_result(None)
         receiving.join(2.0)
+        rclpy.shutdown()
 
 
 if __name__ == '__main__':

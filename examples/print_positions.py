@@ -19,10 +19,13 @@ def on_point(message):
     print(f'x {point.x:.3f} m, y {point.y:.3f} m in {message.header.frame_id}', flush=True)
 
 
+rclpy.init()
+node = rclpy.create_node('print_positions')
+node.create_subscription(PointStamped, 'pos_in_robot_base_frame/point', on_point, 1)
 try:
-    rclpy.init()
-    node = rclpy.create_node('print_positions')
-    node.create_subscription(PointStamped, 'pos_in_robot_base_frame/point', on_point, 1)
     rclpy.spin(node)
 except (KeyboardInterrupt, ExternalShutdownException):
     pass
+except RuntimeError:  # ended between two waits
+    if rclpy.ok():
+        raise

@@ -100,6 +100,9 @@ def main() -> None:
         rclpy.spin(_start())
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except RuntimeError:  # ended between two waits
+        if rclpy.ok():
+            raise
     finally:
         rclpy.try_shutdown()
 

@@ -214,3 +214,21 @@ class Process:
         """End it whatever it does."""
         self._process.kill()
         self.output, _ = self._process.communicate()
+
+
+def between_waits(example):
+    """Give a command that runs an example as on a slow machine: mostly between two waits."""
+    code = f"""
+import runpy, sys, time
+from rclpy import executors
+class Slow:
+    def __getattr__(self, name):
+        return getattr(bindings, name)
+    def WaitSet(self, *counts):
+        time.sleep(0.1)
+        return bindings.WaitSet(*counts)
+bindings, executors._rclpy = executors._rclpy, Slow()
+sys.path.insert(0, {str(example.parent)!r})
+runpy.run_path({str(example)!r}, run_name='__main__')
+"""
+    return [sys.executable, '-c', code]

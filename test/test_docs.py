@@ -153,7 +153,7 @@ def test_readme_shows_the_example_as_it_is():
     readme = (ROOT / 'README.md').read_text()
     example = (ROOT / 'examples' / 'print_positions.py').read_text()
     code = example.partition('"""\n\n')[2]
-    shown = re.search(r'^ {4}from geometry_msgs.*?^ {8}pass\n', readme, re.M | re.S).group()
+    shown = re.search(r'^ {4}from geometry_msgs.*?^ {12}raise\n', readme, re.M | re.S).group()
     assert re.sub('^    ', '', shown, flags=re.MULTILINE) == code
 
 

@@ -18,7 +18,7 @@ import sys
 
 from demo_pick import SimulatedGripper, TrueBox
 import pytest
-from ros_helpers import stamp_now
+from ros_helpers import between_waits, stamp_now
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
@@ -233,6 +233,15 @@ def test_silence_after_a_grasp_is_no_empty_place(ros, arm):
     assert ros.spin_until(lambda: table.happened('put down'))
     ros.spin_for(0.3)
     assert 'picked at' in output()
+
+
+def test_signal_between_two_waits_is_an_end(ros):
+    table = Table(ros, box(0.15, 0.10), error=0.004)
+    process = subprocess.Popen(between_waits(EXAMPLE), stderr=subprocess.PIPE, text=True)
+    wait_for_line(ros, 'is known to 4.0 mm')
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20.0)
+    assert process.returncode == 0 and 'Traceback' not in errors and table.joints == []
 
 
 @pytest.mark.parametrize('away, closing, lift, opening, what', [

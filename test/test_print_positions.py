@@ -16,6 +16,7 @@ import sys
 
 from geometry_msgs.msg import PointStamped
 import pytest
+from ros_helpers import between_waits
 
 EXAMPLE = Path(__file__).parents[1] / 'examples' / 'print_positions.py'
 
@@ -35,3 +36,16 @@ def test_each_position_is_printed_until_ctrl_c(ros):
         example.send_signal(signal.SIGINT)
         output, _ = example.communicate(timeout=10.0)
     assert (example.returncode, output) == (0, '')
+
+
+@pytest.mark.parametrize('name', ['print_positions.py', 'two_link_arm.py'])
+def test_signal_between_two_waits_is_an_end(ros, name):
+    publisher = ros.node.create_publisher(PointStamped, 'pos_in_robot_base_frame/point', 10)
+    example = subprocess.Popen(between_waits(EXAMPLE.with_name(name)), stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+    assert ros.spin_until(lambda: publisher.get_subscription_count())
+    ros.node.create_timer(0.01, lambda: publisher.publish(PointStamped()))
+    ros.spin_for(1.0)
+    example.send_signal(signal.SIGTERM)
+    _, errors = example.communicate(timeout=20.0)
+    assert example.returncode == 0 and 'Traceback' not in errors
