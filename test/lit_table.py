@@ -9,6 +9,7 @@
 
 """A table in linear light, what lies on it, and the camera's picture of both."""
 
+from camera_to_base.detection import PreciseDifferenceDetector
 import cv2
 import numpy as np
 
@@ -31,3 +32,44 @@ def covered(*corners, blur=0.7):
     cv2.fillPoly(large, [np.int32(np.array(corners) * 4)], 255)
     shares = cv2.resize(large, SIZE[::-1], interpolation=cv2.INTER_AREA) / np.float32(255)
     return cv2.GaussianBlur(shares, (0, 0), blur)[..., None]
+
+
+def disc(u, v, radius):
+    """Give which part of each pixel a disc covers."""
+    return covered(*ring(u, v, radius))
+
+
+def ring(u, v, radius):
+    """Give corners of a disc, shape (60, 2), px."""
+    turns = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    return np.column_stack([u + radius * np.cos(turns), v + radius * np.sin(turns)])
+
+
+def felt(texture, seed):
+    """Give the light of a table whose light varies by this part."""
+    grain = cv2.GaussianBlur(np.random.default_rng(seed).normal(0, 1, SIZE), (0, 0), 1.2)
+    return TABLE * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
+
+
+def shaded(light, shares, depth=0.5, tint=(1, 1, 1)):
+    """Lay a shade with a soft edge on it."""
+    soft = cv2.GaussianBlur(shares, (0, 0), 1.5)[..., None]
+    return light * (1 - soft * (1 - (1 - depth) * np.float32(tint)))
+
+
+def painted(light, shares, colour):
+    """Lay a thing on it."""
+    return light * (1 - shares) + shares * np.float32(colour)
+
+
+def detect(light, background, quality=95):
+    """Find what lies on a table."""
+    detector = PreciseDifferenceDetector(coded(background, 1, quality))
+    return detector.detect(coded(light, 2, quality))
+
+
+def overlap(detection, true):
+    """Give the intersection of an outline and a mask of shape (h, w), over their union."""
+    found = np.zeros(SIZE, np.uint8)
+    cv2.fillPoly(found, [detection.outline], 1)
+    return (found & true).sum() / (found | true).sum()

@@ -40,8 +40,6 @@ _AT_REST_S, _JOINED_SIZE = 0.5, 1.3
 # What looks the same differs by no more than noise does: in levels, and in its deviations, which
 # are told from whole levels.
 _LEAST_NOISE, _NOISE_DEVIATIONS = 4.0, 8.0
-# Of an object at least this share differs from the background.
-_LEAST_CHANGED = 0.3
 
 _TOUCHED = Reason(
     'touched', Level.WARN, 'something that reaches in from the edge of the picture touches, '
@@ -145,9 +143,7 @@ class ArmCheck:
             return record
         frame, taken_at = record.aligned, record.now
         doubtful = [one for one in record.objects if not self._is_unchanged(one, frame)]
-        changes = self._reaching_in.find(
-            frame, record.motion.shift_px,
-            [one.detection.outline for one in doubtful] + self._places.outlines)
+        changes = self._reaching_in.find(frame, record.motion.shift_px, self._places.outlines)
         record = self._without_left(record, doubtful, changes)
         fill = changes.reaching_in if changes.any_reaching_in else None
         if taken_at is None:
@@ -173,8 +169,8 @@ class ArmCheck:
         places.forget_those_back(changes.differs, self._reaching_in.scale, [
             *(one.detection for one in record.objects),
             *(one.detection for one in record.left_out)])
-        left = [one for one in doubtful
-                if self._is_left(one.detection.outline, record.aligned, changes)]
+        left = [one for one in doubtful if self._left_behind.is_part_of(
+            record.aligned, one.detection.outline, changes.gain)]
         places.note([*(one.detection.outline for one in left),
                      *(one.detection.outline for one in record.left_out
                        if one.reason.kind == LEFT.kind)], record.now or 0.0)
@@ -186,10 +182,6 @@ class ArmCheck:
         return record._replace(left_out=(*record.left_out, *(
             LeftOut(place, LEFT, _point_of(record, place))
             for place in places.certain_but_for(told))))
-
-    def _is_left(self, outline: np.ndarray, frame: np.ndarray, changes: Changes) -> bool:
-        return (self._share(outline, changes.differs) < _LEAST_CHANGED
-                or self._left_behind.is_part_of(frame, outline, changes.gain))
 
     def _recent(self, fill: _Mask, taken_at: float) -> _Mask:
         while self._fills and not 0 <= taken_at - self._fills[0][0] <= _MEMORY_S:
@@ -249,10 +241,8 @@ class ArmCheck:
         self._known = [now, *others][:_MOST_KNOWN]
 
     def _is_covered(self, one: LocatedObject, mask: _Mask) -> bool:
-        return mask is not None and self._share(one.detection.outline, mask) > 0
-
-    def _share(self, outline: np.ndarray, mask: np.ndarray) -> float:
-        return covered_share(mask, outline, self._reaching_in.scale)
+        return mask is not None and covered_share(
+            mask, one.detection.outline, self._reaching_in.scale) > 0
 
 
 def _is_part_of(one: Detection, other: Detection) -> bool:

@@ -154,7 +154,8 @@ class CameraPipeline:
         """Why positions are published with a warning: another camera, a nudge...; or None."""
         return (self._own_reason(is_strict=False) or self._markers.doubt
                 or self.standpoint.surface.reason or self._in_place.doubt
-                or self._arms.doubt(self.standpoint) or self._detection.doubt)
+                or self._arms.doubt(self.standpoint) or self._detection.doubt
+                or self._surroundings.doubt(self.standpoint))
 
     @property
     def faintness(self) -> Optional[str]:

@@ -296,7 +296,8 @@ class ReachingIn:
         Find it on a frame of the background's size.
 
         :param shift_px: How far the view has moved, in px: so much blurs the surface's edges.
-        :param outlines: Of the objects, each of shape (n, 2), int32, columns u and v in px.
+        :param outlines: Of places, each of shape (n, 2), int32, columns u and v in px:
+            `differs` is looked at there.
         """
         gains = self._edge.gains(frame)
         gain = sorted(gains)[1]

@@ -15,6 +15,7 @@ from camera_to_base.detection import (
     Box, Detection, LeftOut, locate_pixel, LocatedObject, Pixel, Point, REASONS)
 from camera_to_base.errors import HorizonError, Level, Reason
 from camera_to_base.pipeline.stage import FrameRecord, Stage
+from camera_to_base.pipeline.standpoint import PerBackground, Standpoint
 import cv2
 import numpy as np
 
@@ -23,6 +24,8 @@ import numpy as np
 # px. Of the whole picture some rows tell whether that need be asked.
 _SATURATED, _MOST_SATURATED, _NEAR, _FAR = 250, 0.1, 2, 7
 _ROW_STEP, _LEAST_OVEREXPOSED = 8, 0.002
+# Where the background is white on so much of it, that is told.
+_OVEREXPOSED_SURFACE = 0.1
 
 # What covers so much of the picture may be a sheet. Most of it has one colour, with this
 # tolerance, in levels.
@@ -43,8 +46,17 @@ _ON_SHEET = Reason(
 class SurroundingsStage(Stage):
     """Leaves out objects in overexposed surroundings, and lists what lies on a sheet."""
 
+    def __init__(self) -> None:
+        self._surfaces: PerBackground[Optional[Reason]] = PerBackground(
+            lambda background: _of_surface(background.picture))
+
+    def doubt(self, standpoint: Standpoint) -> Optional[Reason]:
+        """Tell whether much of the surface is overexposed."""
+        return standpoint.background and self._surfaces.of(standpoint.background)
+
     def judge(self, record: FrameRecord) -> FrameRecord:
         """Leave out what cannot be told from its surroundings."""
+        self._surfaces.keep(record.standpoint)
         if record.aligned is None or not (record.objects or record.left_out):
             return record
         frame, background = record.aligned, record.standpoint.background.picture
@@ -91,6 +103,15 @@ def _sheets(record: FrameRecord, frame: np.ndarray) -> Iterator[Detection]:
     for one in (*record.objects, *left_out):
         if one.detection.area >= least:
             yield one.detection
+
+
+def _of_surface(background: np.ndarray) -> Optional[Reason]:
+    share = _saturated(background[::_ROW_STEP]).mean()
+    return None if share < _OVEREXPOSED_SURFACE else Reason(
+        'background_overexposed', Level.WARN,
+        f'the surface is overexposed on {share:.0%} of the background: white objects are not seen '
+        "there, and shade may be taken for objects: lower the camera's exposure, clear the "
+        'surface, and call ~/capture_background')
 
 
 def _overexposed(

@@ -17,6 +17,7 @@ from camera_to_base.pipeline.old_places import OldPlaces
 from camera_to_base.sources import DEVICE
 from camera_to_base.surface.models import ParallelSurface
 import cv2
+from lit_table import coded, disc, felt, painted, shaded
 import numpy as np
 import pytest
 
@@ -130,3 +131,17 @@ def test_capture_makes_the_place_known_again():
     assert desk.pipeline.doubt is None
     (coin,) = desk.see(0.5, coins=[COIN_ON_IT])[-1].objects
     assert np.abs(np.array(coin.point) / CM_PER_PX - COIN_ON_IT).max() < 0.5
+
+
+@pytest.mark.parametrize('texture', [0.06, 0.2])
+def test_disc_that_looks_like_the_table_but_for_its_texture_is_no_place_that_was_left(texture):
+    table = felt(texture, 1)
+    with_it = painted(shaded(table, disc(155, 125, 18)), disc(150, 120, 18), table.mean((0, 1)))
+    pipeline = CameraPipeline(ParallelSurface(WIDTH * CM_PER_PX, WIDTH), kind=DEVICE)
+    begin = time.monotonic() + 3600
+    for count in range(30):
+        light = table if count < 15 else with_it
+        seen = pipeline.process(coded(light, 100 + count, 90), begin + count / FRAMES_PER_S)
+    (found,) = seen.objects
+    assert np.hypot(*np.subtract(found.detection.centre, (150, 120))) < 1.5
+    assert pipeline.doubt is None

@@ -106,3 +106,18 @@ def test_still_coin_that_a_frame_does_not_show_needs_no_second_frame_again():
         desk.see(0.01, [COIN_BESIDE])
         seen = desk.see(0.01, [COIN_BESIDE, COIN_ON_IT])[-1]
         assert seen.reason is None and len(seen.objects) == 2
+
+
+def test_surface_that_is_overexposed_is_told_until_the_background_is_taken_at_less_light():
+    desk = Desk()
+    assert desk.pipeline.doubt is None
+    desk.see(0.5, light=3.5)
+    desk.pipeline.capture_background(1)
+    desk.see(0.5, light=3.5)
+    doubt = desk.pipeline.doubt
+    assert doubt.kind == 'background_overexposed' and not doubt.is_passing
+    assert 'the surface is overexposed on 100% of' in doubt.sentence
+    desk.see(0.5)
+    desk.pipeline.capture_background(1)
+    desk.see(0.5)
+    assert desk.pipeline.doubt is None

@@ -183,7 +183,7 @@ class PreciseDifferenceDetector:
             place = self._placer.place_region(frame, region, self._reference)
             places[region.box], parts = place, place.detections
             if not region.in_other_light:
-                parts, faint = self._without_faint(parts, frame)
+                parts, faint = self._without_faint(parts, frame, region.is_hiding)
                 unclear += faint
             if region.may_be_light:
                 unclear += parts or unplaced(region.outline, frame)
@@ -223,13 +223,14 @@ class PreciseDifferenceDetector:
         return published, left
 
     def _without_faint(
-        self, parts: List[Detection], frame: np.ndarray
+        self, parts: List[Detection], frame: np.ndarray, is_hiding: bool
     ) -> Tuple[List[Detection], List[Detection]]:
-        """Give the others, and the faint ones."""
+        """Give the others, and the faint ones: but not the largest of what hides the table."""
         clear: List[Detection] = []
         faint: List[Detection] = []
+        largest = max(parts, key=lambda one: one.area) if is_hiding and parts else None
         for part in parts:
-            is_faint = not part.cut_off and self._is_faint(
+            is_faint = part is not largest and not part.cut_off and self._is_faint(
                 np.int32(part.outline)[:, None], part.box, frame)
             (faint if is_faint else clear).append(part)
         return clear, faint

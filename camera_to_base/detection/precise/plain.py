@@ -20,7 +20,8 @@ surroundings, in a window that is hardly larger than the object. What decides be
 - few pixels lie between its colour and the table's: shade and blurred rims would be among them,
 - few are darker than all mixtures of both colours: they are its shade, however narrow,
 - what is covered is one part without a hole,
-- nothing of the table's texture is seen, nor a coloured table's own colour: it is no light,
+- the table's texture is seen all around it: no face of it looks like the table,
+- nothing of that texture is seen in it, nor a coloured table's own colour: it is no light,
 - where the background has edges, the background around it has another colour: it is no ghost.
 
 Everything else goes the long way, see `shares`. On a plain object both ways give the same place.
@@ -32,7 +33,8 @@ from typing import Iterable, List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LINEAR, Reference
-from camera_to_base.detection.precise.piece import filled, has_holes, outlines_in, slices, square
+from camera_to_base.detection.precise.piece import (
+    filled, grown, has_holes, outlines_in, slices, square)
 from camera_to_base.detection.precise.regions import SHORTEST_OUTLINE
 from camera_to_base.detection.precise.shade import is_of_its_colour
 from camera_to_base.detection.precise.shares import Placed
@@ -48,11 +50,13 @@ _LEAST_SPAN, _SURELY_OTHER = 0.12, 0.5
 _OTHER_CHROMA, _SHADED, _MOST_SHADE = 0.04, 0.75, 0.25
 # How many deviations of chance the frame's detail has in common with the table's, at most.
 _LIKENESS = 6.0
-_GREY = np.full((1, 3), 1 / 3, np.float32)
+# The table's texture is gone where the frame's has less than this part of its power in common with
+# it; the least power, by the noise's; in windows, px.
+_GONE, _TEXTURED, _BESIDE = 0.25, 4.0, 11
 _DIAGONAL = math.sqrt(2) - 1
 _LINEAR = LINEAR.tolist()
 _STEPS = [*map(operator.sub, _LINEAR[1:], _LINEAR), 0.0]
-_CORE, _NEXT = square(2 * _DEPTH + 1), square(3)
+_CORE, _NEXT, _WIDE = square(2 * _DEPTH + 1), square(3), square(5)
 
 
 class Plain(NamedTuple):
@@ -95,7 +99,9 @@ def find_plain(
     mask = weak[y - 1:y + height + 1, x - 1:x + width + 1]
     window = Box(part.x + x - 1, part.y + y - 1, width + 2, height + 2)
     placed = _place(frame, window, mask, outline, reference)
-    return None if placed is None else Plain(placed, window)
+    if placed is None or _hides_more(frame, part, outline, reference):
+        return None
+    return Plain(placed, window)
 
 
 def _shows_more(
@@ -140,15 +146,37 @@ def _place(
     return _whole(shares, window) if between <= _WIDEST_RIM * _length(outline) else None
 
 
+def _hides_more(
+    frame: np.ndarray, part: Box, outline: np.ndarray, reference: Reference
+) -> bool:
+    """Tell whether the table's texture is gone beside an outline in a part of the frame."""
+    x, y, width, height = cv2.boundingRect(outline)
+    around = grown(Box(part.x + x, part.y + y, width, height), _BESIDE, frame)
+    near = slices(around)
+    if not reference.has_edges(near):
+        return False
+    beside = np.ones((around.height, around.width), np.uint8)
+    cv2.drawContours(
+        beside, [outline], 0, 0, cv2.FILLED, offset=(part.x - around.x, part.y - around.y))
+    # Every second row tells as much.
+    beside = cv2.erode(beside, _NEXT)[::2]
+    now, usual = (_detail(picture[near][::2]) * beside for picture in (frame, reference.lit))
+    both, own = (cv2.blur(one, (_BESIDE, _BESIDE)) for one in (now * usual, usual * usual))
+    gone = (both < _GONE * own) & (own > _TEXTURED * reference.mean_noise ** 2)
+    return bool(cv2.morphologyEx(gone.view(np.uint8) & beside, cv2.MORPH_OPEN, _WIDE).any())
+
+
 def _shows_table(seen: np.ndarray, table: np.ndarray, core: np.ndarray) -> bool:
     # The table's texture, however faint: it may be light alone.
-    details = []
-    for picture in (seen, table):
-        level = cv2.transform(picture, _GREY).astype(np.float32)
-        details.append(level - cv2.blur(level, (5, 5)))
+    details = [*map(_detail, (seen, table))]
     both, own, now = (cv2.mean(details[one] * details[other], core)[0]
                       for one, other in ((0, 1), (1, 1), (0, 0)))
     return both * math.sqrt(cv2.countNonZero(core)) > _LIKENESS * math.sqrt(own * now)
+
+
+def _detail(picture: np.ndarray) -> np.ndarray:
+    level = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float32)
+    return level - cv2.blur(level, (5, 5))
 
 
 def _shares(

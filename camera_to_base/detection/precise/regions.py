@@ -23,11 +23,13 @@ from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
-    enclosed, filled, grown, has_holes, outlines_in, slices, square)
+    enclosed, filled, grown, has_holes, outline_of, outlines_in, slices, square)
 import cv2
 import numpy as np
 
 _CLOSE, _ROW_STEP = np.ones((3, 3), np.uint8), 4
+# What is between the parts of a thing that was seen as two regions is narrower, px.
+_BETWEEN = 9
 # Margins of the windows in which a region is looked for, px; the last one is the whole picture.
 _FARTHER = 16, 64, 1 << 20
 # Where more than this part of a frame has changed, all of it is looked at, each thing once.
@@ -56,6 +58,7 @@ class Region(NamedTuple):
     :param doubt: See :class:`Detection`.
     :param is_settled: Whether its outline is one that a placing ended with: one more turn will do.
     :param in_its_shade: Things in its shade, if it is an arm.
+    :param is_hiding: Whether it hides the table's texture where nothing else has changed.
     """
 
     outline: np.ndarray
@@ -69,6 +72,16 @@ class Region(NamedTuple):
     doubt: float = 0.0
     is_settled: bool = False
     in_its_shade: Sequence['Region'] = ()
+    is_hiding: bool = False
+
+    def united(self, other: 'Region') -> 'Region':
+        """Give one thing that is both, and what is between them."""
+        box = Box(*cv2.boundingRect(np.concatenate([self.outline, other.outline])))
+        both = filled(self.outline, box) | filled(other.outline, box)
+        outline = outline_of(cv2.morphologyEx(both, cv2.MORPH_CLOSE, square(_BETWEEN)), box)
+        return self._replace(outline=outline, box=box, strong=box, neighbours=(),
+                             strong_area=self.strong_area + other.strong_area,
+                             doubt=max(self.doubt, other.doubt), is_settled=False)
 
 
 def find_regions(
@@ -87,7 +100,7 @@ def find_regions(
     for margin in _FARTHER:
         # A region that reaches the window's border is looked at again in a larger window.
         going_on = [window for window, regions in looked.items()
-                    if any(_goes_on(region.box, window, frame) for region in regions)]
+                    if any(goes_beyond(region.box, window, frame) for region in regions)]
         if not going_on:
             break
         windows = _or_whole(_joined([grown(one, margin, frame) for one in going_on]), frame)
@@ -250,7 +263,8 @@ def _largest_area(mask: np.ndarray) -> int:
     return int(stats[1:, cv2.CC_STAT_AREA].max(initial=0))
 
 
-def _goes_on(box: Box, window: Box, picture: np.ndarray) -> bool:
+def goes_beyond(box: Box, window: Box, picture: np.ndarray) -> bool:
+    """Tell whether what a window of a picture shows may go on beyond it."""
     height, width = picture.shape[:2]
     return (box.x <= window.x > 0 or box.y <= window.y > 0
             or box.x + box.width >= window.x + window.width < width

@@ -52,6 +52,8 @@ _MOST_DROPPED = 100
 # places a print moves.
 _SHIFTS = [(y, x) for y in range(-4, 5, 2) for x in range(-4, 5, 2)]
 _NEAR_PRINT, _PATCH, _MOST_UNLIKE, _LEAST_MOVED = np.ones((5, 5), np.uint8), 32, 0.1, 3
+# So many px² are hidden by one thing alone.
+_LEAST_SHARED = 10
 # A part that is larger is no speck, in px².
 _MOST_SPECK = 1200
 
@@ -144,10 +146,11 @@ def _search(
     told: List[Tuple[Region, Sequence[Region]]] = []
     if regions:
         shade = measure_shade(frame, regions + [one.region for one in held], reference)
-        told = [(region, _things_of(frame, region, reference, shade, min_area))
+        free = _free(frame, regions + left + [one.region for one in held], plain)
+        told = [(region, _things_of(frame, region, reference, shade, min_area, free))
                 for region in regions]
     things = [thing for _, found in told for thing in found]
-    things += [thing for one in held for thing in one.things]
+    things = _joined(things + [thing for one in held for thing in one.things])
     # A window that grew may hold a plain object of another part.
     regions = [thing for thing in things if not any(
         thing.box.is_mostly_inside(one.window) for one in plain)]
@@ -243,10 +246,36 @@ def _within(
             [region for region in regions if id(region) not in kept])
 
 
+def _joined(things: Sequence[Region]) -> List[Region]:
+    """Join what hides the same place of the table: it is one thing, seen as two regions."""
+    joined: List[Region] = []
+    for thing in things:
+        same = [one for one in joined if thing.is_hiding and one.is_hiding and _meet(one, thing)]
+        for one in same:
+            thing = thing.united(one)
+        joined = [one for one in joined if not any(one is other for other in same)] + [thing]
+    return joined
+
+
+def _meet(one: Region, other: Region) -> bool:
+    inside = filled(one.outline, other.box) & filled(other.outline, other.box)
+    return cv2.countNonZero(inside) > _LEAST_SHARED
+
+
+def _free(frame: np.ndarray, regions: Sequence[Region], plain: Sequence[Plain]) -> np.ndarray:
+    """Give what is in no region, shape (h, w), uint8, 1 there."""
+    free = np.ones(frame.shape[:2], np.uint8)
+    cv2.drawContours(free, [one.outline for one in regions], -1, 0, cv2.FILLED)
+    for one in plain:
+        free[slices(one.window)] = 0
+    return free
+
+
 def _things_of(
-    frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float
+    frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float,
+    free: np.ndarray,
 ) -> List[Region]:
-    things = things_in(frame, region, reference, shade, min_area)
+    things = things_in(frame, region, reference, shade, min_area, free)
     if not touches_edge(region.box, frame) or not any(thing.is_thing for thing in things):
         return things
     at_edge = [thing for thing in things if touches_edge(thing.box, frame)]

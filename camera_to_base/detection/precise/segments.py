@@ -202,15 +202,9 @@ def parted(
         return _without_things(result, surest, is_soft, segments)
     # A dark face may have no segment of its own, for the same reason.
     things = result.things | changed & thing
-    things = with_faces(things, result.light & (1 - things), _sides(judged), changed, found)
+    sides = [Side(one.mask, one.tone) for one, _, nats in judged if nats > 0]
+    things = with_faces(things, result.light & (1 - things), sides, changed, found)
     return Parted(things, result.light & (1 - things), result.unsure)
-
-
-def _sides(judged: Sequence[_Judged]) -> List[Side]:
-    """Give the things whose chroma tells of their faces: on a coloured table, light changes it."""
-    if any(one.colour for one, *_ in judged):
-        return []
-    return [Side(one.mask, one.tone) for one, _, nats in judged if nats > 0]
 
 
 def _sorted(judged: Sequence[_Judged], changed: np.ndarray) -> Parted:

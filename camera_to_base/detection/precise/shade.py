@@ -12,8 +12,9 @@ Measures what shade does on a frame: how it tints the table, and how dark it is.
 
 All things of a frame lie in the same lamps' light, so their shades are alike: below one hard lamp
 each is as dark as the others, below two lamps there are three levels. A grey thing's faces seldom
-have just these levels. Where lamps differ in colour, the shade of each has the others' tint. Both
-are measured beside coloured and black things: what is darker there, and not of their colour, is
+have just these levels. Where lamps differ in colour, the shade of each has the others' tint; where
+the sensor has cut off the table's light, and with it some of its tint, shade shows that. All this
+is measured beside coloured and black things: what is darker there, and not of their colour, is
 shade.
 """
 
@@ -32,8 +33,10 @@ import numpy as np
 # Logarithm of the ratio: a sixth of the light.
 DARKEST = float(np.log(1 / 6))
 # The tints of a frame's shade: how strong on each axis, in how many bins, how many of them, and
-# how common each is; beside coloured things, and anywhere.
+# how common each is: beside coloured things, and anywhere. The same for the chroma that shade of
+# one level has; and which of the faintest have how much of it where the table is cut off.
 _BESIDE_COLOURED, _ANYWHERE = (0.48, 48, 3, 0.08), (0.12, 24, 1, 0.3)
+_AT_A_LEVEL, _FAINT_LEVELS, _LOST_CHROMA = (0.25, 25, 2, 0.15), 4, 0.05
 # On how many places, and how much darker these are, logarithm; what is called a tint.
 _LEAST_PLACES, _LEAST_SHADE, _LEAST_TINT = 60, -0.25, 0.04
 _MOST_REGIONS, _MOST_PLACES = 30, 4000
@@ -51,18 +54,20 @@ _UNKNOWN = ((np.where(
              / NEUTRAL) ** 2).tolist()
 # How much chroma a grey table has at most, logarithm; two colours are one below this change.
 GREY, _ALIKE = 0.5, 0.16
-# The faintest shade, logarithm of the ratio; the bins of the levels, from there down.
+# The faintest shade, logarithm of the ratio; the bins of the levels.
 FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
 # odds counts. Chosen on 164 rendered things in a hard lamp's light, and right on 485 others.
 _ANY, _WEIGHT = 0.3, 8.0
+_NOTHING = 1e-9
 
 
 class Shade(NamedTuple):
     """
     What shade does on a frame.
 
-    :param tints: How much chroma each lamp's has for each change of the level, shape (2,) each.
+    :param tints: By how much it changes the chroma at each level, shape (2, n) each, one for each
+        lamp: logarithms on both axes.
     :param levels: What is known of shade: the region's box, if it is one's, and how common each
         level is in its shade, shape (n,), with the sum 1.
     """
@@ -78,8 +83,11 @@ class Shade(NamedTuple):
         """
         if not self.tints:
             return chroma
-        shade = np.minimum(level, 0)
-        least, *others = [without(chroma, one, shade, 0) for one in self.tints]
+        ratio = np.float32(LEVEL_SCALE) * np.minimum(level, 0)
+        number = _bin(ratio)
+        most = np.minimum(-2 / _STEP * ratio, 1)
+        least, *others = [without(chroma, [axis[number] for axis in one], 0, most)
+                          for one in self.tints]
         for one in others:
             is_less = one[0] ** 2 + one[1] ** 2 < least[0] ** 2 + least[1] ** 2
             least = [np.where(is_less, *pair) for pair in zip(one, least)]
@@ -108,11 +116,11 @@ class Shade(NamedTuple):
 
 
 def without(
-    chroma: Sequence[Any], direction: np.ndarray, least: Any, most: Any
+    chroma: Sequence[Any], direction: Sequence[Any], least: Any, most: Any
 ) -> Sequence[Any]:
     """Take a direction out of a chroma, as far as it may be there: between `least` and `most`."""
     x, y = map(np.float32, direction)
-    along = (chroma[0] * x + chroma[1] * y) / (x * x + y * y)
+    along = (chroma[0] * x + chroma[1] * y) / (x * x + y * y + _NOTHING)
     part = np.minimum(np.maximum(along, least), most)
     return [chroma[0] - part * x, chroma[1] - part * y]
 
@@ -189,51 +197,85 @@ def _shade_in(change: np.ndarray) -> Optional[np.ndarray]:
     is_thing = (np.hypot(change[:, 0], change[:, 1]) > _COLOURED) | (ratio < DARKEST)
     if np.count_nonzero(is_thing) < _LEAST_THING * len(ratio):
         return None
-    return change[~is_thing & (ratio < FAINTEST)]
+    return change[~is_thing & (ratio < -_STEP)]
 
 
 def _tints(
     changes: Sequence[np.ndarray], shades: Sequence[Optional[np.ndarray]]
 ) -> List[np.ndarray]:
-    """Give the tints, shape (2,) each: any beside coloured things, a faint one elsewhere."""
+    """Give the tints, shape (2, n) each: any beside coloured things, a faint one elsewhere."""
     nothing = np.zeros((0, 3), np.float32)
     shade = np.concatenate([nothing, *(one for one in shades if one is not None)])
-    tints = _common_slopes(shade[:, :2] / shade[:, 2:], *_BESIDE_COLOURED)
-    if tints:
-        return tints
-    change = np.concatenate([nothing, *changes])
-    change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > DARKEST / LEVEL_SCALE)]
-    return _common_slopes(change[:, :2] / change[:, 2:], *_ANYWHERE)
+    slopes = _slopes(_without_faint(shade), *_BESIDE_COLOURED)
+    if not slopes:
+        change = np.concatenate([nothing, *changes])
+        change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > DARKEST / LEVEL_SCALE)]
+        slopes = _slopes(change, *_ANYWHERE)
+    tints = np.zeros((_BESIDE_COLOURED[2], 2, _LEVELS), np.float32)
+    levels = -_STEP / LEVEL_SCALE * (np.arange(_LEVELS) + 0.5)
+    for tint, slope in zip(tints, slopes):
+        tint[:] = np.outer(slope, levels)
+    for number, own in enumerate(_of_a_cut_off_table(shade)):
+        if own:
+            tints[..., number] = 0
+            tints[:len(own), :, number] = own
+    return [one for one in tints if one.any()]
 
 
-def _common_slopes(
-    slopes: np.ndarray, strongest: float, bins: int, most: int, least_common: float
+def _slopes(change: np.ndarray, *commonest: Any) -> List[np.ndarray]:
+    slopes = _commonest(change[:, :2] / change[:, 2:], *commonest)
+    # Less than that is no more than any light may change.
+    return [one for one in slopes if np.hypot(*one) > _LEAST_TINT]
+
+
+def _of_a_cut_off_table(shade: np.ndarray) -> List[List[np.ndarray]]:
+    """
+    Give the commonest chroma at each level, if the sensor has cut off the table; else nothing.
+
+    Then faint shade may have the most of it, and no slope tells that.
+    """
+    numbers = _bin(LEVEL_SCALE * shade[:, 2])
+    commonest: List[List[np.ndarray]] = []
+    for number in range(_LEVELS):
+        if number == _FAINT_LEVELS and not any(
+                own and np.hypot(*own[0]) > _LOST_CHROMA for own in commonest):
+            return []
+        commonest.append(_commonest(shade[np.abs(numbers - number) <= 1, :2], *_AT_A_LEVEL))
+    return commonest
+
+
+def _without_faint(change: np.ndarray) -> np.ndarray:
+    return change[LEVEL_SCALE * change[:, 2] < FAINTEST]
+
+
+def _commonest(
+    values: np.ndarray, largest: float, bins: int, most: int, least_common: float
 ) -> List[np.ndarray]:
     """
-    Give the commonest slopes, shape (2,) each.
+    Give the commonest values, shape (2,) each.
 
-    :param slopes: Shape (n, 2).
-    :param strongest: The largest that is looked for, on each axis, in so many bins.
+    :param values: Shape (n, 2).
+    :param largest: The largest that is looked for, on each axis, in so many bins.
     :param most: How many are looked for.
-    :param least_common: Which part of the slopes each must have.
+    :param least_common: Which part of the values each must have.
     """
-    places = np.floor((slopes / strongest + 1) * (bins / 2)).astype(int)
+    places = np.floor((values / largest + 1) * (bins / 2)).astype(int)
     places = places[((places >= 0) & (places < bins)).all(axis=1)] @ (bins, 1)
     counts = np.bincount(places, minlength=bins ** 2).reshape(bins, bins).astype(np.float32)
     found: List[np.ndarray] = []
     for _ in range(most):
         near = 9 * cv2.blur(counts, (3, 3))
-        if near.max() < max(least_common * len(slopes), _LEAST_PLACES):
+        if near.max() < max(least_common * len(values), _LEAST_PLACES):
             break
         row, column = np.unravel_index(near.argmax(), near.shape)
-        found.append(((np.array([row, column]) + 0.5) / (bins / 2) - 1) * strongest)
+        found.append(((np.array([row, column]) + 0.5) / (bins / 2) - 1) * largest)
         counts[max(row - 2, 0):row + 3, max(column - 2, 0):column + 3] = 0
-    # Less than that is no more than any light may change.
-    return [one for one in found if np.hypot(*one) > _LEAST_TINT]
+    return found
 
 
 def _levels(change: np.ndarray, shade: Shade) -> Optional[np.ndarray]:
     """Tell how common each level is in the shade beside a thing; None where that is not seen."""
+    change = _without_faint(change)
     ratio = LEVEL_SCALE * change[:, 2]
     off = shade.off_tints([change[:, 0], change[:, 1]], change[:, 2])
     neutral = ratio[is_neutral(np.hypot(*off), ratio)]
@@ -248,4 +290,4 @@ def _common(ratios: np.ndarray) -> np.ndarray:
 
 
 def _bin(ratios: np.ndarray) -> np.ndarray:
-    return np.minimum((FAINTEST - ratios) / _STEP, _LEVELS - 1).astype(int)
+    return np.minimum(-ratios / _STEP, _LEVELS - 1).astype(int)

@@ -16,18 +16,20 @@ the light changes without an edge, it is light. An arm, its shade and what lies 
 one region: where that is not clear, what is surrounded by shade is still a thing of its own.
 """
 
+import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.detection.detection import Box, touches_edge
 from camera_to_base.detection.precise.evidence import (
     detail_of, Evidence, evidence, gradient, WORST_LIGHT)
+from camera_to_base.detection.precise.faces import hidden_beside, hiding_nats
 from camera_to_base.detection.precise.gloss import (
     find_highlight, is_on, may_be_highlight, with_highlights)
 from camera_to_base.detection.precise.light import LEVEL_SCALE, LINEAR, log_levels, Reference
 from camera_to_base.detection.precise.piece import (
     chosen, cut_off, enclosed, enlarged, filled, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
-from camera_to_base.detection.precise.regions import Region
+from camera_to_base.detection.precise.regions import goes_beyond, Region
 from camera_to_base.detection.precise.segments import (
     COLOURED, doubt_of, Parted, parted, Unsure, untold)
 from camera_to_base.detection.precise.shade import FAINTEST, is_neutral, Shade
@@ -57,7 +59,10 @@ _MOST_STEEP = 0.3
 _LEAST_STEP = 0.15
 # How far the surroundings of a part matter for that, px.
 _BESIDE = 12
-_MARGIN = 8
+# What is looked at around a region, px: more where what is hidden reaches the border of that.
+_MARGINS = 8, 32, 96
+# The deviation of a centre by that part of its thing that only the table's texture tells, px.
+_OF_HIDDEN = 2.0
 # What surrounds a thing in an arm's shade, px, and on which part of it there must be shade.
 _RING, _LEAST_AROUND = 4, 0.75
 # How far around what is strong, px.
@@ -79,6 +84,34 @@ class _Unclear(NamedTuple):
     doubt: float = 0.0
 
 
+class _Looked(NamedTuple):
+    """
+    What a window around a region shows, each picture of shape (h, w) by the window's scale.
+
+    :param window: In the frame.
+    :param scale: How many px of the frame make one, along each axis.
+    :param seen: The frame, BGR.
+    :param usual: The background at its light.
+    :param changed: The region, with what is hidden beside it, uint8, 1 there.
+    :param hidden: That alone.
+    :param found: The evidence.
+    """
+
+    window: Box
+    scale: int
+    seen: np.ndarray
+    usual: np.ndarray
+    changed: np.ndarray
+    hidden: np.ndarray
+    found: Evidence
+
+    @property
+    def hidden_box(self) -> Box:
+        """Where in the frame what is hidden lies, if there is any."""
+        x, y, width, height = (self.scale * one for one in cv2.boundingRect(self.hidden))
+        return Box(self.window.x + x, self.window.y + y, width, height)
+
+
 class Work(NamedTuple):
     """
     What it takes to look at a region.
@@ -92,7 +125,8 @@ class Work(NamedTuple):
 
 
 def things_in(
-    frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float
+    frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float,
+    free: np.ndarray,
 ) -> List[Region]:
     """
     Find the things in a region, without their shade.
@@ -102,17 +136,16 @@ def things_in(
     :param reference: The background at the frame's light.
     :param shade: What shade does on the frame.
     :param min_area: Of a thing, in px².
+    :param free: What is in no region, shape (h, w), uint8, 1 there.
     :returns: One region for each thing, none where all is light; the region itself, which is no
         thing then, where it is not clear.
     """
-    seen = seen_closely(region, frame)
-    window, scale = grown(seen, _MARGIN, frame), work(seen).scale
-    changed = filled(region.outline, window)
-    seen, usual = (shrunk(picture[slices(window)], scale)
-                   for picture in (frame, reference.lit))
-    changed = np.ascontiguousarray(changed[::scale, ::scale])
-    found = evidence(seen, usual, reference.noise / scale, reference.drift,
-                     shade.beside(region.box), reference.compression if scale == 1 else 0.0)
+    looked = _look_at(frame, region, reference, shade, free, _MARGINS[0])
+    for margin in _MARGINS[1:]:
+        if not (looked.hidden.any() and goes_beyond(looked.hidden_box, looked.window, frame)):
+            break
+        looked = _look_at(frame, region, reference, shade, free, margin)
+    window, scale, seen, usual, changed, hidden, found = looked
     # Light from outside of the picture may end as sharply as a thing.
     is_at_edge = touches_edge(region.box, frame)
     masks = _masks(seen, usual, changed, found, min_area / scale ** 2, not is_at_edge)
@@ -121,10 +154,39 @@ def things_in(
         may_be_light = masks.may_be_light and not reference.has_edges(slices(window))
         in_shade = _in_a_shade(found, changed, min_area / scale ** 2) if is_at_edge else []
         things = _regions_of([(mask, 0.0) for mask in in_shade], scale, window)
+        doubt = masks.doubt
+        if hidden.any():
+            # It may be a thing as a whole.
+            doubt = _with_hidden(doubt, hidden, changed)
+            region = region.united(*_regions_of([(changed, 0.0)], scale, window))
         return [region._replace(
-            may_be_light=may_be_light, doubt=scale * masks.doubt,
+            may_be_light=may_be_light, doubt=scale * doubt, is_hiding=bool(hidden.any()),
             in_its_shade=[one for one in things if not touches_edge(one.box, frame)])]
-    return _regions_of(masks, scale, window)
+    doubtful = [(mask, _with_hidden(doubt, hidden, mask)) for mask, doubt in masks]
+    return [thing._replace(is_hiding=bool((hidden & mask).any()))
+            for thing, (mask, _) in zip(_regions_of(doubtful, scale, window), masks)]
+
+
+def _with_hidden(doubt: float, hidden: np.ndarray, thing: np.ndarray) -> float:
+    """Give the doubt of a thing's centre, px, with that of what only the texture tells of it."""
+    share = cv2.countNonZero(hidden & thing) / cv2.countNonZero(thing)
+    return math.hypot(doubt, _OF_HIDDEN * share)
+
+
+def _look_at(
+    frame: np.ndarray, region: Region, reference: Reference, shade: Shade, free: np.ndarray,
+    margin: int,
+) -> _Looked:
+    closely = seen_closely(region, frame)
+    window, scale = grown(closely, margin, frame), work(closely).scale
+    seen, usual = (shrunk(picture[slices(window)], scale)
+                   for picture in (frame, reference.lit))
+    changed, beside = (np.ascontiguousarray(mask[::scale, ::scale]) for mask in (
+        filled(region.outline, window), free[slices(window)]))
+    found = evidence(seen, usual, reference.noise / scale, reference.drift,
+                     shade.beside(region.box), reference.compression if scale == 1 else 0.0)
+    hidden = hidden_beside(changed, beside, found)
+    return _Looked(window, scale, seen, usual, changed | hidden, hidden, found)
 
 
 def _regions_of(
@@ -229,7 +291,8 @@ def _masks(
             if not things.any():
                 return []
         # No edge tells what of the rest is a darker face.
-        rest = changed & (1 - things) & (found.nats > -_CLEAR).view(np.uint8)
+        rest = changed & (1 - things)
+        rest &= ((found.nats > -_CLEAR) | (hiding_nats(rest, found) > 0)).view(np.uint8)
         by_edges.unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.

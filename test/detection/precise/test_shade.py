@@ -27,12 +27,13 @@ def table(texture=0.0, colour=TABLE):
     return np.float32(colour) * (1 + texture * grain / grain.std())[..., None].astype(np.float32)
 
 
-def thing_in_two_lamps(light, u, v, colour):
+def thing_in_two_lamps(light, u, v, colour, gains=(WARM, COLD), soft=2):
     """Lay a square down with a shade to each side, in the other lamp's colour."""
-    for gain, side in ((WARM, 1), (COLD, -1)):
+    for gain, side in zip(gains, (1, -1)):
         near, far = u + side * 16, u + side * 50
         shares = covered((near, v - 14), (far, v - 8), (far, v + 22), (near, v + 18))
-        light = light * (1 - cv2.GaussianBlur(shares, (0, 0), 2)[..., None] * (1 - gain))
+        shares = cv2.GaussianBlur(shares, (0, 0), soft)[..., None]
+        light = light * (1 - shares * (1 - np.float32(gain)))
     shares = covered((u - 18, v - 18), (u + 18, v - 18), (u + 18, v + 18), (u - 18, v + 18))
     return light * (1 - shares) + shares * np.float32(colour)
 
@@ -63,3 +64,22 @@ def test_grey_thing_on_a_coloured_table_keeps_its_dark_face(colour, light, dark)
     found = PreciseDifferenceDetector(coded(empty, 1)).detect(coded(frame, 2))
     assert [round(one.area, -2) for one in found] == [1700, 1300]
     assert math.dist(found[0].centre, (235, 149.5)) < 1
+
+
+@pytest.mark.parametrize('excess, red, gains, soft', [
+    (1.1, 1.1, (0.6, 0.62, 0.64), 2), (1.25, 1.1, (0.6, 0.62, 0.64), 5),
+    (1.25, 1.1, (0.6, 0.62, 0.64), 8), (1.1, 1.2, (0.5, 0.5, 0.5), 8),
+    (1.1, 1.2, (0.62, 0.6, 0.57), 5), (1.25, 1.2, (0.5, 0.5, 0.5), 5),
+    (1.25, 1.2, (0.5, 0.5, 0.5), 8), (1.25, 1.2, (0.62, 0.6, 0.57), 5)])
+def test_shade_of_an_overexposed_table_has_the_tint_that_the_table_has_lost(
+        excess, red, gains, soft):
+    # The lamps are brighter than what is cut off, and not white.
+    light = table(0.01, 0.84 * excess * np.float32([1.0, (1 + red) / 2, red]))
+    frame, places = light, [(80, 70), (230, 150)]
+    for place in places:
+        frame = thing_in_two_lamps(frame, *place, RED, (gains, np.sqrt(gains)), soft)
+    empty, frame = (coded(np.minimum(one, 0.84), seed) for seed, one in enumerate((light, frame)))
+    found = PreciseDifferenceDetector(empty).detect(frame)
+    assert len(found) == 2
+    for place in places:
+        assert min(math.dist(one.centre, np.subtract(place, 0.5)) for one in found) < 0.3

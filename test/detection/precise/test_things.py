@@ -12,7 +12,8 @@
 from camera_to_base.detection import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import Reference
 import cv2
-from lit_table import coded, covered, SIZE, TABLE
+from lit_table import (
+    coded, covered, detect, disc, overlap, painted, ring, shaded, SIZE, TABLE)
 import numpy as np
 import pytest
 
@@ -28,15 +29,6 @@ def square(u, v, half):
                    (u - half, v + half))
 
 
-def shaded(light, shares, depth=0.5, tint=(1, 1, 1)):
-    soft = cv2.GaussianBlur(shares, (0, 0), 1.5)[..., None]
-    return light * (1 - soft * (1 - (1 - depth) * np.float32(tint)))
-
-
-def painted(light, shares, colour):
-    return light * (1 - shares) + shares * np.float32(colour)
-
-
 def box_with_a_wall(light, u=150, v=120, colour=(0.5, 0.12, 0.1), depth=0.5, wall=0.35):
     light = shaded(light, covered((u - 20, v - 20), (u + 30, v - 20), (u + 70, v + 45),
                                   (u + 20, v + 45)), depth)
@@ -48,26 +40,6 @@ def box_with_a_wall(light, u=150, v=120, colour=(0.5, 0.12, 0.1), depth=0.5, wal
 def silhouette(u=150, v=120):
     wall = covered((u - 22, v + 22), (u + 22, v + 22), (u + 18, v + 40), (u - 18, v + 40))
     return (np.maximum(square(u, v, 22), wall) > 0.5)[..., 0]
-
-
-def detect(light, background, quality=95):
-    detector = PreciseDifferenceDetector(coded(background, 1, quality))
-    return detector.detect(coded(light, 2, quality))
-
-
-def overlap(detection, true):
-    found = np.zeros(SIZE, np.uint8)
-    cv2.fillPoly(found, [detection.outline], 1)
-    return (found & true).sum() / (found | true).sum()
-
-
-def ring(u, v, radius):
-    turns = np.linspace(0, 2 * np.pi, 60, endpoint=False)
-    return np.column_stack([u + radius * np.cos(turns), v + radius * np.sin(turns)])
-
-
-def disc(u, v, radius):
-    return covered(*ring(u, v, radius))
 
 
 def shaded_to_the_right(light, depth=0.5):
