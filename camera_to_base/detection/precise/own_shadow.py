@@ -8,17 +8,14 @@
 # the License.
 
 """
-Splits an object's own shadow off its region: which part is the thing, and which its shade.
+Splits an object's own shadow off its region where only darkness tells which part is the thing.
 
 Shade takes light in all colours alike, is one lump, and lies to one side of its object. A table's
 pattern and a smooth gradient look like two parts, too; so the *frame* must show the step between
 them, and a sharp one.
 
-A shadow takes a part of the table's light, in all colours alike. So a region is an object and its
-shade where it has two parts, of which one can be shade and the other cannot: it is lighter than
-the table, or coloured, or clearly darker than the shade. each such pair is tested.
-
-An object may be lighter than its shadow: then the shadow is a crescent, and the object is convex.
+The object is the darker part, with all that is lighter than the table or coloured. It may be
+lighter than its shadow: then the shadow is a crescent, and the object is convex.
 """
 
 from typing import NamedTuple, Optional, Tuple
@@ -41,39 +38,31 @@ _LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _STEEPEST = 0.12, 0.4, 0.35, 0.2
 _NEAR, _CLOSE, _FARTHER = (1.5, 4.0), (3.0, 5.0), (6.0, 9.0)
 
 # What shade cannot be: lighter, or of a colour.
-_LIGHT, _COLOURED, _LEAST_SPECIAL = 1.1, 1.6, 0.1
+_LIGHT, _COLOURED = 1.1, 1.6
 _LEAST_CORE, _LEAST_SHADE_PART = 20, 8
 _SATURATED, _MOST_SATURATED = 0.97, 0.02
-# A highlight on glass lies inside of the rim; an object's rim is free where no shadow lies.
-_LEAST_FREE_RIM_OF_SPOT = 0.45
 # Two levels are apart by this much, logarithm.
 _LEVELS_APART = 0.15
-# JPEG and a sensor's colour filter make a step between colours less sharp.
-_STEEPEST_COLOUR = 0.35
 _STEPS, _LOWEST = 80, -3.0
 # How much more convex an object is than its shadow, where it is lighter.
 _MORE_CONVEX = 0.2
-# A thing is of one colour where this part of it has that colour.
-_MOSTLY = 0.7
 
 
 def _is_thing_and_shade(
-    thing: np.ndarray, marked: np.ndarray, piece: Piece, look: Look,
-    steepest: float = _STEEPEST,
+    thing: np.ndarray, marked: np.ndarray, piece: Piece, look: Look
 ) -> bool:
     """
     Tell whether a part of a region may be an object, and the rest its shade.
 
     :param thing: The part, shape (h, w), uint8, 1 inside.
     :param marked: What tells it from shade: the part without its holes.
-    :param steepest: How much the object changes on the way to its shade, beside the step there.
     """
     mask = piece.mask
     rest = mask & (1 - cv2.dilate(thing, square(3)))
     return (cv2.countNonZero(thing) >= _least_area(mask)
             and _is_lump_of_shade(cv2.erode(rest, square(3)), look)
             and _has_free_rim(thing, mask)
-            and _has_sharp_step(thing, marked, rest, piece, steepest))
+            and _has_sharp_step(thing, marked, rest, piece))
 
 
 def _least_area(mask: np.ndarray) -> float:
@@ -92,9 +81,7 @@ def _is_lump_of_shade(rest: np.ndarray, look: Look) -> bool:
     return max(areas) > _LEAST_LUMP * sum(areas)
 
 
-def _has_free_rim(
-    thing: np.ndarray, mask: np.ndarray, least: float = _LEAST_FREE_RIM
-) -> bool:
+def _has_free_rim(thing: np.ndarray, mask: np.ndarray) -> bool:
     """
     Tell whether enough of a part's rim is the region's rim.
 
@@ -102,11 +89,11 @@ def _has_free_rim(
     """
     rim = thing & (1 - cv2.erode(thing, square(3)))
     free = rim & (1 - cv2.erode(mask, square(9)))
-    return cv2.countNonZero(free) >= least * cv2.countNonZero(rim)
+    return cv2.countNonZero(free) >= _LEAST_FREE_RIM * cv2.countNonZero(rim)
 
 
 def _has_sharp_step(
-    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece, steepest: float
+    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
 ) -> bool:
     sides, light, level, ratio = _sides(thing, marked, rest, piece)
     in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
@@ -115,7 +102,7 @@ def _has_sharp_step(
     whole = abs(sides.step(ratio, 0.0, np.inf))
     is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
                and abs(in_ratio) >= _OF_WHOLE * whole)
-    return bool(is_step and sides.slope(light) <= steepest * abs(sides.step(light, *_NEAR)))
+    return bool(is_step and sides.slope(light) <= _STEEPEST * abs(sides.step(light, *_NEAR)))
 
 
 def _sides(
@@ -158,38 +145,28 @@ def _median(
     return float(quantile(chosen)) if len(chosen) >= _LEAST_RING else None
 
 
-class Thing(NamedTuple):
+def split_off_shade(piece: Piece) -> Optional[np.ndarray]:
     """
-    An object without its shade.
+    Find the object in a region that is an object and its shade.
 
-    :param mask: Shape (h, w), uint8, 1 inside.
-    :param is_sure: Whether it has what shade cannot have. Else what was split off may be its
-        lighter face, or it is a face of what was split off.
+    What is split off may be its lighter face, or it is a face of what is split off.
+
+    :returns: Its mask, shape (h, w), uint8, 1 inside; None for other regions.
     """
-
-    mask: np.ndarray
-    is_sure: bool = True
-
-
-def split_off_shade(piece: Piece) -> Optional[Thing]:
-    """Find the object in a region that is an object and its shade; None for other regions."""
     core = cv2.erode(piece.mask, square(5))
     if cv2.countNonZero(core) < _LEAST_CORE:
         return None
     look = look_at(piece)
     special = _special(look, piece.mask)
-    share = cv2.countNonZero(special & core) / cv2.countNonZero(core)
+    if 2 * cv2.countNonZero(special & core) >= cv2.countNonZero(core) or _is_dazzled(piece):
+        return None
     spot = find_highlight(piece)
-    thing = _special_thing(piece, look, special) if share > _LEAST_SPECIAL else None
-    if thing is not None and spot is not None and not _has_free_rim(
-            thing.mask, piece.mask, _LEAST_FREE_RIM_OF_SPOT):
-        thing = None
-    if thing is None and share < 0.5 and not _is_dazzled(piece):
-        special = special if spot is None else special | spot & piece.mask
-        thing = _darker_thing(piece, look, core, special)
-        if thing is not None and spot is not None and surrounds(
-                spot, thing.mask, _lighter_side(thing.mask, piece.mask)):
-            thing = None
+    if spot is not None:
+        special |= spot & piece.mask
+    thing = _darker_thing(piece, look, core, special)
+    if thing is not None and spot is not None and surrounds(
+            spot, thing, _lighter_side(thing, piece.mask)):
+        return None
     return thing
 
 
@@ -206,32 +183,9 @@ def _special(look: Look, mask: np.ndarray) -> np.ndarray:
     return cv2.morphologyEx(mask & special, cv2.MORPH_OPEN, square(3))
 
 
-def _special_thing(piece: Piece, look: Look, special: np.ndarray) -> Optional[Thing]:
-    thing = largest_part(cv2.morphologyEx(special, cv2.MORPH_CLOSE, square(9)))
-    thing = cv2.dilate(thing, square(3)) & piece.mask
-    if cv2.countNonZero(special & thing) > _MOSTLY * cv2.countNonZero(thing):
-        thing = _up_to_half(thing, piece)
-    is_thing = _is_thing_and_shade(thing, special, piece, look, _STEEPEST_COLOUR)
-    return Thing(thing) if is_thing else None
-
-
-def _up_to_half(thing: np.ndarray, piece: Piece) -> np.ndarray:
-    """Move the rim of a coloured thing to where half of its colour is seen."""
-    inside, rest = cv2.erode(thing, square(5)), piece.mask & (1 - cv2.dilate(thing, square(3)))
-    rest = cv2.erode(rest, square(3))
-    if min(cv2.countNonZero(inside), cv2.countNonZero(rest)) < _LEAST_SHADE_PART:
-        return thing
-    ratio = cv2.divide(*in_clearest_colour(piece, inside, rest))
-    ends = [float(quantile(ratio[part > 0])) for part in (inside, rest)]
-    half = sum(ends) / 2
-    like = (ratio > half) if ends[0] > ends[1] else (ratio < half)
-    like = cv2.dilate(thing, square(3)) & piece.mask & like.astype(np.uint8)
-    return largest_part(cv2.morphologyEx(like, cv2.MORPH_CLOSE, square(9))) & piece.mask
-
-
 def _darker_thing(
     piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
-) -> Optional[Thing]:
+) -> Optional[np.ndarray]:
     ratio = look.ratio
     ratios = ratio[(core & (1 - special)) > 0]
     if len(ratios) < _LEAST_CORE:
@@ -250,8 +204,7 @@ def _darker_thing(
     if not special.any() and solidity(rest) > solidity(thing) + _MORE_CONVEX:
         # A shadow is what its object leaves of it, a crescent.
         thing = darker = rest
-    is_thing = _is_thing_and_shade(thing, darker, piece, look)
-    return Thing(thing, is_sure=False) if is_thing else None
+    return thing if _is_thing_and_shade(thing, darker, piece, look) else None
 
 
 def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:

@@ -131,7 +131,7 @@ class Placer:
         if thing is None and region.may_be_light:
             return []
         mask = window.mask if thing is None else enlarged(with_highlights(
-            [thing.mask], lighter(coarse), coarse.mask)[0], scale, window.mask)
+            [thing], lighter(coarse), coarse.mask)[0], scale, window.mask)
         outline = outline_of(mask, window.box)
         if outline is None:
             return []
@@ -140,9 +140,7 @@ class Placer:
         found = self._at(window, mask)
         if thing is None:
             return _doubted(found, region)
-        if thing.is_sure:
-            return _doubted(found, region)
-        doubt = _OF_SHADE * scale * math.dist(centre_of(thing.mask), centre_of(coarse.mask))
+        doubt = _OF_SHADE * scale * math.dist(centre_of(thing), centre_of(coarse.mask))
         return [replace(one, doubt=max(doubt, region.doubt)) for one in found]
 
     def _at(self, window: '_Window', mask: np.ndarray) -> List[Detection]:
