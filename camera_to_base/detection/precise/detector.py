@@ -55,7 +55,8 @@ from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.light_alone import (
     is_soft_light, LIGHT_OR_THING, Told, told)
 from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices
-from camera_to_base.detection.precise.placer import hidden_doubt, Placer, Placing, unplaced
+from camera_to_base.detection.precise.placer import (
+    hidden_doubt, notch_doubt, Placer, Placing, unplaced)
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)
 from camera_to_base.detection.precise.still import StillRegions
@@ -157,8 +158,9 @@ class PreciseDifferenceDetector:
             found = search(frame, parts, self._reference, self._min_area, budget)
         placed, unclear, places = self._placed(found)
         placed, left = self._judged(placed, unclear, found.frame)
-        placed = [replace(one, doubt=math.hypot(one.doubt, hidden_doubt(
-            one, found.frame, self._reference))) for one in placed]
+        placed = [replace(one, doubt=math.hypot(one.doubt, *(
+            doubt(one, found.frame, self._reference) for doubt in (hidden_doubt, notch_doubt)
+        ))) for one in placed]
         found = found._replace(light=[*found.light, *(
             NoObject(what.value, one.centre, one.area) for what, one in left)])
         self._dropped = left_over(
@@ -191,13 +193,12 @@ class PreciseDifferenceDetector:
                 placed += parts
             else:
                 for part in parts:
-                    (unclear if is_soft_light(part, frame, self._reference.lit)
+                    (unclear if is_soft_light(part, frame, self._reference)
                      else placed).append(part)
         placed = _largest_first(placed)
         if len(placed) + len(unclear) > 1:
             # Most frames have no such shadow: only until an object is the first.
-            lit = self._reference.lit
-            first = [*takewhile(lambda one: is_soft_light(one, frame, lit), placed)]
+            first = [*takewhile(lambda one: is_soft_light(one, frame, self._reference), placed)]
             placed, unclear = placed[len(first):], unclear + first
         return placed, [*map(_doubtful, _largest_first(unclear))], places
 

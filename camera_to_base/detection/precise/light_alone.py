@@ -13,7 +13,7 @@ Tells which detections light alone could look like, where the evidence of single
 Shade and sun keep the table's chroma, and change its level by one factor. A thing that does the
 same is told from them in three ways:
 
-- the rim of light is soft, or a crescent's, and it has no sharp edges inside,
+- the rim of light is soft, or it is a crescent of one level; it has no sharp edges inside,
 - light shows the table's stains and pile, too faint for single pixels, where many of them agree,
 - else, where neither the thing nor the table has a colour or a texture of its own, nothing but a
   sharp rim tells, and that is said.
@@ -21,7 +21,7 @@ same is told from them in three ways:
 
 from enum import Enum
 import math
-from typing import Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.precise.evidence import BRIGHTEST
@@ -38,7 +38,7 @@ LIGHT_OR_THING = ('leave_out', 'leave_out_all', 'publish')
 _ROW_STEP = 3
 # What shade can be: the least and the largest ratio, and the strongest tint; on which part.
 _DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
-# An outline that fills less of its hull is a crescent.
+# An outline that fills less of its hull is a crescent's.
 _LEAST_SOLIDITY = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
 _SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
@@ -55,24 +55,27 @@ _FINE, _LEAST_LIKENESS, _SURE, _LEAST_SEEN, _MOST_SEEN = 5, 0.4, 4.5, 0.4, 1.6
 _NOTHING = 1e-12
 
 
-def is_soft_light(detection: Detection, frame: np.ndarray, background: np.ndarray) -> bool:
+def is_soft_light(detection: Detection, frame: np.ndarray, reference: Reference) -> bool:
     """
     Tell whether a detection has the chroma of light, and a rim as light has it.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
-    :param background: Of the same shape, at the frame's light.
+    :param reference: The background at the frame's light.
     """
     if detection.cut_off:
         return False
     outline = np.int32(detection.outline)[:, None]
     part = slices(detection.box)
-    pictures, inside = (frame[part], background[part]), filled(outline, detection.box)
+    pictures = (frame[part], reference.lit[part])
+    inside = filled(outline, detection.box)
     is_shade = _is_shade(*pictures, inside)
     if (not (is_shade or _is_shade(*reversed(pictures), inside))
             or _has_edges_inside(*pictures, inside)):
         return False
     if is_shade and _is_crescent(outline):
-        return True
+        levels = _levels_in(detection, frame, reference)
+        if levels is None or levels.are_even:
+            return True
     window = grown(detection.box, max(_WINDOWS), frame)
     return not _has_sharp_rim(frame[slices(window)], outline, window)
 
@@ -147,27 +150,52 @@ def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param reference: The background at the frame's light.
     """
-    if detection.cut_off:
+    levels = None if detection.cut_off else _levels_in(detection, frame, reference)
+    if levels is None:
         return Told.THING
-    box, outline = detection.box, np.int32(detection.outline)[:, None]
-    part = slices(box)
-    seen, table = frame[part], reference.lit[part]
+    chroma, ratio = change_of(levels.seen, levels.usual)
+    if not DARKEST < ratio < BRIGHTEST or not is_neutral(chroma, ratio):
+        return Told.THING
+    box, part = detection.box, slices(detection.box)
+    inside = _without_rim(filled(np.int32(detection.outline)[:, None], box), _WELL_INSIDE)
+    if _shows_unevenness(frame[part], reference.lit[part], inside):
+        return Told.LIGHT if sum(levels.seen) > sum(levels.usual) else Told.SHADE
+    return Told.NEITHER if levels.are_even else Told.THING
+
+
+class _Levels(NamedTuple):
+    """
+    The grey levels inside of a detection, B, G and R.
+
+    :param seen: The frame's means.
+    :param usual: The table's.
+    :param are_even: Whether both have one level, but for noise.
+    """
+
+    seen: List[float]
+    usual: List[float]
+    are_even: bool
+
+
+def _levels_in(
+    detection: Detection, frame: np.ndarray, reference: Reference
+) -> Optional[_Levels]:
+    """Look inside of a detection; None where it is too narrow."""
+    box, part = detection.box, slices(detection.box)
     # Some pixels tell as much as all.
-    some = np.zeros(seen[::_STEP, ::_STEP].shape[:2], np.uint8)
+    pictures = [np.ascontiguousarray(picture[part][::_STEP, ::_STEP])
+                for picture in (frame, reference.lit)]
+    some = np.zeros(pictures[0].shape[:2], np.uint8)
+    outline = np.int32(detection.outline)[:, None]
     cv2.drawContours(some, [(outline - (box.x, box.y)) // _STEP], 0, 1, cv2.FILLED)
     some = _without_rim(some, _INSIDE)
     if cv2.countNonZero(some) < _LEAST_INSIDE:
-        return Told.THING
+        return None
     (level, spread), (usual, usual_spread) = (
-        cv2.meanStdDev(np.ascontiguousarray(picture[::_STEP, ::_STEP]), mask=some)
-        for picture in (seen, table))
-    chroma, ratio = change_of(level[:, 0].tolist(), usual[:, 0].tolist())
-    if not DARKEST < ratio < BRIGHTEST or not is_neutral(chroma, ratio):
-        return Told.THING
-    if _shows_unevenness(seen, table, _without_rim(filled(outline, box), _WELL_INSIDE)):
-        return Told.LIGHT if level.sum() > usual.sum() else Told.SHADE
+        cv2.meanStdDev(picture, mask=some) for picture in pictures)
     most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
-    return Told.NEITHER if max(spread.max(), usual_spread.max()) <= most else Told.THING
+    return _Levels(level[:, 0].tolist(), usual[:, 0].tolist(),
+                   max(spread.max(), usual_spread.max()) <= most)
 
 
 def _without_rim(inside: np.ndarray, kernel: np.ndarray) -> np.ndarray:

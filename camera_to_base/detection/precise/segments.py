@@ -47,7 +47,7 @@ _MOST_TEXTURE = 30.0
 _FEW = 8
 # Without light that was joined to it, a coloured thing's segment has this median, nats, and this
 # part of it is one. The sensor has cut off this part of a segment, and this part of it is a thing.
-_COLOURED, _SINGLE, _MUCH = 45.0, 0.85, 0.3
+_COLOURED, _SINGLE, _MUCH = 35.0, 0.85, 0.3
 # All faces of a coloured thing have so much chroma, and those of a black one so little light,
 # logarithms: beside 740 shades in rendered cells, no side of a thing had the table's chroma.
 COLOURED, _BLACK = 0.3, -4.0

@@ -43,7 +43,10 @@ def disc(centre, radius=25):
 
 
 def painted(light, colour, centre=PATCH):
-    shares = disc(centre)
+    return painted_by(light, disc(centre), colour)
+
+
+def painted_by(light, shares, colour):
     return light * (1 - shares) + shares * np.float32(colour)
 
 
@@ -193,3 +196,23 @@ def test_dark_half_that_no_edge_tells_from_shade_widens_the_ellipse(colour, meta
     detector = PreciseDifferenceDetector(coded(table(colour), 1, 88))
     found, = detector.detect(coded(bolt, 2, 88))
     assert math.dist(found.centre, (126, 118)) < 3 * max(found.doubt, 0.5)
+
+
+@pytest.mark.parametrize('colour, least, most', [
+    ((0.05, 0.05, 0.05), 4, 8), ((0.04, 0.05, 0.3), 0, 0)])
+def test_grey_face_may_be_missing_in_a_notch(colour, least, most):
+    corner = np.zeros((*SIZE, 1), np.float32)
+    cv2.fillPoly(corner, [np.int32(
+        [(80, 80), (150, 80), (150, 100), (100, 100), (100, 150), (80, 150)])], 1)
+    (found,), _ = detected(table(), painted_by(table(), corner, colour))
+    assert least <= found.doubt <= most
+    # The whole may be a box with a face like the table.
+    assert not least or math.dist(found.centre, (115, 115)) < 3 * found.doubt
+
+
+def test_uneven_crescent_is_a_thing_in_doubt():
+    light = table((0.2, 0.3, 0.4))
+    crescent = disc(PATCH, 40) * (1 - disc((118, 132), 40))
+    across = np.interp(np.arange(SIZE[1]), (60, 130), (0.4, 0.8))[None, :, None]
+    (found,), _ = detected(light, painted_by(light, crescent, light * np.float32(across)))
+    assert 5 < found.doubt < 20
