@@ -27,7 +27,7 @@ from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.precise.evidence import BRIGHTEST
 from camera_to_base.detection.precise.light import LINEAR, log_light, Reference
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, filled, grown, ratio_of, slices, square)
+    channel_extremes, filled, fullness, grown, ratio_of, slices, square)
 from camera_to_base.detection.precise.shade import change_of, DARKEST, is_neutral
 import cv2
 import numpy as np
@@ -39,7 +39,7 @@ _ROW_STEP = 3
 # What shade can be: the least and the largest ratio, and the strongest tint; on which part.
 _DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
 # An outline that fills less of its hull is a crescent's.
-_LEAST_SOLIDITY = 0.85
+_FULL = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
 _SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
 # The least step between two faces in grey levels; the table has less than this part of it; how
@@ -72,7 +72,7 @@ def is_soft_light(detection: Detection, frame: np.ndarray, reference: Reference)
     if (not (is_shade or _is_shade(*reversed(pictures), inside))
             or _has_edges_inside(*pictures, inside)):
         return False
-    if is_shade and _is_crescent(outline):
+    if is_shade and fullness(outline) < _FULL:
         levels = _levels_in(detection, frame, reference)
         if levels is None or levels.are_even:
             return True
@@ -106,11 +106,6 @@ def _has_edges_inside(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) 
     # Around an edge, a step is seen in as many px as the window has.
     length = cv2.countNonZero(edges) / _WINDOWS[0]
     return length > _LEAST_EDGES * math.sqrt(cv2.countNonZero(inside))
-
-
-def _is_crescent(outline: np.ndarray) -> bool:
-    hull = cv2.contourArea(cv2.convexHull(outline))
-    return cv2.contourArea(outline) < _LEAST_SOLIDITY * hull
 
 
 def _steps(piece: np.ndarray, size: int) -> np.ndarray:

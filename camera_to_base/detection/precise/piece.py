@@ -216,8 +216,11 @@ def outline_of(mask: np.ndarray, window: Box = _AT_ORIGIN) -> Optional[np.ndarra
 def solidity(mask: np.ndarray) -> float:
     """Tell how much of its convex hull a mask fills."""
     outline = outline_of(mask)
-    if outline is None:
-        return 0.0
+    return 0.0 if outline is None else fullness(outline)
+
+
+def fullness(outline: np.ndarray) -> float:
+    """Tell how much of its convex hull an outline encloses: less where it has a notch."""
     hull = cv2.contourArea(cv2.convexHull(outline))
     return cv2.contourArea(outline) / hull if hull else 0.0
 

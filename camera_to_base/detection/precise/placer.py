@@ -18,7 +18,7 @@ from camera_to_base.detection.precise.gloss import lighter, with_highlights
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, enlarged, filled, grown, make_piece, outline_of,
+    centre_of, enclosed, enlarged, filled, fullness, grown, make_piece, outline_of,
     outlines_in, Piece, reduced, slices, square)
 from camera_to_base.detection.precise.plain import Plain
 from camera_to_base.detection.precise.regions import Region
@@ -259,14 +259,13 @@ def notch_doubt(detection: Detection, frame: np.ndarray, reference: Reference) -
     A grey face may look like its thing's shade, or like the table. A coloured thing's does not.
     """
     box, outline = detection.box, np.int32(detection.outline)[:, None]
-    hull = cv2.convexHull(outline)
-    if detection.cut_off or cv2.contourArea(outline) > _NOTCHED * cv2.contourArea(hull):
+    if detection.cut_off or fullness(outline) > _NOTCHED:
         return 0.0
     inside = filled(outline, box)
     levels = (cv2.mean(picture[slices(box)], inside)[:3] for picture in (frame, reference.lit))
     if change_of(*levels)[0] > COLOURED:
         return 0.0
-    return math.dist(centre_of(inside), centre_of(filled(hull, box)))
+    return math.dist(centre_of(inside), centre_of(filled(cv2.convexHull(outline), box)))
 
 
 def _off(one: np.ndarray, other: np.ndarray) -> np.ndarray:
