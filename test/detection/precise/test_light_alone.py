@@ -16,7 +16,7 @@ from camera_to_base.errors import InvalidValueError
 from camera_to_base.pipeline import CameraPipeline
 from camera_to_base.surface.models import ParallelSurface
 import cv2
-from lit_table import coded
+from lit_table import coded, painted as painted_by
 import numpy as np
 import pytest
 
@@ -44,10 +44,6 @@ def disc(centre, radius=25):
 
 def painted(light, colour, centre=PATCH):
     return painted_by(light, disc(centre), colour)
-
-
-def painted_by(light, shares, colour):
-    return light * (1 - shares) + shares * np.float32(colour)
 
 
 def detected(light, frame, **others):
