@@ -161,15 +161,15 @@ def _search(
 def _without_still(
     regions: List[Region], still: Sequence[Still]
 ) -> Tuple[List[Region], List[Still]]:
-    """Give the regions that do not lie still, and what does: unless it is a part of another."""
+    """Give the regions that do not lie still, and what does: unless it shows something else."""
     rest: List[Region] = []
     held = list(still)
     for region in regions:
-        inside = [one.is_in(region) for one in held]
-        if sum(inside) == 1 and held[inside.index(True)].is_all_of(region):
+        here = [one for one in held if one.is_at(region)]
+        if len(here) == 1 and here[0].is_as_large_as(region):
             continue
         rest.append(region)
-        held = [one for one, is_in in zip(held, inside) if not is_in]
+        held = [one for one in held if not any(one is other for other in here)]
     return rest, held
 
 

@@ -22,7 +22,7 @@ from typing import List, Mapping, NamedTuple, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, NoObject
 from camera_to_base.detection.precise.light import Gain, Reference
-from camera_to_base.detection.precise.piece import filled, grown, slices
+from camera_to_base.detection.precise.piece import filled, grown, slices, square
 from camera_to_base.detection.precise.placer import Placing
 from camera_to_base.detection.precise.regions import Region
 import cv2
@@ -31,8 +31,9 @@ import numpy as np
 # How far around a region the frame must show the same, px.
 _AROUND = 12
 # Something has changed where means over this window, px, differ by more than this part of what an
-# object must at least differ by: noise and compression are below it, a faint object above.
-_WINDOW, _OF_LEAST = (3, 3), 0.75
+# object must at least differ by: noise is below it, a faint object above. JPEG's blocks spread
+# this part of a step over so many px.
+_WINDOW, _OF_LEAST, _OF_STEP, _BLOCK = (5, 5), 0.75, 0.1, square(9)
 # What was told holds while the gain has changed by no more steps: by 3 %, less than a rim shows.
 _SAME_LIGHT = 3
 # So many looks in a row must tell the same before it is kept: where one look of 30 is mistaken
@@ -51,6 +52,7 @@ class Still(NamedTuple):
 
     :param window: The region and what is around it.
     :param picture: What the frame showed there, shape (height, width, 3), uint8, BGR.
+    :param steps: The steps in it that JPEG spreads, of the same shape.
     :param gain: The frame's light.
     :param region: The region as it was found.
     :param things: What was told of it: the things in it; the region itself where that is not
@@ -62,6 +64,7 @@ class Still(NamedTuple):
 
     window: Box
     picture: np.ndarray
+    steps: np.ndarray
     gain: Gain
     region: Region
     things: Sequence[Region]
@@ -74,6 +77,7 @@ class Still(NamedTuple):
         if any(abs(now - then) > _SAME_LIGHT for now, then in zip(reference.gain, self.gain)):
             return False
         away = cv2.blur(cv2.absdiff(frame[slices(self.window)], self.picture), _WINDOW)
+        away = cv2.addWeighted(away, 1, self.steps, -_OF_STEP, 0)
         return (cv2.minMaxLoc(away.reshape(len(away), -1))[1]
                 <= _OF_LEAST * reference.limits.least)
 
@@ -81,21 +85,22 @@ class Still(NamedTuple):
         """Tell whether a part of a frame that has changed is this region, and nothing else."""
         return part.is_inside(self.window) and self.region.box.is_mostly_inside(part)
 
-    def is_in(self, region: Region) -> bool:
-        """Tell whether a region covers this one."""
+    def is_at(self, region: Region) -> bool:
+        """Tell whether most of this region lies in another, or most of that in this one."""
         if not self.region.box.overlaps(region.box):
             return False
         own, other = (filled(one.outline, self.region.box) for one in (self.region, region))
-        return 2 * cv2.countNonZero(own & other) > cv2.countNonZero(own)
+        return 2 * cv2.countNonZero(own & other) > min(
+            cv2.countNonZero(own), cv2.contourArea(region.outline))
 
-    def is_all_of(self, region: Region) -> bool:
-        """Tell whether a region that covers this one is hardly more."""
+    def is_as_large_as(self, region: Region) -> bool:
+        """Tell whether a region at this one's place is hardly more, and hardly less."""
         own, other = (cv2.contourArea(one.outline) for one in (self.region, region))
         return abs(own - other) <= _SAME_AREA * own
 
     def tells_the_same(self, other: 'Still') -> bool:
         """Tell whether another look has told the same of the region."""
-        return (other.is_in(self.region) and len(self.boxes) == len(other.boxes)
+        return (other.is_at(self.region) and len(self.boxes) == len(other.boxes)
                 and all(any(box.is_mostly_inside(one) and one.is_mostly_inside(box)
                             for one in other.boxes) for box in self.boxes))
 
@@ -144,8 +149,9 @@ class StillRegions:
             rest = [one for one in rest if not _has(region, one)]
             places = [placed.get(thing.box, Placing([], thing)) for thing in things]
             boxes = [one.box for place in places for one in place.detections]
-            still = Still(window, frame[slices(window)].copy(), reference.gain, region,
-                          [place.region for place in places], boxes, own)
+            picture = frame[slices(window)].copy()
+            still = Still(window, picture, cv2.morphologyEx(picture, cv2.MORPH_GRADIENT, _BLOCK),
+                          reference.gain, region, [place.region for place in places], boxes, own)
             looks = 1 + max(
                 (one.looks for one in before if still.tells_the_same(one)), default=0)
             (self._unsure if looks < _LOOKS else self._kept).append(still._replace(looks=looks))

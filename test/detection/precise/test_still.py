@@ -11,8 +11,10 @@
 
 import math
 
-from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection import Box, PreciseDifferenceDetector
 from camera_to_base.detection.precise import search
+from camera_to_base.detection.precise.regions import Region
+from camera_to_base.detection.precise.still import Still
 import cv2
 import numpy as np
 import pytest
@@ -190,3 +192,28 @@ def test_what_lies_still_is_found_beside_an_arm_that_moves(detector, looks):
         found = [one for one in detector.detect(seen(frame, number + 1)) if not one.cut_off]
         assert [math.dist(one.centre, (100, 120)) < 0.3 for one in found] == [True]
     assert sum(region.box.x < 150 for region in looks) <= 5
+
+
+def test_what_lies_still_in_compressed_pictures_is_told_once(looks):
+    def coded(picture, seed):
+        data = cv2.imencode('.jpg', seen(picture, seed), [cv2.IMWRITE_JPEG_QUALITY, 75])[1]
+        return cv2.imdecode(data, cv2.IMREAD_COLOR)
+
+    picture = shaded_disc(shaded_disc(table(), (90, 80)), (220, 150))
+    detector = PreciseDifferenceDetector(coded(table(), 0))
+    for seed in range(1, 40):
+        assert len(detector.detect(coded(picture, seed))) == 2
+    assert len(looks) <= 14
+
+
+def test_part_of_what_lies_still_is_told_anew():
+    def region(left, top, length):
+        box = Box(left, top, length, length)
+        corners = np.int32([(0, 0), (0, length), (length, length), (length, 0)]) + (left, top)
+        return Region(corners[:, None], box, length ** 2, box)
+
+    picture = np.zeros((100, 100, 3), np.uint8)
+    still = Still(Box(0, 0, 100, 100), picture, picture, None, region(20, 20, 60), [], [], [])
+    assert still.is_at(region(30, 40, 15)) and not still.is_as_large_as(region(30, 40, 15))
+    assert still.is_at(region(18, 20, 62)) and still.is_as_large_as(region(18, 20, 62))
+    assert not still.is_at(region(75, 75, 20)) and not still.is_at(region(85, 20, 10))
