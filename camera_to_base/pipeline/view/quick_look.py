@@ -140,7 +140,9 @@ class QuickLook:
         # A sample is the mean of 4 px.
         self._background_variance = (self._noise ** 2 + 2 * _ROUNDING) / 4
         self._variance = 2 * self._background_variance
-        places = self._with_structure(find_places(self._grey, step_for(self._size)))
+        # No other frame tells faint structure from what compression left of the noise.
+        places = self._with_structure(find_places(self._grey, step_for(self._size)),
+                                      _COMPRESSION if witness is None else _FAINTEST_ENERGY)
         self.surface_moves, self._usual = False, 1.0
         self._usual_noise = white_noise(_middle(background if witness is None else witness))
         if witness is not None and len(places):
@@ -239,11 +241,11 @@ class QuickLook:
         return PatchFit(Patches(places, step_for(self._size)), self._background, self._grey,
                         self._noise, self._variance)
 
-    def _with_structure(self, places: np.ndarray) -> np.ndarray:
+    def _with_structure(self, places: np.ndarray, least: float) -> np.ndarray:
         if not len(places):
             return places
         energy = self._make_fit(places).energy - self._background_variance
-        return places[energy > max(_FAINTEST_VARIANCES * self._variance, _FAINTEST_ENERGY)]
+        return places[energy > max(_FAINTEST_VARIANCES * self._variance, least)]
 
     def _at_rest(self, places: np.ndarray, witness: np.ndarray) -> np.ndarray:
         # Those of the places that are; notes whether there are none though they tell a shift.
