@@ -32,8 +32,8 @@ import numpy as np
 
 # Chroma is told by the mean of a window, px. One that is not the table's is off by so many times
 # what light may change, and nearer to the thing's by this: a shade takes some of it. One that is
-# another thing's is off by more than this part of it.
-_WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA = 7, 1.5, 0.7, 0.4
+# another thing's is off by more than this part of it. The narrowest face, px.
+_WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA, _LEAST_WIDTH = 5, 1.5, 0.7, 0.4, 3
 # What touches is so near, px, and on so many px; JPEG parts faces by so many.
 _BESIDE, _FEW, _NEARBY = 5, 8, 9
 _NOTHING = 1e-3
@@ -73,31 +73,35 @@ def with_faces(
     :param sides: The things whose chroma tells of their faces.
     :param changed: The region.
     """
-    things = things | _of_chroma(light, sides, found)
+    faces = _of_chroma(changed & (1 - things), sides, found)
+    if faces.any():
+        # Pixels between two faces show neither.
+        both = cv2.morphologyEx(things | faces, cv2.MORPH_CLOSE, square(_BESIDE))
+        things = things | both & cv2.dilate(faces, square(_BESIDE))
     things = _by_texture(things, light & (1 - things), found)
     return _with_edges(things, changed, found)
 
 
-def _of_chroma(light: np.ndarray, sides: Sequence[Side], found: Evidence) -> np.ndarray:
+def _of_chroma(rest: np.ndarray, sides: Sequence[Side], found: Evidence) -> np.ndarray:
     """
-    Give what of the light has the chroma of a thing that it touches, shape (h, w), uint8, 1 there.
+    Give what of the rest has the chroma of a thing that it touches, shape (h, w), uint8, 1 there.
 
     The faces of a thing differ in their level, and a shade has the table's chroma and a tint.
     """
-    faces = np.zeros_like(light)
+    faces = np.zeros_like(rest)
     if not sides:
         return faces
-    count = cv2.max(box_mean(light.astype(np.float32), _WINDOW), _NOTHING)
-    *chroma, level = (box_mean(one * light, _WINDOW) / count
+    count = cv2.max(box_mean(rest.astype(np.float32), _WINDOW), _NOTHING)
+    *chroma, level = (box_mean(one * rest, _WINDOW) / count
                       for one in (*found.chroma, found.seen - found.usual))
     off = np.hypot(*found.shade.off_tints(chroma, level))
-    other = light & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
+    other = rest & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
     if not other.any():
         return faces
     nearby = [(one, cv2.dilate(one.mask, square(_BESIDE))) for one in sides]
     for side in sides:
         is_same = cv2.magnitude(*map(cv2.subtract, chroma, side.tone)) < _NEARER * off
-        for box, face in _parts(other & is_same.view(np.uint8)):
+        for box, face in _parts(other & is_same.view(np.uint8), _LEAST_WIDTH):
             touched = [one for one, near in nearby if cv2.countNonZero(face & near[slices(box)])]
             # It joins no two things.
             if any(one is side for one in touched) and all(
@@ -187,8 +191,8 @@ def _with_edges(things: np.ndarray, changed: np.ndarray, found: Evidence) -> np.
     return things | edge & (1 - cv2.dilate(table, square(_NEARBY)))
 
 
-def _parts(mask: np.ndarray) -> List[Tuple[Box, np.ndarray]]:
-    """Give the parts of a mask that are 5 px wide: the box of each, and what of it is inside."""
-    wide = cv2.morphologyEx(mask, cv2.MORPH_OPEN, square(5))
+def _parts(mask: np.ndarray, width: int = 5) -> List[Tuple[Box, np.ndarray]]:
+    """Give the parts of a mask that are some px wide: the box of each, and what is inside."""
+    wide = cv2.morphologyEx(mask, cv2.MORPH_OPEN, square(width))
     boxes = [(outline, Box(*cv2.boundingRect(outline))) for outline in outlines_in(wide)]
     return [(box, filled(outline, box) & wide[slices(box)]) for outline, box in boxes]

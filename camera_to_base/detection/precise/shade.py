@@ -39,6 +39,8 @@ _BESIDE_COLOURED, _ANYWHERE = (0.48, 48, 3, 0.08), (0.12, 24, 1, 0.3)
 _AT_A_LEVEL, _FAINT_LEVELS, _LOST_CHROMA = (0.25, 25, 2, 0.15), 4, 0.05
 # On how many places, and how much darker these are, logarithm; what is called a tint.
 _LEAST_PLACES, _LEAST_SHADE, _LEAST_TINT = 60, -0.25, 0.04
+# Where this part of what is darker has no tint, shade has none.
+_LEAST_NEUTRAL_SHARE = 0.1
 _MOST_REGIONS, _MOST_PLACES = 30, 4000
 # A place shows a thing and no shade from this chroma on, logarithm, or where it is darker than all
 # shade; on which part of a region.
@@ -211,6 +213,9 @@ def _tints(
         change = np.concatenate([nothing, *changes])
         change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > DARKEST / LEVEL_SCALE)]
         slopes = _slopes(change, *_ANYWHERE)
+        if len(slopes) and _has_neutral(change):
+            # Shade has the tint everywhere: it is a thing's colour.
+            slopes = []
     tints = np.zeros((_BESIDE_COLOURED[2], 2, _LEVELS), np.float32)
     levels = -_STEP / LEVEL_SCALE * (np.arange(_LEVELS) + 0.5)
     for tint, slope in zip(tints, slopes):
@@ -226,6 +231,11 @@ def _slopes(change: np.ndarray, *commonest: Any) -> List[np.ndarray]:
     slopes = _commonest(change[:, :2] / change[:, 2:], *commonest)
     # Less than that is no more than any light may change.
     return [one for one in slopes if np.hypot(*one) > _LEAST_TINT]
+
+
+def _has_neutral(change: np.ndarray) -> bool:
+    neutral = np.hypot(*change.T[:2]) < -_LEAST_TINT * change[:, 2]
+    return np.count_nonzero(neutral) > _LEAST_NEUTRAL_SHARE * len(change)
 
 
 def _of_a_cut_off_table(shade: np.ndarray) -> List[List[np.ndarray]]:

@@ -95,6 +95,21 @@ def test_disc_that_looks_like_the_table_between_two_shades_is_one(texture, seed)
     assert off(found[0], silhouette(coin)) < 3 * found[0].doubt
 
 
+@pytest.mark.parametrize('width, white, quality', [
+    (5, (1.15, 1, 0.9), 75), (6, (1, 1, 1), 95)])
+def test_narrow_walls_in_the_chroma_of_their_top_are_no_shade(width, white, quality):
+    background = np.full((*SIZE, 3), (0.4, 0.44, 0.47), np.float32)
+    white = np.float32(white)
+    top = covered((128, 98), (172, 92), (178, 136), (134, 142))
+    right = covered((172, 92), (172 + width, 94), (178 + width, 138), (178, 136))
+    near = covered((134, 142), (178, 136), (178 + width, 138), (134 + width, 147))
+    shade = covered((140, 100), (182 + width, 104), (188 + width, 152), (140, 157))
+    light = painted(shaded(background, shade, 0.4), top, 0.8 * white)
+    light = painted(painted(light, right, 0.34 * white), near, 0.27 * white)
+    found = detect(light, background, quality)
+    assert len(found) == 1 and overlap(found[0], silhouette(top + right + near)) > 0.88
+
+
 def hidden(light, background, thing):
     """Give what is hidden beside a thing that is all of its region."""
     frame, usual = coded(light, 2, 95), coded(background, 1, 95)

@@ -11,7 +11,10 @@
 
 import math
 
-from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection import Box, PreciseDifferenceDetector
+from camera_to_base.detection.precise.light import Reference
+from camera_to_base.detection.precise.regions import Region
+from camera_to_base.detection.precise.shade import measure_shade
 import cv2
 from lit_table import coded, covered, SIZE
 import numpy as np
@@ -83,3 +86,20 @@ def test_shade_of_an_overexposed_table_has_the_tint_that_the_table_has_lost(
     assert len(found) == 2
     for place in places:
         assert min(math.dist(one.centre, np.subtract(place, 0.5)) for one in found) < 0.3
+
+
+@pytest.mark.parametrize('colour, gains, has_tint', [
+    ((0.28, 0.26, 0.24), (0.6, 0.6, 0.6), False), ((0.24, 0.26, 0.28), (0.7, 0.7, 0.7), False),
+    ((0.26, 0.26, 0.26), (0.6, 0.55, 0.5), True)])
+def test_colour_of_a_grey_thing_is_no_tint_of_its_shade(colour, gains, has_tint):
+    shares = cv2.GaussianBlur(covered((120, 90), (222, 90), (222, 172), (120, 172)), (0, 0), 2)
+    frame = table() * (1 - shares[..., None] * (1 - np.float32(gains)))
+    if not has_tint:
+        shares = covered((110, 80), (200, 80), (200, 150), (110, 150))
+        frame = frame * (1 - shares) + shares * np.float32(colour)
+    frame, reference = coded(frame, 2), Reference(coded(table(), 1), 13.0)
+    reference.follow(frame)
+    box = Box(108, 78, 117, 97)
+    corners = [(108, 78), (202, 78), (224, 88), (224, 174), (118, 174), (108, 152)]
+    region = Region(np.int32(corners)[:, None], box, 6000, box)
+    assert bool(measure_shade(frame, [region], reference).tints) == has_tint

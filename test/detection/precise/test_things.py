@@ -9,6 +9,8 @@
 
 """What is a thing and what is light, on tables with a texture and without one."""
 
+import math
+
 from camera_to_base.detection import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import Reference
 import cv2
@@ -711,3 +713,21 @@ def test_grey_part_of_a_coloured_thing_is_no_shade(texture, grey, part):
                     grey * TABLE / TABLE.mean())
     found, = detect(light, background, 90)
     assert np.hypot(found.centre.u - 149.5, found.centre.v - 122) < 3 * max(found.doubt, 0.4)
+
+
+@pytest.mark.parametrize('level', [0.15, 0.25, 0.35])
+@pytest.mark.parametrize('turn', [0.0, 0.4])
+def test_grey_rod_that_is_lighter_in_its_middle_is_no_shade(level, turn):
+    background = np.full((*SIZE, 3), 0.8, np.float32)
+    along, across = (np.float32([np.cos(angle), np.sin(angle)])
+                     for angle in (turn, turn + np.pi / 2))
+    corners = np.float32([150, 120]) + [
+        40 * x * along + 9 * y * across for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    v, u = np.mgrid[:SIZE[0], :SIZE[1]]
+    away = np.clip(np.abs((u - 150) * across[0] + (v - 120) * across[1] + 2) / 9, 0, 1)
+    rod = covered(*corners)
+    light = painted(shaded(background, covered(*corners + (6, 9)), 0.35), rod,
+                    level * (1 - 0.5 * away[..., None] ** 2))
+    found = detect(light, background)
+    assert len(found) == 1 and overlap(found[0], np.uint8(rod[..., 0] > 0.5)) > 0.95
+    assert math.dist(found[0].centre, (150, 120)) < 1 and found[0].doubt < 1
