@@ -16,8 +16,9 @@ from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection import (
     Detection, DetectorSettings, LeftOut, locate_pixel, LocatedObject, Point, REASONS)
 from camera_to_base.errors import HorizonError, Level, Reason
+from camera_to_base.pipeline.cells import covered_share
 from camera_to_base.pipeline.old_places import LEFT, OldPlaces
-from camera_to_base.pipeline.reaching_in import Changes, covered_share, ReachingIn
+from camera_to_base.pipeline.reaching_in import Changes, ReachingIn
 from camera_to_base.pipeline.rims import LeftBehind, Rim, rim_of
 from camera_to_base.pipeline.stage import FrameRecord, Stage
 from camera_to_base.pipeline.standpoint import PerBackground, Standpoint
@@ -43,7 +44,8 @@ _LEAST_NOISE, _NOISE_DEVIATIONS = 4.0, 8.0
 
 _TOUCHED = Reason(
     'touched', Level.WARN, 'something that reaches in from the edge of the picture touches, '
-    'covers or shades it: take hands and arms out of the view', is_passing=True)
+    'covers or shades it: take hands and arms out of the view, and lay it farther in if its own '
+    'shade is all that reaches the edge', is_passing=True)
 _WAS_TOUCHED = Reason(
     'touched', Level.WARN, 'it appeared where something reached in less than a second ago',
     is_passing=True)

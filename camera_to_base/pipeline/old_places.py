@@ -13,7 +13,7 @@ from typing import Iterable, List, NamedTuple, Optional, Sequence
 
 from camera_to_base.detection import Box, Detection, Pixel
 from camera_to_base.errors import Level, Reason
-from camera_to_base.pipeline.reaching_in import covered_share
+from camera_to_base.pipeline.cells import covered_share
 import cv2
 import numpy as np
 

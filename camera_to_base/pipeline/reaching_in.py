@@ -9,15 +9,11 @@
 
 """What reaches in from the picture's edge: a hand, a sleeve, an arm, and their shadows."""
 
-from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Iterable, List, NamedTuple, Optional, Sequence
 
+from camera_to_base.pipeline.cells import any_channel, CellBackground, Cells, Light, medians
 import cv2
 import numpy as np
-
-# The picture is made this long at most, in cells: a quarter of 640 px.
-_LONGEST = 160
-# Of a large picture some pixels are enough: this many along a cell.
-_SAMPLES = 4
 
 # Pixels that tell the light, along the picture's longer side.
 _LIGHT_SAMPLES = 20
@@ -37,143 +33,14 @@ _WHOLE_EDGE = 0.8
 _ROUNDS, _HALF_WEIGHT = 8, 0.03
 # Smooth light is fitted to every fourth cell each way, which saves time.
 _GRID_STEP = 4
+# Where the surface's own texture is seen at the edge, it lies in a soft shade or in the sun, and
+# nothing covers it. Detail is finer than this, px; edges of so many levels are no texture: they
+# may be written over the picture, such as its time. The deviation of the detail in the background,
+# in levels, and how alike the frame's is, in squares of so many cells.
+_DETAIL, _STRONG_EDGE, _LEAST_DETAIL, _ALIKE, _SQUARE = (9, 9), 40.0, 1.5, 0.6, 5
 # On a surface whose own levels vary by this much, an arm is like it here and there: gaps of up to
 # 4 cells are closed there.
 _TEXTURE_LEVELS, _CLOSING = 2.0, np.ones((5, 5), np.uint8)
-
-
-class Cells:
-    """
-    Square cells of a picture; what does not fill a cell at the right and below is left out.
-
-    :param width: Of the picture, in px; `height`, too.
-
-    `scale` is a cell's side in px, `samples` how many pixels along it count; `columns` and `rows`
-    is how many cells there are.
-    """
-
-    def __init__(self, width: int, height: int) -> None:
-        # The shorter side has at least one.
-        self.scale = max(1, min(round(max(width, height) / _LONGEST), width, height))
-        self.columns, self.rows = width // self.scale, height // self.scale
-        self.samples = _SAMPLES if self.scale >= _SAMPLES else min(self.scale, 2)
-
-    def pixels(self, picture: np.ndarray, rows: slice, columns: slice) -> np.ndarray:
-        """Return the pixels of some cells: shape (rows, columns, 3), uint8."""
-        return picture[self.scale * rows.start:self.scale * rows.stop,
-                       self.scale * columns.start:self.scale * columns.stop]
-
-    def means(self, pixels: np.ndarray) -> np.ndarray:
-        """
-        Return the mean colour of each cell.
-
-        :param pixels: Shape (scale * rows, scale * columns, 3), uint8.
-        :returns: Shape (rows, columns, 3), uint8.
-        """
-        return self.means_of_samples(self.sampled(pixels))
-
-    def sampled(self, pixels: np.ndarray) -> np.ndarray:
-        """
-        Return the pixels that count.
-
-        :param pixels: Shape (scale * rows, scale * columns, 3), uint8.
-        :returns: Shape (samples * rows, samples * columns, 3), uint8.
-        """
-        if self.samples == self.scale:
-            return pixels
-        share = self.samples / self.scale
-        return cv2.resize(pixels, None, fx=share, fy=share, interpolation=cv2.INTER_NEAREST)
-
-    def means_of_samples(self, pixels: np.ndarray) -> np.ndarray:
-        """Return the mean colour of each cell from the pixels that count, see `sampled`."""
-        samples = self.samples
-        # Halving is several times as fast as other ratios.
-        while samples > 1:
-            height, width = pixels.shape[:2]
-            pixels = cv2.resize(pixels, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
-            samples //= 2
-        return pixels
-
-    def around(self, outline: np.ndarray) -> Tuple[slice, slice]:
-        """
-        Tell the rows and columns of the cells that an outline lies in.
-
-        :param outline: Shape (n, 2), int32, columns u and v in px.
-        """
-        left, top, width, height = cv2.boundingRect(outline)
-        right, bottom = (left + width - 1) // self.scale + 1, (top + height - 1) // self.scale + 1
-        return (slice(top // self.scale, min(bottom, self.rows)),
-                slice(left // self.scale, min(right, self.columns)))
-
-
-class Light(NamedTuple):
-    """
-    The light of a frame, and what the surface itself may differ by.
-
-    :param factors: How much brighter each channel is: three numbers, or shape (h, w, 3).
-    :param least: What counts as a difference everywhere, in levels.
-    :param slack: How much of its `spread` a cell may differ by.
-    """
-
-    factors: object
-    least: float
-    slack: float
-
-
-class CellBackground(NamedTuple):
-    """
-    The background in cells, or a part of it.
-
-    :param levels: Shape (h, w, 3), float32, at least 1.
-    :param spread: Shape (h, w, 3), uint8, the range of a cell and its neighbours.
-    """
-
-    levels: np.ndarray
-    spread: np.ndarray
-
-    def part(self, rows: slice, columns: slice) -> 'CellBackground':
-        """Return the same of some cells."""
-        return CellBackground(self.levels[rows, columns], self.spread[rows, columns])
-
-    def excess(self, means: np.ndarray, light: Light) -> np.ndarray:
-        """
-        Tell by how much cells differ from the background more than the surface itself may.
-
-        :param means: Shape (h, w, 3), uint8.
-        :returns: Of the same shape, uint8, 0 where they do not.
-        """
-        lit = cv2.multiply(self.levels, light.factors, dtype=cv2.CV_8U)
-        most = cv2.convertScaleAbs(self.spread, alpha=light.slack, beta=light.least)
-        return cv2.subtract(cv2.absdiff(means, lit), most)
-
-
-def any_channel(excess: np.ndarray) -> np.ndarray:
-    """Return where a channel is above 0: shape (h, w), uint8, 0 or 1."""
-    blue, green, red = cv2.split(excess)
-    return cv2.threshold(cv2.max(cv2.max(blue, green), red), 0, 1, cv2.THRESH_BINARY)[1]
-
-
-def medians(ratios: np.ndarray) -> List[float]:
-    """Return the median of each column of an array of shape (n, 3), the upper one of two."""
-    half = len(ratios) // 2
-    return np.partition(ratios, half, axis=0)[half].tolist()
-
-
-def covered_share(mask: np.ndarray, outline: np.ndarray, scale: int) -> float:
-    """
-    Tell how much of an object overlaps a mask, 0..1.
-
-    :param mask: Shape (h / scale, w / scale), uint8.
-    :param outline: Shape (n, 2), int32, columns u and v in px.
-    """
-    cells = outline // scale
-    left, top, width, height = cv2.boundingRect(cells)
-    piece = mask[top:top + height, left:left + width]
-    if not piece.size or not cv2.countNonZero(piece):
-        return 0.0
-    inside = np.zeros(piece.shape, np.uint8)
-    cv2.fillPoly(inside, [cells], 1, offset=(-left, -top))
-    return cv2.countNonZero(inside & piece) / max(cv2.countNonZero(inside), 1)
 
 
 class PictureEdge:
@@ -196,6 +63,7 @@ class PictureEdge:
         self._grid = tuple(
             slice(min(step, length) // 2, None, step) for length in picture.shape[:2])
         self._light = np.maximum(picture[self._grid], 1).astype(np.float32)
+        self._surface = [_Strip.of(strip) for strip in self._strips(picture)]
 
     def gains(self, frame: np.ndarray) -> List[float]:
         """Tell how much brighter each channel of a frame is."""
@@ -211,6 +79,72 @@ class PictureEdge:
         sides = _sides(whole, self._depth * self._cells.scale)
         means = self._cells.means_of_samples(_joined(map(self._cells.sampled, sides)))
         return cv2.norm(self._background.excess(means, light), cv2.NORM_INF) > 0
+
+    def shows_surface(self, frame: np.ndarray) -> np.ndarray:
+        """
+        Tell where the surface's texture is seen at the edge.
+
+        :param frame: Shape (h, w, 3), uint8, BGR.
+        :returns: Shape (rows, columns), uint8, 1 in cells at the edge that show it.
+        """
+        top, bottom, left, right = (
+            surface.shown(strip, self._cells.scale)
+            for surface, strip in zip(self._surface, self._strips(frame)))
+        shown = np.zeros((self._cells.rows, self._cells.columns), np.uint8)
+        shown[0], shown[-1] = top, bottom
+        shown[:, 0] |= left
+        shown[:, -1] |= right
+        return shown
+
+    def _strips(self, picture: np.ndarray) -> Sequence[np.ndarray]:
+        # The edge is the first row of each.
+        depth = min(_SQUARE, self._cells.rows, self._cells.columns) * self._cells.scale
+        top, bottom, left, right = _sides(picture[:self._height, :self._width], depth)
+        return top, bottom[::-1], cv2.transpose(left), cv2.transpose(right)[::-1]
+
+
+class _Strip(NamedTuple):
+    """
+    A strip of the surface along the picture's edge, which is its first row.
+
+    :param detail: Its detail, shape (h, w), float32; 0 beside edges that are no texture.
+    :param is_fine: 1 elsewhere, of the same shape.
+    """
+
+    detail: np.ndarray
+    is_fine: np.ndarray
+
+    @classmethod
+    def of(cls, picture: np.ndarray) -> '_Strip':
+        """Take it from a part of the background, shape (h, w, 3), uint8, BGR."""
+        grey = _grey(picture)
+        step = cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones(_DETAIL))
+        is_fine = (step < _STRONG_EDGE).astype(np.float32)
+        return cls(_detail(grey, is_fine), is_fine)
+
+    def shown(self, picture: np.ndarray, scale: int) -> np.ndarray:
+        """
+        Tell where a part of a frame shows the same detail.
+
+        :param picture: Shape (h, w, 3), uint8, BGR.
+        :param scale: The side of a cell, in px.
+        :returns: Shape (w / scale,), bool, of the cells along the edge.
+        """
+        now = _detail(_grey(picture), self.is_fine)
+        both, own, other = (
+            cv2.blur(one, (_SQUARE * scale,) * 2)[scale // 2, scale // 2::scale]
+            for one in (self.detail * now, self.detail ** 2, now ** 2))
+        return (own > _LEAST_DETAIL ** 2) & (both > _ALIKE * np.sqrt(own * other))
+
+
+def _grey(picture: np.ndarray) -> np.ndarray:
+    return cv2.cvtColor(np.ascontiguousarray(picture), cv2.COLOR_BGR2GRAY).astype(np.float32)
+
+
+def _detail(levels: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Give levels without their mean around each pixel, in a mask and by that alone."""
+    mean = cv2.blur(levels * mask, _DETAIL) / np.maximum(cv2.blur(mask, _DETAIL), 1e-6)
+    return (levels - mean) * mask
 
 
 def _sides(picture: np.ndarray, depth: int) -> Sequence[np.ndarray]:
@@ -250,6 +184,9 @@ class Changes(NamedTuple):
 class ReachingIn:
     """
     Finds what differs from the background and is connected to the picture's edge.
+
+    A shade or the sun on the surface does not reach in by itself: where the surface's texture is
+    seen at the edge, nothing covers it.
 
     A detector finds strong differences, so that a hand whose brightness is like the table's falls
     apart into islands. A faint difference shows that they belong together. Where nothing differs
@@ -329,9 +266,10 @@ class ReachingIn:
             other = self._changes(
                 means, light._replace(factors=self._smooth_light(ratio)), gain)
             found = min(found, other, key=lambda changes: changes.edge_share)
-        if found.edge_share <= _WHOLE_EDGE:
-            return found
-        return found._replace(reaching_in=np.zeros_like(found.reaching_in))
+        if found.edge_share > _WHOLE_EDGE:
+            return found._replace(reaching_in=np.zeros_like(found.reaching_in))
+        return found._replace(reaching_in=self._connected(
+            found.reaching_in & (1 - self._edge.shows_surface(frame))))
 
     def _light(self, gains: List[float], gain: float, shift_px: float) -> Light:
         # Half a level less, as both pictures are rounded.
@@ -344,15 +282,15 @@ class ReachingIn:
         differs = any_channel(self._background.excess(means, light))
         closed = cv2.morphologyEx(differs, cv2.MORPH_CLOSE, _CLOSING) & self._is_textured
         # Around it is an edge from which all that touches it is filled.
-        connected = differs | closed
-        if self._unknown is not None:
-            connected |= self._unknown
+        return Changes(self._connected(differs | closed), differs, gain)
+
+    def _connected(self, mask: np.ndarray) -> np.ndarray:
+        """Give what of a mask is connected to the edge, or to what is unknown."""
+        connected = mask if self._unknown is None else mask | self._unknown
         framed = cv2.copyMakeBorder(connected, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
         cv2.floodFill(framed, None, (0, 0), 2, flags=8)
         reaching_in = (framed[1:-1, 1:-1] == 2).astype(np.uint8)
-        if self._unknown is not None:
-            reaching_in &= 1 - self._unknown
-        return Changes(reaching_in, differs, gain)
+        return reaching_in if self._unknown is None else reaching_in & (1 - self._unknown)
 
     def _unknown_cells(self, unknown: np.ndarray) -> np.ndarray:
         cells = self._cells

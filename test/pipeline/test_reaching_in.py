@@ -8,6 +8,7 @@
 # the License.
 
 from camera_to_base.pipeline.reaching_in import ReachingIn
+import cv2
 import numpy as np
 import pytest
 
@@ -50,6 +51,44 @@ def test_what_touches_what_the_background_does_not_show_reaches_in():
     found = ReachingIn(background, unknown).find(frame, 0.0).reaching_in
     assert found[55, 50] and not found[80, 105] and not found[:, :4].any()
     assert not ReachingIn(background).find(frame, 0.0).any_reaching_in
+
+
+@pytest.mark.parametrize('gain', [0.5, 0.8, 1.25])
+@pytest.mark.parametrize('edge', EDGES)
+@pytest.mark.parametrize('size', SIZES[:3], ids=str)
+def test_shade_and_sun_at_the_edge_of_a_textured_table_do_not_reach_in(size, edge, gain):
+    background, light = shoot(size, 1), np.ones(size[::-1], np.float32)
+    place = tuple(slice(part.start and 6 * part.start, part.stop and 6 * part.stop)
+                  for part in EDGES[edge])
+    light[place] = gain
+    light = cv2.GaussianBlur(light, (0, 0), 8)[..., None]
+    frame = np.rint(light * shoot(size, 2)).astype(np.uint8)
+    changes = ReachingIn(background).find(frame, 0.0)
+    assert changes.differs.any() and not changes.any_reaching_in
+
+
+def test_arm_with_a_shade_reaches_in_and_so_does_its_shade():
+    background, frame = shoot((640, 480), 1), shoot((640, 480), 2)
+    frame[200:300, :360] = frame[200:300, :360] // 2
+    frame[220:260, :340] = 100
+    found = ReachingIn(background).find(frame, 0.0).reaching_in
+    assert found[60, 70] and found[72, 70]
+
+
+def test_shade_at_the_edge_of_a_plain_table_may_be_an_arm():
+    background, frame = (np.full((480, 640, 3), 150, np.uint8) for _ in range(2))
+    frame[200:260, :360] = 75
+    assert ReachingIn(background).find(frame, 0.0).reaching_in[57, 60]
+
+
+@pytest.mark.parametrize('written', [np.s_[:6], np.s_[4:12:2], np.s_[-3:]])
+def test_what_is_written_over_the_picture_does_not_hide_an_arm(written):
+    background, frame = (np.random.default_rng(seed).normal(150, 1, (480, 640, 3)).round().astype(
+        np.uint8) for seed in (1, 2))
+    frame[:200, 300:340], frame[-200:, 300:340] = 90, 90
+    for picture in background, frame:
+        picture[written] = 255
+    assert ReachingIn(background).find(frame, 0.0).any_reaching_in
 
 
 def test_what_does_not_touch_the_edge_does_not_reach_in():
