@@ -400,8 +400,9 @@ class Detail(NamedTuple):
     @property
     def may_be_table(self) -> bool:
         """Whether something like the table is seen."""
-        return (self.likeness > _SOME_LIKENESS
-                and _LEAST_SLOPE * self.added < self.slope < _MOST_SLOPE)
+        # Of a table that is far darker than what was added, nothing would be.
+        least = _LEAST_SLOPE * max(self.added, math.exp(-BRIGHTEST))
+        return self.likeness > _SOME_LIKENESS and least < self.slope < _MOST_SLOPE
 
 
 def detail_of(found: Evidence, part: np.ndarray) -> Detail:

@@ -12,6 +12,7 @@
 import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection.precise.evidence import Detail
 from camera_to_base.detection.precise.light import Reference
 import cv2
 from lit_table import (
@@ -715,19 +716,29 @@ def test_grey_part_of_a_coloured_thing_is_no_shade(texture, grey, part):
     assert np.hypot(found.centre.u - 149.5, found.centre.v - 122) < 3 * max(found.doubt, 0.4)
 
 
-@pytest.mark.parametrize('level', [0.15, 0.25, 0.35])
-@pytest.mark.parametrize('turn', [0.0, 0.4])
-def test_grey_rod_that_is_lighter_in_its_middle_is_no_shade(level, turn):
-    background = np.full((*SIZE, 3), 0.8, np.float32)
+def rod(light, level, turn):
+    """Lay a round rod down, with its shade: light, and which part of each pixel it covers."""
     along, across = (np.float32([np.cos(angle), np.sin(angle)])
                      for angle in (turn, turn + np.pi / 2))
     corners = np.float32([150, 120]) + [
         40 * x * along + 9 * y * across for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     v, u = np.mgrid[:SIZE[0], :SIZE[1]]
     away = np.clip(np.abs((u - 150) * across[0] + (v - 120) * across[1] + 2) / 9, 0, 1)
-    rod = covered(*corners)
-    light = painted(shaded(background, covered(*corners + (6, 9)), 0.35), rod,
-                    level * (1 - 0.5 * away[..., None] ** 2))
+    shares = covered(*corners)
+    return painted(shaded(light, covered(*corners + (6, 9)), 0.35), shares,
+                   level * (1 - 0.5 * away[..., None] ** 2)), shares
+
+
+@pytest.mark.parametrize('level', [0.15, 0.25, 0.35])
+@pytest.mark.parametrize('turn', [0.0, 0.4])
+def test_grey_rod_that_is_lighter_in_its_middle_is_no_shade(level, turn):
+    background = np.full((*SIZE, 3), 0.8, np.float32)
+    light, shares = rod(background, level, turn)
     found = detect(light, background)
-    assert len(found) == 1 and overlap(found[0], np.uint8(rod[..., 0] > 0.5)) > 0.95
+    assert len(found) == 1 and overlap(found[0], np.uint8(shares[..., 0] > 0.5)) > 0.95
     assert math.dist(found[0].centre, (150, 120)) < 1 and found[0].doubt < 1
+
+
+def test_table_is_not_seen_in_what_is_sixty_times_as_light():
+    assert not Detail(8.6, slope=0.056, left=0.5, nats=-17.5, added=0.0154).is_table
+    assert Detail(8.6, slope=0.4, left=0.5, nats=-17.5, added=0.4).is_table
