@@ -258,7 +258,9 @@ class QuickLook:
         weights = np.square(fit.shift_axes).sum(axis=(1, 2))
         if weights @ motion.agrees >= _LEAST_AT_REST * weights.sum():
             return places[motion.agrees]
-        self.surface_moves = float(np.median(weights)) >= _TELLING
+        # What compression leaves of the noise is another one in each frame, too.
+        is_surface = fit.energy > self._background_variance + _COMPRESSION
+        self.surface_moves = float(np.median(weights * is_surface)) >= _TELLING
         return places[:0]
 
     def _use(self, places: np.ndarray) -> None:

@@ -136,7 +136,7 @@ def test_surface_without_structure_is_told_and_holds_nothing_back():
 
 @pytest.mark.parametrize('quality', [60, 80, 92])
 @pytest.mark.parametrize('noise, count', [(1.6, 1), (1.6, 7), (3.0, 1), (3.0, 25)])
-def test_compressed_noise_of_a_single_picture_is_no_structure(noise, count, quality):
+def test_compressed_noise_is_no_structure_and_no_belt(noise, count, quality):
     random = np.random.default_rng(5)
 
     def shoot():
@@ -144,8 +144,11 @@ def test_compressed_noise_of_a_single_picture_is_no_structure(noise, count, qual
         coded = cv2.imencode('.jpg', picture, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
         return cv2.imdecode(coded, cv2.IMREAD_COLOR)
 
-    view = ViewWatch(np.median([shoot() for _ in range(count)], axis=0).astype(np.uint8), Limits())
-    assert view.reason(shoot()) is None
+    background = np.median([shoot() for _ in range(count)], axis=0).astype(np.uint8)
+    for witness in (None, shoot()):
+        view = ViewWatch(background, Limits(), witness)
+        assert view.reason(shoot()) is None
+        assert view.motion.is_in_place
 
 
 def test_step_across_parallel_lines_is_held_back():
