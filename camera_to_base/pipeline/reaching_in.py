@@ -63,7 +63,7 @@ class PictureEdge:
         self._grid = tuple(
             slice(min(step, length) // 2, None, step) for length in picture.shape[:2])
         self._light = np.maximum(picture[self._grid], 1).astype(np.float32)
-        self._surface = [_Strip.of(strip) for strip in self._strips(picture)]
+        self._surface = [_Strip.of(strip, cells.scale) for strip in self._strips(picture)]
 
     def gains(self, frame: np.ndarray) -> List[float]:
         """Tell how much brighter each channel of a frame is."""
@@ -88,7 +88,7 @@ class PictureEdge:
         :returns: Shape (rows, columns), uint8, 1 in cells at the edge that show it.
         """
         top, bottom, left, right = (
-            surface.shown(strip, self._cells.scale)
+            surface.shown(strip)
             for surface, strip in zip(self._surface, self._strips(frame)))
         shown = np.zeros((self._cells.rows, self._cells.columns), np.uint8)
         shown[0], shown[-1] = top, bottom
@@ -109,32 +109,40 @@ class _Strip(NamedTuple):
 
     :param detail: Its detail, shape (h, w), float32; 0 beside edges that are no texture.
     :param is_fine: 1 elsewhere, of the same shape.
+    :param power: The detail's mean square around each cell of the edge, shape (w / scale,).
+    :param scale: The side of a cell, in px.
     """
 
     detail: np.ndarray
     is_fine: np.ndarray
+    power: np.ndarray
+    scale: int
 
     @classmethod
-    def of(cls, picture: np.ndarray) -> '_Strip':
+    def of(cls, picture: np.ndarray, scale: int) -> '_Strip':
         """Take it from a part of the background, shape (h, w, 3), uint8, BGR."""
         grey = _grey(picture)
         step = cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones(_DETAIL))
         is_fine = (step < _STRONG_EDGE).astype(np.float32)
-        return cls(_detail(grey, is_fine), is_fine)
+        detail = _detail(grey, is_fine)
+        return cls(detail, is_fine, _around_cells(detail ** 2, scale), scale)
 
-    def shown(self, picture: np.ndarray, scale: int) -> np.ndarray:
+    def shown(self, picture: np.ndarray) -> np.ndarray:
         """
         Tell where a part of a frame shows the same detail.
 
         :param picture: Shape (h, w, 3), uint8, BGR.
-        :param scale: The side of a cell, in px.
         :returns: Shape (w / scale,), bool, of the cells along the edge.
         """
         now = _detail(_grey(picture), self.is_fine)
-        both, own, other = (
-            cv2.blur(one, (_SQUARE * scale,) * 2)[scale // 2, scale // 2::scale]
-            for one in (self.detail * now, self.detail ** 2, now ** 2))
-        return (own > _LEAST_DETAIL ** 2) & (both > _ALIKE * np.sqrt(own * other))
+        both, other = (
+            _around_cells(one, self.scale) for one in (self.detail * now, now ** 2))
+        return (self.power > _LEAST_DETAIL ** 2) & (both > _ALIKE * np.sqrt(self.power * other))
+
+
+def _around_cells(values: np.ndarray, scale: int) -> np.ndarray:
+    """Give the means in squares around the cells of the first row."""
+    return cv2.blur(values, (_SQUARE * scale,) * 2)[scale // 2, scale // 2::scale]
 
 
 def _grey(picture: np.ndarray) -> np.ndarray:
@@ -268,6 +276,8 @@ class ReachingIn:
             found = min(found, other, key=lambda changes: changes.edge_share)
         if found.edge_share > _WHOLE_EDGE:
             return found._replace(reaching_in=np.zeros_like(found.reaching_in))
+        if not found.edge_share:
+            return found
         return found._replace(reaching_in=self._connected(
             found.reaching_in & (1 - self._edge.shows_surface(frame))))
 

@@ -400,7 +400,7 @@ class Detail(NamedTuple):
     @property
     def may_be_table(self) -> bool:
         """Whether something like the table is seen."""
-        # Of a table that is far darker than what was added, nothing would be.
+        # Where far more light was added than the table has, its texture could not be seen.
         least = _LEAST_SLOPE * max(self.added, math.exp(-BRIGHTEST))
         return self.likeness > _SOME_LIKENESS and least < self.slope < _MOST_SLOPE
 

@@ -174,9 +174,8 @@ def parted(
     sure = found.nats > _SURELY, found.is_light
     thing, light = (cv2.morphologyEx(pixels.view(np.uint8), cv2.MORPH_OPEN, square(5))
                     for pixels in sure)
-    ridges = _ridges(found)
-    segments = [_look((labels == number).view(np.uint8), at_table, steps, found, ridges)
-                for number in np.unique(labels[changed > 0]) if number > 1]
+    segments = _with_ridges([_look((labels == number).view(np.uint8), at_table, steps, found)
+                             for number in np.unique(labels[changed > 0]) if number > 1], found)
     # Where the table goes on below it, light is seen; without a penumbra, it is a patch of sun.
     on_table = [one for one in segments if one.nats < 0 and one.detail.is_table]
     shade = found.shade.with_levels([one.ratio for one in on_table])
@@ -305,15 +304,26 @@ def _without(
 
 
 def _look(
-    mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence, ridges: np.ndarray
+    mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
     inside = mask > 0
     nats, colour, ratio, *tone = (float(quantile(one[inside])) for one in (
         found.nats, found.colour, found.seen - found.usual, *found.chroma))
     chroma = math.hypot(*found.shade.off_tints(tone, ratio))
-    one = _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
-                   LEVEL_SCALE * ratio, tuple(tone), chroma)
-    return one._replace(ridge=_ridge(mask, ridges)) if one.may_be_shade else one
+    return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
+                    LEVEL_SCALE * ratio, tuple(tone), chroma)
+
+
+def _with_ridges(segments: List[_Segment], found: Evidence) -> List[_Segment]:
+    """Give segments with the ridges of those that may be shade."""
+    if not any(one.may_be_shade for one in segments):
+        return segments
+    ratio = cv2.blur(found.seen - found.usual, (3, 3))
+    # By how many deviations a pixel is lighter than both of its sides.
+    ridges = LEVEL_SCALE * cv2.morphologyEx(
+        ratio, cv2.MORPH_TOPHAT, _RIDGE) / cv2.sqrt(found.variance)
+    return [one._replace(ridge=_ridge(one.mask, ridges)) if one.may_be_shade else one
+            for one in segments]
 
 
 def _ridge(mask: np.ndarray, ridges: np.ndarray) -> Optional[np.ndarray]:
@@ -322,13 +332,6 @@ def _ridge(mask: np.ndarray, ridges: np.ndarray) -> Optional[np.ndarray]:
     if len(core) < _LEAST_FLAT or quantile(core, _OF_RIDGE) < _LEAST_RIDGE:
         return None
     return cv2.dilate(mask & (ridges > _LEAST_RIDGE).view(np.uint8), _RIDGE)
-
-
-def _ridges(found: Evidence) -> np.ndarray:
-    """Tell by how many deviations each pixel is lighter than both of its sides, shape (h, w)."""
-    ratio = cv2.blur(found.seen - found.usual, (3, 3))
-    ridges = LEVEL_SCALE * cv2.morphologyEx(ratio, cv2.MORPH_TOPHAT, _RIDGE)
-    return ridges / cv2.sqrt(found.variance)
 
 
 def _most_by_rim(segments: List[_Segment], on_table: List[_Segment]) -> float:

@@ -213,8 +213,8 @@ def _tints(
         change = np.concatenate([nothing, *changes])
         change = change[(change[:, 2] < _LEAST_SHADE) & (change[:, 2] > DARKEST / LEVEL_SCALE)]
         slopes = _slopes(change, *_ANYWHERE)
-        if len(slopes) and _has_neutral(change):
-            # Shade has the tint everywhere: it is a thing's colour.
+        if slopes and _has_neutral(change):
+            # All shade would have the tint: this is the colour of a thing.
             slopes = []
     tints = np.zeros((_BESIDE_COLOURED[2], 2, _LEVELS), np.float32)
     levels = -_STEP / LEVEL_SCALE * (np.arange(_LEVELS) + 0.5)
@@ -234,6 +234,7 @@ def _slopes(change: np.ndarray, *commonest: Any) -> List[np.ndarray]:
 
 
 def _has_neutral(change: np.ndarray) -> bool:
+    """Tell whether some of what is darker has less chroma than a tint gives it."""
     neutral = np.hypot(*change.T[:2]) < -_LEAST_TINT * change[:, 2]
     return np.count_nonzero(neutral) > _LEAST_NEUTRAL_SHARE * len(change)
 
