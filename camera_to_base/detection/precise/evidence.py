@@ -51,7 +51,7 @@ _NOTHING = 1e-9
 _LEAST_UNSEEN = 0.05
 # Nats: how much clearer than light a thing must be; what a pixel's channel costs that is described
 # on its own (the range of logarithms over the noise).
-_PRIOR, _OWN = 12.0, 3.5
+PRIOR, _OWN = 12.0, 3.5
 # A thing of just the colour that a coloured table has is rare: nats for each unit of the table's
 # chroma (logarithm) above what a grey one has, and at most. So light may change the chroma more
 # there, for each change of the level.
@@ -168,7 +168,7 @@ def evidence(
             variance[axis] += (_BLEED * step) ** 2
         narrow = _light(change, variance, drift, shade, dark, colour, _NARROW)
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
-    nats = (light - cv2.min(thing, limit)) / 2 - _PRIOR
+    nats = (light - cv2.min(thing, limit)) / 2 - PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * LEVEL_SCALE
     is_dark = (ratio < DARKEST).view(np.uint8) | _sharp_bright(ratio)
     return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], noise_alone,

@@ -10,7 +10,7 @@
 """
 Tells what is a face of a thing, and no shade, sun or bare table, where no edge tells it.
 
-- It has the chroma of the thing and not the table's.
+- It has the chroma of the thing and not the table's, though it may be as dark as its shade.
 - The table's texture is gone, also where nothing else has changed. What shows it is light, though
   it was taken for a part of the thing.
 
@@ -18,15 +18,15 @@ The edge between a light face and a dark one looks like the table, but not for m
 """
 
 import math
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.evidence import (
-    box_mean, detail_nats, detail_of, Evidence)
+    box_mean, detail_nats, detail_of, Evidence, PRIOR)
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
     filled, outlines_in, quantile, slices, square)
-from camera_to_base.detection.precise.shade import is_neutral
+from camera_to_base.detection.precise.shade import is_neutral, NEUTRAL
 import cv2
 import numpy as np
 
@@ -37,6 +37,9 @@ _WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA, _LEAST_WIDTH = 5, 1.5, 0.7, 0.4, 
 # What touches is so near, px, and on so many px; JPEG parts faces by so many.
 _BESIDE, _FEW, _NEARBY = 5, 8, 9
 _NOTHING = 1e-3
+# The shade in a segment is off the table's chroma by less than this part of what the thing is;
+# chosen on 785 segments with two kinds of chroma. Two means settle in so many rounds.
+_LESS_CHROMA, _ROUNDS = 0.35, 5
 # The table's texture is looked for in windows, px; the median of what tells that it is seen, or
 # gone, where that is sure, nats.
 _TEXTURE_WINDOW, _SURELY = 11, 15.0
@@ -59,6 +62,50 @@ class Side(NamedTuple):
 
     mask: np.ndarray
     tone: Tuple[float, float]
+
+
+def cut_by_chroma(
+    labels: np.ndarray, count: int, changed: np.ndarray, found: Evidence, min_area: float
+) -> np.ndarray:
+    """
+    Cut segments of which a part has the table's chroma, and a part has another.
+
+    A thing and its shade may be equally dark, and then no edge is between them.
+
+    :param labels: The segments' numbers, shape (h, w), int32; 1 on the table.
+    :param count: The number of the first new segment.
+    :param changed: The region, of that shape.
+    :param min_area: Smaller parts do not count, in px².
+    """
+    chroma = [cv2.blur(one, (3, 3)) for one in found.chroma]
+    off = np.hypot(*found.shade.off_tints(chroma, found.seen - found.usual))
+    cut = labels.copy()
+    for number in np.unique(labels[changed > 0]):
+        segment = changed & (labels == number).view(np.uint8)
+        limit = _chroma_between(off[segment > 0])
+        if number < 1 or limit is None:
+            continue
+        thing = cv2.morphologyEx(
+            segment & (off > limit).view(np.uint8), cv2.MORPH_OPEN, square(3))
+        parts = thing > 0, (segment & (1 - thing)) > 0
+        if min(map(np.count_nonzero, parts)) < min_area:
+            continue
+        nats = [quantile(found.nats[part]) for part in parts]
+        if nats[0] > -PRIOR > nats[1]:
+            cut[parts[0]] = count
+            count += 1
+    return cut
+
+
+def _chroma_between(off: np.ndarray) -> Optional[float]:
+    """Give what parts chroma into two kinds: the mean of their means; None if they are one."""
+    low, high = quantile(off, 0.1), quantile(off, 0.9)
+    for _ in range(_ROUNDS):
+        is_high = off > (low + high) / 2
+        if high < NEUTRAL or is_high.all() or not is_high.any():
+            return None
+        low, high = off[~is_high].mean(), off[is_high].mean()
+    return (low + high) / 2 if low < _LESS_CHROMA * high else None
 
 
 def with_faces(

@@ -19,7 +19,7 @@ import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
-from camera_to_base.detection.precise.faces import Side, with_faces
+from camera_to_base.detection.precise.faces import cut_by_chroma, Side, with_faces
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, cut_off, disc, largest_part, quantile, square)
@@ -170,6 +170,7 @@ def parted(
     if steps is None:
         return untold(changed)
     labels = _joined(labels, count, logs[0])
+    labels = cut_by_chroma(labels, count, changed, found, min_area)
     at_table = cv2.dilate((labels == 1).view(np.uint8), square(3))
     sure = found.nats > _SURELY, found.is_light
     thing, light = (cv2.morphologyEx(pixels.view(np.uint8), cv2.MORPH_OPEN, square(5))
@@ -240,7 +241,9 @@ def _unsure(judged: Sequence[_Judged]) -> Iterator[Unsure]:
 
 def _are_coloured(segments: List[_Segment]) -> bool:
     """Tell whether a region has nothing but coloured or black faces, and what may be shade."""
-    faces = [one for one in segments if not one.may_be_shade and one.ratio < BRIGHTEST]
+    # Shade may be fainter beside what is as dark as shade.
+    faces = [one for one in segments if one.ratio < BRIGHTEST and not (
+        one.nats < 0 and DARKEST < one.ratio < 0)]
     return bool(faces) and all(
         one.chroma > COLOURED or one.ratio < _BLACK for one in faces)
 

@@ -739,6 +739,32 @@ def test_grey_rod_that_is_lighter_in_its_middle_is_no_shade(level, turn):
     assert math.dist(found[0].centre, (150, 120)) < 1 and found[0].doubt < 1
 
 
+@pytest.mark.parametrize('depth', [0.35, 0.45])
+@pytest.mark.parametrize('chroma', [0.2, 0.3])
+def test_pale_rod_ends_where_its_chroma_does_though_its_lower_side_is_as_dark_as_its_shade(
+        depth, chroma):
+    background = np.full((*SIZE, 3), (0.40, 0.46, 0.49), np.float32)
+    light = shaded(background, covered((116, 122), (196, 122), (196, 136), (116, 136)), depth)
+    down = np.arange(SIZE[0], dtype=np.float32)[:, None, None] - 112
+    level = np.clip(0.95 - (depth - 0.05) * down / 10, 1 - depth, 1)
+    body = covered((110, 112), (190, 112), (190, 128), (110, 128))
+    other = background * np.exp(np.float32((chroma, 0, -chroma / 2)))
+    found, = detect(painted(light, body, level * other), background, 85)
+    assert overlap(found, (body > 0.5)[..., 0]) > 0.9
+    assert math.dist(found.centre, (149.5, 119.5)) < 1
+
+
+@pytest.mark.parametrize('faint', [0.05, 0.08])
+def test_dark_shade_of_a_coloured_thing_is_none_of_its_sides_beside_a_faint_one(faint):
+    background = np.full((*SIZE, 3), 0.7, np.float32)
+    soft = cv2.GaussianBlur(covered(
+        (110, 95), (185, 95), (200, 170), (110, 165)), (0, 0), 1.5)[..., None]
+    shade = covered((128, 142), (176, 138), (178, 156), (130, 160))
+    light = painted(background * (1 - faint * soft), shade, 0.63 * background)
+    found, = detect(painted(light, square(150, 120, 22), (0.05, 0.05, 0.5)), background, 85)
+    assert overlap(found, square(150, 120, 22)[..., 0] > 0.5) > 0.95
+
+
 def test_table_is_not_seen_in_what_is_sixty_times_as_light():
     assert not Detail(8.6, slope=0.056, left=0.5, nats=-17.5, added=0.0154).is_table
     assert Detail(8.6, slope=0.4, left=0.5, nats=-17.5, added=0.4).is_table
