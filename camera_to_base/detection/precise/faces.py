@@ -77,21 +77,28 @@ def cut_by_chroma(
     :param changed: The region, of that shape.
     :param min_area: Smaller parts do not count, in px².
     """
+    nats, inside = found.nats - found.colour, changed > 0
+    is_thing, numbers = nats[inside] > -PRIOR, labels[inside]
+    # A median is above a limit where half of the part is.
+    both = [np.bincount(numbers[one] + 1) >= min_area / 2 for one in (is_thing, ~is_thing)]
+    mixed = np.flatnonzero(np.logical_and(*(one[:min(map(len, both))] for one in both))) - 1
+    if not (mixed > 0).any():
+        return labels
     chroma = [cv2.blur(one, (3, 3)) for one in found.chroma]
     off = np.hypot(*found.shade.off_tints(chroma, found.seen - found.usual))
     cut = labels.copy()
-    for number in np.unique(labels[changed > 0]):
+    for number in mixed[mixed > 0]:
         segment = changed & (labels == number).view(np.uint8)
         limit = _chroma_between(off[segment > 0])
-        if number < 1 or limit is None:
+        if limit is None:
             continue
-        thing = cv2.morphologyEx(
+        other = cv2.morphologyEx(
             segment & (off > limit).view(np.uint8), cv2.MORPH_OPEN, square(3))
-        parts = thing > 0, (segment & (1 - thing)) > 0
+        parts = other > 0, (segment & (1 - other)) > 0
         if min(map(np.count_nonzero, parts)) < min_area:
             continue
-        nats = [quantile(found.nats[part]) for part in parts]
-        if nats[0] > -PRIOR > nats[1]:
+        thing, light = (quantile(nats[part]) for part in parts)
+        if thing > -PRIOR > light:
             cut[parts[0]] = count
             count += 1
     return cut
