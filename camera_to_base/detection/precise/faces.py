@@ -80,14 +80,15 @@ def cut_by_chroma(
     nats, inside = found.nats - found.colour, changed > 0
     is_thing, numbers = nats[inside] > -PRIOR, labels[inside]
     # A median is above a limit where half of the part is.
-    both = [np.bincount(numbers[one] + 1) >= min_area / 2 for one in (is_thing, ~is_thing)]
-    mixed = np.flatnonzero(np.logical_and(*(one[:min(map(len, both))] for one in both))) - 1
-    if not (mixed > 0).any():
+    has_thing, has_light = (np.bincount(numbers[one] + 1, minlength=count + 1) >= min_area / 2
+                            for one in (is_thing, ~is_thing))
+    mixed = [number for number in np.flatnonzero(has_thing & has_light) - 1 if number > 0]
+    if not mixed:
         return labels
     chroma = [cv2.blur(one, (3, 3)) for one in found.chroma]
     off = np.hypot(*found.shade.off_tints(chroma, found.seen - found.usual))
     cut = labels.copy()
-    for number in mixed[mixed > 0]:
+    for number in mixed:
         segment = changed & (labels == number).view(np.uint8)
         limit = _chroma_between(off[segment > 0])
         if limit is None:
