@@ -97,6 +97,7 @@ class Evidence(NamedTuple):
     :param detail: Products of the background's detail and the frame's, over the variance, shape
         (h, w, 4): of both, of the background's, of the frame's; and the background's own variance.
     :param chroma: How the chroma has changed, logarithms on both axes of it.
+    :param level: How the level has changed: what is seen, less what is usual.
     """
 
     nats: np.ndarray
@@ -109,6 +110,7 @@ class Evidence(NamedTuple):
     shade: Shade
     detail: np.ndarray
     chroma: Sequence[np.ndarray]
+    level: np.ndarray
 
     @property
     def is_light(self) -> np.ndarray:
@@ -118,7 +120,7 @@ class Evidence(NamedTuple):
     @property
     def is_lighter(self) -> np.ndarray:
         """What is lighter than the table, and so no shade: shape (h, w), uint8, 1 there."""
-        return ((self.seen - self.usual) * LEVEL_SCALE > -FAINTEST).view(np.uint8)
+        return (self.level * LEVEL_SCALE > -FAINTEST).view(np.uint8)
 
 
 def evidence(
@@ -173,7 +175,7 @@ def evidence(
     is_dark = (ratio < DARKEST).view(np.uint8) | _sharp_bright(ratio)
     return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], noise_alone,
                     colour, shade, _products(usual[2], seen[2], usual_variance[2], noise_alone),
-                    change[:2])
+                    change[:2], change[2])
 
 
 def _nats_of_chroma(chroma: np.ndarray) -> np.ndarray:

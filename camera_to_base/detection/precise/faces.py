@@ -77,16 +77,17 @@ def cut_by_chroma(
     :param changed: The region, of that shape.
     :param min_area: Smaller parts do not count, in px².
     """
+    # Light on a coloured table may change its chroma.
     nats, inside = found.nats - found.colour, changed > 0
     is_thing, numbers = nats[inside] > -PRIOR, labels[inside]
-    # A median is above a limit where half of the part is.
+    # Both parts are told by their medians, so that half of each is on its side.
     has_thing, has_light = (np.bincount(numbers[one] + 1, minlength=count + 1) >= min_area / 2
                             for one in (is_thing, ~is_thing))
     mixed = [number for number in np.flatnonzero(has_thing & has_light) - 1 if number > 0]
     if not mixed:
         return labels
     chroma = [cv2.blur(one, (3, 3)) for one in found.chroma]
-    off = np.hypot(*found.shade.off_tints(chroma, found.seen - found.usual))
+    off = np.hypot(*found.shade.off_tints(chroma, found.level))
     cut = labels.copy()
     for number in mixed:
         segment = changed & (labels == number).view(np.uint8)
@@ -106,7 +107,7 @@ def cut_by_chroma(
 
 
 def _chroma_between(off: np.ndarray) -> Optional[float]:
-    """Give what parts chroma into two kinds: the mean of their means; None if they are one."""
+    """Give the limit between two kinds of chroma, half-way; None where all is of one kind."""
     low, high = quantile(off, 0.1), quantile(off, 0.9)
     for _ in range(_ROUNDS):
         is_high = off > (low + high) / 2
@@ -148,7 +149,7 @@ def _of_chroma(rest: np.ndarray, sides: Sequence[Side], found: Evidence) -> np.n
         return faces
     count = cv2.max(box_mean(rest.astype(np.float32), _WINDOW), _NOTHING)
     *chroma, level = (box_mean(one * rest, _WINDOW) / count
-                      for one in (*found.chroma, found.seen - found.usual))
+                      for one in (*found.chroma, found.level))
     off = np.hypot(*found.shade.off_tints(chroma, level))
     other = rest & ~is_neutral(off / _OTHER_CHROMA, LEVEL_SCALE * level)
     if not other.any():

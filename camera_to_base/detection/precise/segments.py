@@ -241,7 +241,7 @@ def _unsure(judged: Sequence[_Judged]) -> Iterator[Unsure]:
 
 def _are_coloured(segments: List[_Segment]) -> bool:
     """Tell whether a region has nothing but coloured or black faces, and what may be shade."""
-    # Shade may be fainter beside what is as dark as shade.
+    # Shade that is fainter than any known is no face: it may be the rim of a darker one.
     faces = [one for one in segments if one.ratio < BRIGHTEST and not (
         one.nats < 0 and DARKEST < one.ratio < 0)]
     return bool(faces) and all(
@@ -311,7 +311,7 @@ def _look(
 ) -> _Segment:
     inside = mask > 0
     nats, colour, ratio, *tone = (float(quantile(one[inside])) for one in (
-        found.nats, found.colour, found.seen - found.usual, *found.chroma))
+        found.nats, found.colour, found.level, *found.chroma))
     chroma = math.hypot(*found.shade.off_tints(tone, ratio))
     return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
                     LEVEL_SCALE * ratio, tuple(tone), chroma)
@@ -321,7 +321,7 @@ def _with_ridges(segments: List[_Segment], found: Evidence) -> List[_Segment]:
     """Give segments with the ridges of those that may be shade."""
     if not any(one.may_be_shade for one in segments):
         return segments
-    ratio = cv2.blur(found.seen - found.usual, (3, 3))
+    ratio = cv2.blur(found.level, (3, 3))
     # By how many deviations a pixel is lighter than both of its sides.
     ridges = LEVEL_SCALE * cv2.morphologyEx(
         ratio, cv2.MORPH_TOPHAT, _RIDGE) / cv2.sqrt(found.variance)

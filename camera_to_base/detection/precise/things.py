@@ -315,8 +315,8 @@ def _is_shade_beside(things: np.ndarray, changed: np.ndarray, found: Evidence) -
     rest = changed & (1 - cv2.dilate(things, square(_SIZE)))
     if not (things.any() and rest.any()):
         return False
-    off = np.hypot(*found.shade.off_tints(found.chroma, found.seen - found.usual))
-    ratio = LEVEL_SCALE * float(quantile((found.seen - found.usual)[rest > 0]))
+    off = np.hypot(*found.shade.off_tints(found.chroma, found.level))
+    ratio = LEVEL_SCALE * float(quantile(found.level[rest > 0]))
     return bool(quantile(off[things > 0], 0.2) > COLOURED and ratio < FAINTEST
                 and is_neutral(quantile(off[rest > 0]), ratio))
 
@@ -367,7 +367,7 @@ def _by_segments(
 
 def _may_be_shade(changed: np.ndarray, found: Evidence) -> np.ndarray:
     """Give what is darker than the table, and explained by light."""
-    darker = (found.seen - found.usual) * LEVEL_SCALE < FAINTEST
+    darker = found.level * LEVEL_SCALE < FAINTEST
     return changed & found.is_light & darker.view(np.uint8)
 
 
@@ -473,6 +473,6 @@ def _is_dark_alone(things: np.ndarray, found: Evidence, is_rest_sure: bool) -> b
 def _ends_softly(found: Evidence, changed: np.ndarray, things: np.ndarray) -> bool:
     """Tell whether what is beside things fades into the table, as shade that surrounds them."""
     rim = cv2.dilate(changed, square(3)) & (1 - changed) & (1 - cv2.dilate(things, square(15)))
-    steep = (gradient(cv2.blur(found.seen - found.usual, (_SIZE, _SIZE))) > _STEEPEST ** 2)
+    steep = (gradient(cv2.blur(found.level, (_SIZE, _SIZE))) > _STEEPEST ** 2)
     steep = cv2.dilate(steep.view(np.uint8), square(_SIZE))
     return cv2.countNonZero(rim & steep) < _MOST_STEEP * cv2.countNonZero(rim)
