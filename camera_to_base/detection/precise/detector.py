@@ -53,7 +53,7 @@ from camera_to_base.detection.precise.changes import (
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.light_alone import (
-    is_soft_light, LIGHT_OR_THING, Told, told)
+    fades_away, is_soft_light, LIGHT_OR_THING, Told, told)
 from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices
 from camera_to_base.detection.precise.placer import (
     hidden_doubt, notch_doubt, Placer, Placing, unplaced)
@@ -189,12 +189,10 @@ class PreciseDifferenceDetector:
                 unclear += faint
             if region.may_be_light:
                 unclear += parts or unplaced(region.outline, frame)
-            elif region.is_thing:
-                placed += parts
             else:
+                is_light = fades_away if region.is_thing else is_soft_light
                 for part in parts:
-                    (unclear if is_soft_light(part, frame, self._reference)
-                     else placed).append(part)
+                    (unclear if is_light(part, frame, self._reference) else placed).append(part)
         placed = _largest_first(placed)
         if len(placed) + len(unclear) > 1:
             # Most frames have no such shadow: only until an object is the first.

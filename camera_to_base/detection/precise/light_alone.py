@@ -17,10 +17,13 @@ same is told from them in three ways:
 - light shows the table's stains and pile, too faint for single pixels, where many of them agree,
 - else, where neither the thing nor the table has a colour or a texture of its own, nothing but a
   sharp rim tells, and that is said.
+
+A lamp's mirror image adds its own colour to the table's, so that only its rim tells.
 """
 
 from enum import Enum
 import math
+import operator
 from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box, Detection
@@ -40,8 +43,9 @@ _ROW_STEP = 3
 _DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
 # An outline that fills less of its hull is a crescent's.
 _FULL = 0.85
-# How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px.
-_SHARP, _LEAST_RIM, _WINDOWS = 0.6, 0.5, (5, 11)
+# How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px;
+# things that were seen out of focus or in motion are as sharp on a quarter of theirs.
+_SHARP, _LEAST_RIM, _WINDOWS, _HARDLY_SHARP = 0.6, 0.5, (5, 11), 0.12
 # The least step between two faces in grey levels; the table has less than this part of it; how
 # long such edges are, by the square root of the area.
 _LEAST_STEP, _SAME_STEP, _LEAST_EDGES = 13.0, 0.4, 0.5
@@ -68,6 +72,8 @@ def is_soft_light(detection: Detection, frame: np.ndarray, reference: Reference)
     part = slices(detection.box)
     pictures = (frame[part], reference.lit[part])
     inside = filled(outline, detection.box)
+    if fades_away(detection, frame, reference):
+        return True
     is_shade = _is_shade(*pictures, inside)
     if (not (is_shade or _is_shade(*reversed(pictures), inside))
             or _has_edges_inside(*pictures, inside)):
@@ -77,7 +83,22 @@ def is_soft_light(detection: Detection, frame: np.ndarray, reference: Reference)
         if levels is None or levels.are_even:
             return True
     window = grown(detection.box, max(_WINDOWS), frame)
-    return not _has_sharp_rim(frame[slices(window)], outline, window)
+    return _sharp_part(frame[slices(window)], outline, window) < _LEAST_RIM
+
+
+def fades_away(detection: Detection, frame: np.ndarray, reference: Reference) -> bool:
+    """
+    Tell whether a detection is lighter than the table, in any colour, and sharp at no place.
+
+    Arguments as for :func:`is_soft_light`.
+    """
+    part, outline = slices(detection.box), np.int32(detection.outline)[:, None]
+    inside = filled(outline, detection.box)
+    seen, usual = (cv2.mean(picture[part], inside)[:3] for picture in (frame, reference.lit))
+    if detection.cut_off or not all(map(operator.gt, seen, usual)):
+        return False
+    window = grown(detection.box, max(_WINDOWS), frame)
+    return _sharp_part(frame[slices(window)], outline, window) < _HARDLY_SHARP
 
 
 def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
@@ -114,11 +135,11 @@ def _steps(piece: np.ndarray, size: int) -> np.ndarray:
         cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1])
 
 
-def _has_sharp_rim(piece: np.ndarray, outline: np.ndarray, window: Box) -> bool:
+def _sharp_part(piece: np.ndarray, outline: np.ndarray, window: Box) -> float:
     # At a sharp step, a small window shows as large a step as a larger window does.
     x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
     near, far = (_steps(piece, size) for size in _WINDOWS)
-    return bool((near > _SHARP * far)[y, x].mean() >= _LEAST_RIM)
+    return float((near > _SHARP * far)[y, x].mean())
 
 
 class Told(Enum):

@@ -65,6 +65,26 @@ def test_patch_with_straight_sides_may_be_light():
     assert found.may_be_light
 
 
+NEARLY_BLACK = (0.008, 0.009, 0.008)
+
+
+@pytest.mark.parametrize('texture', [0.0, 0.06])
+@pytest.mark.parametrize('strength, blur', [(0.13, 4.0), (0.25, 7.0), (0.25, 10.0)])
+def test_lamp_that_a_nearly_black_table_mirrors_is_no_thing(texture, strength, blur):
+    image = cv2.GaussianBlur(disc((130, 120), 75), (0, 0), blur)[..., None]
+    surface = table(NEARLY_BLACK, texture)
+    found, left_out = detected(surface, surface + np.float32(strength) * image)
+    assert found == []
+    assert left_out[0] in ('light', 'light_or_thing')
+
+
+def test_pale_thing_out_of_focus_is_a_thing():
+    surface = table(NEARLY_BLACK)
+    frame = cv2.GaussianBlur(painted(surface, (0.5, 0.5, 0.5)), (0, 0), 2.2)
+    (found,), _ = detected(surface, frame)
+    assert found.centre == pytest.approx(PATCH, abs=0.5) and not found.may_be_light
+
+
 @pytest.mark.parametrize('colour', [
     (0.3, 0.1, 0.1), (0.02, 0.02, 0.02), (0.9, 0.9, 0.9), (0.15, 0.2, 0.15)])
 def test_another_colour_black_and_white_are_no_light(colour):
