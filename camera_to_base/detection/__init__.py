@@ -31,15 +31,15 @@ from camera_to_base.detection.settings import (
     Area, AREA_SPECS, Areas, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings,
     HEIGHT_SPECS, read_areas, read_polygons)
 from camera_to_base.detection.solid import (
-    looks_solid, object_heights, silhouette_on_surface, Size)
+    object_heights, sides_cm, silhouette_on_surface, Size)
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 
 __all__ = [
     'AbsoluteDifferenceDetector', 'Area', 'AREA_SPECS', 'Areas', 'BACKGROUND_SPECS',
     'BackgroundTaker', 'Box', 'changed_blocks', 'Detection', 'DETECTOR_SPECS', 'DetectorSettings',
     'Found', 'has_changed_block', 'HEIGHT_SPECS', 'LeftOut', 'locate_pixel', 'LocatedObject',
-    'looks_solid', 'mean_blocks', 'median_of', 'NoObject', 'object_heights', 'object_on_surface',
+    'mean_blocks', 'median_of', 'NoObject', 'object_heights', 'object_on_surface',
     'object_shape', 'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector',
-    'random_pixel', 'read_areas', 'read_polygons', 'REASONS', 'silhouette_on_surface', 'Size',
-    'smoothed_noise', 'touches_edge', 'white_noise',
+    'random_pixel', 'read_areas', 'read_polygons', 'REASONS', 'sides_cm',
+    'silhouette_on_surface', 'Size', 'smoothed_noise', 'touches_edge', 'white_noise',
 ]

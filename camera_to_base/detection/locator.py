@@ -11,7 +11,7 @@
 
 from dataclasses import replace
 import math
-from typing import List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from camera_to_base.detection.behind import apart
 from camera_to_base.detection.detection import Box, Detection
@@ -21,7 +21,7 @@ from camera_to_base.detection.on_surface import (
     object_on_surface, object_yaw, objects_on_surface, OnSurface, pixel_on_surface)
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.solid import (
-    flat_outline, silhouette, Size, size_of, Solid, solid_of)
+    flat_outline, sides_cm, silhouette, Size, size_of, Solid, solid_of)
 from camera_to_base.detection.top_rim import sees_rim
 from camera_to_base.errors import HorizonError, Level, Reason
 from camera_to_base.surface import Surface
@@ -44,6 +44,11 @@ _DOUBT_WITH_RIM = 0.5
 # In a larger box the noise of the rim moves the centre by next to nothing.
 _LARGEST_BOX_PX = 40000
 _MARGIN_PX = 2
+# What is at the same place and as large as on the last frame, in steps of so many px, looks as
+# solid as it did.
+_SAME_PX = 1.5
+# Where a flat object would be is so many deviations away from where a solid one would.
+_DEVIATIONS = 2.0
 
 
 class LocatedObject(NamedTuple):
@@ -53,12 +58,15 @@ class LocatedObject(NamedTuple):
     :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
         in (-pi/2, pi/2]; None if it has none (a coin, a square) or if it is uncertain.
     :param solid: What it stands on; None for a flat object, which lies on its outline.
+    :param sides_cm: How far its middle is off if it is none, though it counts as flat, in cm; 0
+        where it looks flat.
     """
 
     detection: Detection
     point: Point
     yaw: Optional[float] = None
     solid: Optional[Solid] = None
+    sides_cm: float = 0.0
 
     def size(self, surface: Surface) -> Size:
         """
@@ -106,6 +114,9 @@ class ObjectLocator:
         self._settings = settings
         self._least_width = (
             0.0 if settings.method == 'precise' else _LEAST_WIDTH * settings.closing_size)
+        # What the last frame's objects looked like, by their place and size.
+        self._sides: Dict[Tuple[int, ...], float] = {}
+        self._sides_now: Dict[Tuple[int, ...], float] = {}
 
     @property
     def noise(self) -> Optional[float]:
@@ -133,6 +144,7 @@ class ObjectLocator:
         """
         detections, hidden = self._without_hiding(self._detector.detect(frame), frame)
         detections, rest = detections[:_MOST_OBJECTS], detections[_MOST_OBJECTS:]
+        self._sides, self._sides_now = self._sides_now, {}
         found = [self._located(detection, place, frame)
                  for detection, place in zip(detections, self._places(detections))]
         no_object = [LeftOut(place, REASONS['taken_away'], self._point(place))
@@ -178,7 +190,21 @@ class ObjectLocator:
         if reason is not None:
             return LeftOut(detection, reason, point)
         yaw = object_yaw(self._surface, detection, place.cm_per_px, self._least_width)
-        return LocatedObject(detection, point, yaw)
+        return LocatedObject(detection, point, yaw, sides_cm=self._sides_of(detection))
+
+    def _sides_of(self, detection: Detection) -> float:
+        camera = self._surface.camera_place
+        if camera is None or detection.cut_off:
+            return 0.0
+        place = tuple(round(one / _SAME_PX) for one in (
+            *detection.centre, math.sqrt(detection.area)))
+        if place not in self._sides_now:
+            try:
+                self._sides_now[place] = self._sides[place] if place in self._sides else (
+                    sides_cm(detection, self._surface, camera))
+            except HorizonError:  # A part of it is not on the surface.
+                self._sides_now[place] = 0.0
+        return self._sides_now[place]
 
     def _below(self, seen: np.ndarray) -> np.ndarray:
         """Give where a flat object lies, whose middle is seen."""
@@ -311,7 +337,8 @@ def object_shape(
         detection.centre, max(detection.area, 1.0),
         Spread(moments['mu20'] / area, moments['mu11'] / area, moments['mu02'] / area),
         contrast, edge_width, detection.cut_off, found.yaw is not None,
-        *((0.0, 0.0) if found.solid is None else (found.solid.height_cm, found.solid.misfit_cm)),
+        *((0.0, found.sides_cm / _DEVIATIONS) if found.solid is None else (
+            found.solid.height_cm, found.solid.misfit_cm)),
         detection.doubt)
 
 

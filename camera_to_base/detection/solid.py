@@ -229,13 +229,13 @@ def _at_half_the_height(
     return outline, max(apart, sweep / 2, 0.1 * math.sqrt(seen.area))
 
 
-def looks_solid(detection: Detection, surface: Surface, camera: CameraPlace) -> bool:
+def sides_cm(detection: Detection, surface: Surface, camera: CameraPlace) -> float:
     """
-    Return whether the camera sees an object's side, as far as its outline tells.
+    Return how far an object's middle is from its outline's, if the camera sees its side, in cm.
 
     A solid object's outline leads away from the camera for as long as its side is seen. A flat
     one's does so by chance only, such as a rectangle's that points to the camera's foot. A side
-    that is narrow compared with the object is not noticed.
+    that is narrow compared with the object is not noticed: then it is 0, as for a flat one.
 
     :param surface: Maps the frame's pixels to the work surface.
     :raises HorizonError: If a part of it lies on the horizon or beyond it.
@@ -245,8 +245,12 @@ def looks_solid(detection: Detection, surface: Surface, camera: CameraPlace) -> 
     away = float(np.hypot(*(outline.centre - camera.foot_cm)))
     chord = _LONG_CHORD * math.sqrt(outline.area / math.pi)
     if not 0.0 < 2 * chord < away:
-        return False  # The camera looks down on it.
-    return RayedSilhouette(corners, camera.foot_cm).footprint(chord / away).fit >= _SWEPT
+        return 0.0  # The camera looks down on it.
+    rayed = RayedSilhouette(corners, camera.foot_cm)
+    tallest = rayed.tallest(_SWEPT)
+    if tallest < chord / away:
+        return 0.0
+    return math.dist(outline.centre, rayed.footprint(tallest).outline.centre)
 
 
 def flat_outline(surface: Surface, detection: Detection) -> Outline:

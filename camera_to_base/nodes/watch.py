@@ -12,8 +12,8 @@
 import time
 from typing import Callable, Dict, Optional, Sequence, Tuple
 
-from camera_to_base.detection import LocatedObject, looks_solid
-from camera_to_base.errors import all_well, HorizonError, Level, Reason
+from camera_to_base.detection import LocatedObject
+from camera_to_base.errors import all_well, Level, Reason
 from camera_to_base.nodes.feeds import Feed
 from camera_to_base.pipeline import CameraPipeline, Correction, View
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
@@ -23,6 +23,8 @@ from camera_to_base.surface import Surface
 from rclpy.node import Node
 
 _PERIOD_S = 0.2
+# Objects look solid in so many looks in a row before that is told.
+_SOLID_LOOKS = 10
 _ALL_WELL = all_well('objects on the surface are published')
 _NOT_CALIBRATED = Reason(
     'not_calibrated', Level.WARN,
@@ -55,16 +57,23 @@ def solid_values(objects: Sequence[LocatedObject], surface: Surface) -> Dict[str
     :param surface: Maps the frame's pixels to the work surface.
     :returns: {} where the heights are told, or the camera's place is not known.
     """
-    camera = surface.camera_place
-    if camera is None or any(found.solid is not None for found in objects):
+    if surface.camera_place is None or any(found.solid is not None for found in objects):
         return {}
-    solid = 0
-    for found in objects:
-        try:
-            solid += looks_solid(found.detection, surface, camera)
-        except HorizonError:  # A part of it is not on the surface.
-            continue
+    solid = sum(found.sides_cm > 0 for found in objects)
     return {'objects that look solid': f'{solid} of {len(objects)}'}
+
+
+def solid_doubt(objects: Sequence[LocatedObject]) -> Optional[Reason]:
+    """Tell that objects count as flat and look solid; None for few."""
+    sides = [found.sides_cm for found in objects if found.sides_cm > 0]
+    # A flat one that points to the camera looks so by chance.
+    if not sides or 2 * len(sides) < len(objects):
+        return None
+    return Reason('looks_solid', Level.WARN, (
+        f'{len(sides)} of {len(objects)} objects {"looks" if len(sides) == 1 else "look"} solid, '
+        f'and object_height_cm is 0: positions are off by up to {max(sides):.1f} cm, and the '
+        'ellipses are as wide; set object_height_cm, or object_heights_cm to several heights, '
+        'with 0.1 for flat objects (camera_fusion needs none)'), is_passing=True)
 
 
 def blind_spot(view: Optional[View]) -> Optional[str]:
@@ -150,6 +159,7 @@ class CameraWatch:
         self._reason: Optional[Reason] = None
         self._blind_spot: Optional[str] = None
         self._told_faintness = False
+        self._solid_looks, self._told_solid = 0, False
         self._detection_rate = DetectionRate()
         self._feed: Optional[Feed] = None
         self._seen: Optional[Tuple[Sequence[LocatedObject], Surface]] = None
@@ -181,6 +191,7 @@ class CameraWatch:
         if faintness is not None and not self._told_faintness:
             self._told_faintness = True
             self._logger.info(faintness)
+        self._note_solid()
         knew, self._blind_spot = self._blind_spot, blind_spot(self._pipeline.view)
         if self._blind_spot not in (None, knew):
             self._logger.info(self._blind_spot)
@@ -190,6 +201,16 @@ class CameraWatch:
             self._logger.warning(doubt.sentence)
             self._diagnostics.publish()
         self._told_doubt = _kind(doubt)
+
+    def _note_solid(self) -> None:
+        self._solid_looks = self._solid_looks + 1 if self._solid_doubt() is not None else 0
+        # What moves through the picture does not look so for long. It is logged once.
+        if self._solid_looks == _SOLID_LOOKS and not self._told_solid:
+            self._told_solid = True
+            self._logger.warning(self._solid_doubt().sentence)
+
+    def _solid_doubt(self) -> Optional[Reason]:
+        return solid_doubt(self._seen[0]) if self._seen else None
 
     def _with_commands(self, sentence: str) -> str:
         return with_full_commands(sentence, self._camera_node)
@@ -211,7 +232,9 @@ class CameraWatch:
                   **self._detection_rate.values(self._pipeline),
                   **(solid_values(*self._seen) if self._seen else {})}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
-        return Health(self._reason or self._doubt() or self._file_doubt() or well, values)
+        solid = self._solid_doubt() if self._solid_looks >= _SOLID_LOOKS else None
+        return Health(
+            self._reason or self._doubt() or self._file_doubt() or solid or well, values)
 
     def _doubt(self) -> Optional[Reason]:
         doubt = self._pipeline.doubt

@@ -130,6 +130,13 @@ class RayedSilhouette:
             return Footprint(Outline(corners, 0.0, self._foot, np.zeros((2, 2))), fit)
         return Footprint(Outline.of(self._foot + corners), fit)
 
+    def tallest(self, fit: float) -> float:
+        """Return the largest height that fits at least so well, as a share of the camera's."""
+        heights = 1.0 - self._near / self._far
+        order = np.argsort(-heights)
+        reached = np.searchsorted(np.cumsum(self._weights[order]), fit)
+        return float(heights[order[min(reached, len(order) - 1)]])
+
     def near_rim(self, height_share: float) -> np.ndarray:
         """
         Return where the near rim of the top of an object of a height is seen.

@@ -12,7 +12,7 @@ from dataclasses import replace
 import math
 
 from camera_to_base.detection import (
-    DetectorSettings, HEIGHT_SPECS, looks_solid, object_heights, ObjectLocator)
+    DetectorSettings, HEIGHT_SPECS, object_heights, object_shape, ObjectLocator, sides_cm)
 from camera_to_base.detection.top_rim import told_height
 from camera_to_base.drawing import draw_objects
 from camera_to_base.errors import InvalidValueError
@@ -322,16 +322,30 @@ def test_footprint_is_drawn_where_it_stands():
 
 
 @pytest.mark.parametrize('corners', [4, 6, 60])
-@pytest.mark.parametrize('height, is_solid', [(0.02, False), (3.5, True)])
-def test_object_whose_side_is_seen_looks_solid_and_a_flat_one_does_not(corners, height, is_solid):
-    surface = camera(35)
-    for place in ([9.0, -6.0], [-11.0, 3.0]):
-        solid = prism(np.array(place), 3.0, 3.0, 0.3, corners), height
-        found, = find(surface, [], solid).objects
-        assert looks_solid(found.detection, surface, surface.camera_place) is is_solid
+@pytest.mark.parametrize('place', [(9.0, -6.0), (-11.0, 3.0)])
+def test_object_whose_side_is_seen_is_in_doubt_by_as_much_as_it_is_off(corners, place):
+    surface, place = camera(35), np.array(place)
+    solid = prism(place, 3.0, 3.0, 0.3, corners), 3.5
+    background, frame = picture(surface), picture(surface, solid)
+    locator = ObjectLocator(background, surface)
+    for _ in range(2):  # The second time it is known.
+        found, = locator.locate(frame)
+        off = math.dist(found.point, place)
+        assert 0.8 * off < found.sides_cm < 1.5 * off
+        assert object_shape(found, frame, background).misfit_cm == found.sides_cm / 2
+    assert sides_cm(found.detection, surface, surface.camera_place) == found.sides_cm
 
 
-def test_object_below_the_camera_does_not_look_solid():
-    surface = camera(0)
-    found, = find(surface, [], (prism(np.array([0.5, 0.0]), 3.0, 3.0, 0.3), 4.0)).objects
-    assert not looks_solid(found.detection, surface, surface.camera_place)
+@pytest.mark.parametrize('corners', [4, 6, 60])
+@pytest.mark.parametrize('tilt_deg, place, height', [
+    (35, (9.0, -6.0), 0.02), (35, (-11.0, 3.0), 0.02), (0, (0.5, 0.0), 4.0)])
+def test_flat_object_and_one_below_the_camera_do_not_look_solid(tilt_deg, place, height, corners):
+    thing = prism(np.array(place), 3.0, 3.0, 0.3, corners), height
+    found, = find(camera(tilt_deg), [], thing).objects
+    assert found.sides_cm == 0
+
+
+def test_object_whose_height_is_told_is_not_in_doubt_by_its_sides():
+    solid = prism(np.array([9.0, -6.0]), 3.0, 3.0, 0.3), 3.5
+    found, = find(camera(35), [3.5], solid).objects
+    assert found.sides_cm == 0

@@ -10,24 +10,30 @@
 """Poses with a covariance, and ellipses, in both frames."""
 
 import math
+import os
 
+from ament_index_python.packages import get_package_share_directory
 from builtin_interfaces.msg import Time
 from camera_to_base.coordinate_transform import Pose
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.nodes.camera_publisher import CameraPublisher
 from camera_to_base.nodes.robot_base_publisher import RobotBasePublisher
+from camera_to_base.ros import boxes_of_markers
 from camera_to_base.ros.messages import (
     ellipse_markers, poses_of_markers, uncertain_pose_from_message, uncertain_pose_message,
     UncertainPose)
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
 import pytest
+from rclpy.parameter import Parameter
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 CAMERA_POSE, BASE_POSE = '/pos_in_cam_frame/pose', '/pos_in_robot_base_frame/pose'
 CAMERA_ELLIPSES = '/objects_in_cam_frame/ellipses'
 BASE_ELLIPSES = '/objects_in_robot_base_frame/ellipses'
+SOLIDS = os.path.join(
+    get_package_share_directory('camera_to_base'), 'config', 'simulated_solid_objects.yaml')
 STAMP = Time(sec=12, nanosec=345678901)
 UNKNOWN_ANGLE = math.pi ** 2 / 3
 LIMITS_M2 = 1e-12, 1e3
@@ -172,3 +178,24 @@ def test_pose_that_is_not_flat_is_refused():
     message.pose.pose.orientation.x = 0.5
     with pytest.raises(InvalidValueError, match='yaw about z'):
         uncertain_pose_from_message(message)
+
+
+def test_solid_objects_without_a_height_are_in_doubt_until_it_is_told(ros):
+    ellipses = ros.listen_to(MarkerArray, CAMERA_ELLIPSES)
+    truth = ros.listen_to(MarkerArray, '/true_objects_in_cam_frame/boxes')
+    statuses = ros.listen_to_diagnostics('/camera_publisher')
+    log = ros.listen_to_log('camera_publisher')
+    node = ros.add(CameraPublisher, '--params-file', SOLIDS, '-p', 'source:=simulated',
+                   '-p', 'object_height_cm:=0.0')
+    assert ros.spin_until(lambda: statuses and statuses[-1].values['reason'] == 'looks_solid')
+    assert ros.spin_until(lambda: any('5 of 5 objects look solid' in line.text for line in log))
+    discs = [one for one in ellipses[-1].markers if one.action == Marker.ADD]
+    places = [box.pose[:2] for box in boxes_of_markers(truth[-1])]
+    assert len(discs) == len(places) == 5
+    for one in discs:
+        seen = 100 * one.pose.position.x, 100 * one.pose.position.y
+        off = min(math.dist(seen, place) for place in places)
+        assert 0.4 < off < 100 * min(one.scale.x, one.scale.y) / 2 < 3 * off
+    assert node.set_parameters([Parameter('object_height_cm', value=3.0)])[0].successful
+    assert ros.spin_until(lambda: statuses[-1].values['reason'] != 'looks_solid')
+    assert sum('look solid' in line.text for line in log) == 1

@@ -176,6 +176,10 @@ def test_objects_that_count_as_flat_and_look_solid_are_no_fine_state():
     assert '1 of 2 objects looks solid' in one.sentence
     # What is worse comes first.
     assert state(solid=(1, 2), camera=nudged()).kind == 'view_corrected'
+    # The camera's own report of it is one with it, and counts no more where they are flat.
+    camera = said('looks_solid', 'warn', 'objects look solid')
+    assert state(solid=(1, 2), camera=camera) == one
+    assert state(camera=camera).kind == 'ok'
 
 
 def test_steps_that_are_not_on_the_disk_are_no_fine_state():
