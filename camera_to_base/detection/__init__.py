@@ -31,7 +31,7 @@ from camera_to_base.detection.settings import (
     Area, AREA_SPECS, Areas, BACKGROUND_SPECS, DETECTOR_SPECS, DetectorSettings,
     HEIGHT_SPECS, read_areas, read_polygons)
 from camera_to_base.detection.solid import (
-    object_heights, sides_cm, silhouette_on_surface, Size)
+    object_heights, Sides, sides_of, silhouette_on_surface, Size)
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 
 __all__ = [
@@ -40,6 +40,6 @@ __all__ = [
     'Found', 'has_changed_block', 'HEIGHT_SPECS', 'LeftOut', 'locate_pixel', 'LocatedObject',
     'mean_blocks', 'median_of', 'NoObject', 'object_heights', 'object_on_surface',
     'object_shape', 'ObjectLocator', 'Pixel', 'Point', 'PreciseDifferenceDetector',
-    'random_pixel', 'read_areas', 'read_polygons', 'REASONS', 'sides_cm',
+    'random_pixel', 'read_areas', 'read_polygons', 'REASONS', 'Sides', 'sides_of',
     'silhouette_on_surface', 'Size', 'smoothed_noise', 'touches_edge', 'white_noise',
 ]

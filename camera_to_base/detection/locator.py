@@ -21,7 +21,7 @@ from camera_to_base.detection.on_surface import (
     object_on_surface, object_yaw, objects_on_surface, OnSurface, pixel_on_surface)
 from camera_to_base.detection.settings import DetectorSettings
 from camera_to_base.detection.solid import (
-    flat_outline, sides_cm, silhouette, Size, size_of, Solid, solid_of)
+    flat_outline, Sides, sides_of, silhouette, Size, size_of, Solid, solid_of)
 from camera_to_base.detection.top_rim import sees_rim
 from camera_to_base.errors import HorizonError, Level, Reason
 from camera_to_base.surface import Surface
@@ -58,15 +58,14 @@ class LocatedObject(NamedTuple):
     :param yaw: The direction of its length about the camera frame's z, from x towards y, in rad,
         in (-pi/2, pi/2]; None if it has none (a coin, a square) or if it is uncertain.
     :param solid: What it stands on; None for a flat object, which lies on its outline.
-    :param sides_cm: How far its middle is off if it is none, though it counts as flat, in cm; 0
-        where it looks flat.
+    :param sides: What is seen of its sides, if it counts as flat and looks solid.
     """
 
     detection: Detection
     point: Point
     yaw: Optional[float] = None
     solid: Optional[Solid] = None
-    sides_cm: float = 0.0
+    sides: Optional[Sides] = None
 
     def size(self, surface: Surface) -> Size:
         """
@@ -115,8 +114,8 @@ class ObjectLocator:
         self._least_width = (
             0.0 if settings.method == 'precise' else _LEAST_WIDTH * settings.closing_size)
         # What the last frame's objects looked like, by their place and size.
-        self._sides: Dict[Tuple[int, ...], float] = {}
-        self._sides_now: Dict[Tuple[int, ...], float] = {}
+        self._sides: Dict[Tuple[int, ...], Optional[Sides]] = {}
+        self._sides_now: Dict[Tuple[int, ...], Optional[Sides]] = {}
 
     @property
     def noise(self) -> Optional[float]:
@@ -190,20 +189,20 @@ class ObjectLocator:
         if reason is not None:
             return LeftOut(detection, reason, point)
         yaw = object_yaw(self._surface, detection, place.cm_per_px, self._least_width)
-        return LocatedObject(detection, point, yaw, sides_cm=self._sides_of(detection))
+        return LocatedObject(detection, point, yaw, sides=self._sides_of(detection))
 
-    def _sides_of(self, detection: Detection) -> float:
+    def _sides_of(self, detection: Detection) -> Optional[Sides]:
         camera = self._surface.camera_place
         if camera is None or detection.cut_off:
-            return 0.0
+            return None
         place = tuple(round(one / _SAME_PX) for one in (
             *detection.centre, math.sqrt(detection.area)))
         if place not in self._sides_now:
             try:
                 self._sides_now[place] = self._sides[place] if place in self._sides else (
-                    sides_cm(detection, self._surface, camera))
+                    sides_of(detection, self._surface, camera))
             except HorizonError:  # A part of it is not on the surface.
-                self._sides_now[place] = 0.0
+                self._sides_now[place] = None
         return self._sides_now[place]
 
     def _below(self, seen: np.ndarray) -> np.ndarray:
@@ -336,10 +335,16 @@ def object_shape(
     return Shape(
         detection.centre, max(detection.area, 1.0),
         Spread(moments['mu20'] / area, moments['mu11'] / area, moments['mu02'] / area),
-        contrast, edge_width, detection.cut_off, found.yaw is not None,
-        *((0.0, found.sides_cm / _DEVIATIONS) if found.solid is None else (
-            found.solid.height_cm, found.solid.misfit_cm)),
+        contrast, edge_width, detection.cut_off,
+        # A side that is seen makes an outline longer, in the camera's direction.
+        found.yaw is not None and found.sides is None, *_height_and_misfit(found),
         detection.doubt)
+
+
+def _height_and_misfit(found: LocatedObject) -> Tuple[float, float]:
+    if found.solid is not None:
+        return found.solid.height_cm, found.solid.misfit_cm
+    return 0.0, 0.0 if found.sides is None else found.sides.off_cm / _DEVIATIONS
 
 
 def _contrast_and_edge(frame: np.ndarray, background: np.ndarray, detection: Detection):

@@ -229,13 +229,28 @@ def _at_half_the_height(
     return outline, max(apart, sweep / 2, 0.1 * math.sqrt(seen.area))
 
 
-def sides_cm(detection: Detection, surface: Surface, camera: CameraPlace) -> float:
+class Sides(NamedTuple):
     """
-    Return how far an object's middle is from its outline's, if the camera sees its side, in cm.
+    What an outline tells of an object whose side the camera sees.
+
+    :param height_cm: How high it may be at most. Of 81 boxes and cylinders in a rendered cell,
+        half have this height to a tenth, three quarters to a fifth, and most others are lower.
+    :param off_cm: How far its middle is then from its outline's.
+    """
+
+    height_cm: float
+    off_cm: float
+
+
+def sides_of(
+    detection: Detection, surface: Surface, camera: CameraPlace
+) -> Optional[Sides]:
+    """
+    Return what an outline tells of an object's sides; None where it looks flat.
 
     A solid object's outline leads away from the camera for as long as its side is seen. A flat
     one's does so by chance only, such as a rectangle's that points to the camera's foot. A side
-    that is narrow compared with the object is not noticed: then it is 0, as for a flat one.
+    that is narrow compared with the object is not noticed.
 
     :param surface: Maps the frame's pixels to the work surface.
     :raises HorizonError: If a part of it lies on the horizon or beyond it.
@@ -245,12 +260,13 @@ def sides_cm(detection: Detection, surface: Surface, camera: CameraPlace) -> flo
     away = float(np.hypot(*(outline.centre - camera.foot_cm)))
     chord = _LONG_CHORD * math.sqrt(outline.area / math.pi)
     if not 0.0 < 2 * chord < away:
-        return 0.0  # The camera looks down on it.
+        return None  # The camera looks down on it.
     rayed = RayedSilhouette(corners, camera.foot_cm)
     tallest = rayed.tallest(_SWEPT)
     if tallest < chord / away:
-        return 0.0
-    return math.dist(outline.centre, rayed.footprint(tallest).outline.centre)
+        return None
+    stands = rayed.footprint(tallest).outline
+    return Sides(tallest * camera.height_cm, math.dist(outline.centre, stands.centre))
 
 
 def flat_outline(surface: Surface, detection: Detection) -> Outline:

@@ -59,21 +59,24 @@ def solid_values(objects: Sequence[LocatedObject], surface: Surface) -> Dict[str
     """
     if surface.camera_place is None or any(found.solid is not None for found in objects):
         return {}
-    solid = sum(found.sides_cm > 0 for found in objects)
+    solid = sum(found.sides is not None for found in objects)
     return {'objects that look solid': f'{solid} of {len(objects)}'}
 
 
 def solid_doubt(objects: Sequence[LocatedObject]) -> Optional[Reason]:
     """Tell that objects count as flat and look solid; None for few."""
-    sides = [found.sides_cm for found in objects if found.sides_cm > 0]
+    sides = [found.sides for found in objects if found.sides is not None]
     # A flat one that points to the camera looks so by chance.
     if not sides or 2 * len(sides) < len(objects):
         return None
+    lowest, highest = (f'{end(one.height_cm for one in sides):.1f}' for end in (min, max))
+    height = lowest if lowest == highest else f'{lowest} to {highest}'
     return Reason('looks_solid', Level.WARN, (
         f'{len(sides)} of {len(objects)} objects {"looks" if len(sides) == 1 else "look"} solid, '
-        f'and object_height_cm is 0: positions are off by up to {max(sides):.1f} cm, and the '
-        'ellipses are as wide; set object_height_cm, or object_heights_cm to several heights, '
-        'with 0.1 for flat objects (camera_fusion needs none)'), is_passing=True)
+        f'about {height} cm high, and object_height_cm is 0: positions are off by up to '
+        f'{max(one.off_cm for one in sides):.1f} cm, and the ellipses are as wide; set '
+        'object_height_cm, or object_heights_cm to several heights, with 0.1 for flat objects '
+        '(camera_fusion needs none)'), is_passing=True)
 
 
 def blind_spot(view: Optional[View]) -> Optional[str]:

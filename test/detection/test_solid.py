@@ -12,7 +12,7 @@ from dataclasses import replace
 import math
 
 from camera_to_base.detection import (
-    DetectorSettings, HEIGHT_SPECS, object_heights, object_shape, ObjectLocator, sides_cm)
+    DetectorSettings, HEIGHT_SPECS, object_heights, object_shape, ObjectLocator, sides_of)
 from camera_to_base.detection.top_rim import told_height
 from camera_to_base.drawing import draw_objects
 from camera_to_base.errors import InvalidValueError
@@ -100,10 +100,13 @@ def test_coin_is_located_where_it_lies_below_a_tilted_camera():
 
 def test_object_without_a_height_is_off_by_its_side():
     surface, place = camera(35), np.array([9.0, -6.0])
-    solid = prism(place, 5.0, 3.0, 0.4), 5.0
-    flat, = find(surface, [], solid).objects
+    frame = picture(surface, (prism(place, 5.0, 3.0, 0.4), 5.0))
+    flat, = ObjectLocator(picture(surface), surface).locate(frame)
     assert math.dist(flat.point, place) > 1.0
     assert flat.solid is None and flat.size(surface).height_cm == 0
+    # Its direction is off, too.
+    assert abs(flat.yaw - 0.4) > 0.2
+    assert not object_shape(flat, frame, picture(surface)).has_yaw
 
 
 def test_each_object_takes_the_height_that_its_outline_fits():
@@ -331,9 +334,10 @@ def test_object_whose_side_is_seen_is_in_doubt_by_as_much_as_it_is_off(corners, 
     for _ in range(2):  # The second time it is known.
         found, = locator.locate(frame)
         off = math.dist(found.point, place)
-        assert 0.8 * off < found.sides_cm < 1.5 * off
-        assert object_shape(found, frame, background).misfit_cm == found.sides_cm / 2
-    assert sides_cm(found.detection, surface, surface.camera_place) == found.sides_cm
+        assert 0.8 * off < found.sides.off_cm < 1.5 * off
+        assert 3.2 < found.sides.height_cm < 6.0
+        assert object_shape(found, frame, background).misfit_cm == found.sides.off_cm / 2
+    assert sides_of(found.detection, surface, surface.camera_place) == found.sides
 
 
 @pytest.mark.parametrize('corners', [4, 6, 60])
@@ -342,10 +346,10 @@ def test_object_whose_side_is_seen_is_in_doubt_by_as_much_as_it_is_off(corners, 
 def test_flat_object_and_one_below_the_camera_do_not_look_solid(tilt_deg, place, height, corners):
     thing = prism(np.array(place), 3.0, 3.0, 0.3, corners), height
     found, = find(camera(tilt_deg), [], thing).objects
-    assert found.sides_cm == 0
+    assert found.sides is None
 
 
 def test_object_whose_height_is_told_is_not_in_doubt_by_its_sides():
     solid = prism(np.array([9.0, -6.0]), 3.0, 3.0, 0.3), 3.5
     found, = find(camera(35), [3.5], solid).objects
-    assert found.sides_cm == 0
+    assert found.sides is None
