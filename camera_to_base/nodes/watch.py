@@ -25,6 +25,8 @@ from rclpy.node import Node
 _PERIOD_S = 0.2
 # Objects look solid in so many looks in a row before that is told.
 _SOLID_LOOKS = 10
+# Whoever listens to these measures the heights: camera_fusion.
+_SILHOUETTES = 'objects_in_robot_base_frame/silhouettes'
 _ALL_WELL = all_well('objects on the surface are published')
 _NOT_CALIBRATED = Reason(
     'not_calibrated', Level.WARN,
@@ -75,8 +77,8 @@ def solid_doubt(objects: Sequence[LocatedObject]) -> Optional[Reason]:
         f'{len(sides)} of {len(objects)} objects {"looks" if len(sides) == 1 else "look"} solid, '
         f'about {height} cm high, and object_height_cm is 0: positions are off by up to '
         f'{max(one.off_cm for one in sides):.1f} cm, and the ellipses are as wide; set '
-        'object_height_cm, or object_heights_cm to several heights, with 0.1 for flat objects '
-        '(camera_fusion needs none)'), is_passing=True)
+        'object_height_cm, or object_heights_cm to several heights, with 0.1 for flat objects'),
+        is_passing=True)
 
 
 def blind_spot(view: Optional[View]) -> Optional[str]:
@@ -163,6 +165,8 @@ class CameraWatch:
         self._blind_spot: Optional[str] = None
         self._told_faintness = False
         self._solid_looks, self._told_solid = 0, False
+        self._is_fused = lambda: node.count_subscribers(
+            node.resolve_topic_name(_SILHOUETTES)) > 0
         self._detection_rate = DetectionRate()
         self._feed: Optional[Feed] = None
         self._seen: Optional[Tuple[Sequence[LocatedObject], Surface]] = None
@@ -206,14 +210,16 @@ class CameraWatch:
         self._told_doubt = _kind(doubt)
 
     def _note_solid(self) -> None:
-        self._solid_looks = self._solid_looks + 1 if self._solid_doubt() is not None else 0
+        doubt = self._solid_doubt()
+        self._solid_looks = 0 if doubt is None else self._solid_looks + 1
         # What moves through the picture does not look so for long. It is logged once.
         if self._solid_looks == _SOLID_LOOKS and not self._told_solid:
             self._told_solid = True
-            self._logger.warning(self._solid_doubt().sentence)
+            self._logger.warning(doubt.sentence)
 
     def _solid_doubt(self) -> Optional[Reason]:
-        return solid_doubt(self._seen[0]) if self._seen else None
+        doubt = solid_doubt(self._seen[0]) if self._seen else None
+        return None if doubt is None or self._is_fused() else doubt
 
     def _with_commands(self, sentence: str) -> str:
         return with_full_commands(sentence, self._camera_node)

@@ -196,6 +196,11 @@ def test_solid_objects_without_a_height_are_in_doubt_until_it_is_told(ros):
         seen = 100 * one.pose.position.x, 100 * one.pose.position.y
         off = min(math.dist(seen, place) for place in places)
         assert 0.4 < off < 100 * min(one.scale.x, one.scale.y) / 2 < 3 * off
+    # Where heights are measured by two cameras, nobody tells them.
+    ros.listen_to(MarkerArray, '/objects_in_robot_base_frame/silhouettes')
+    assert ros.spin_until(lambda: statuses[-1].values['reason'] != 'looks_solid')
+    ros.stop_listening('/objects_in_robot_base_frame/silhouettes')
+    assert ros.spin_until(lambda: statuses[-1].values['reason'] == 'looks_solid')
     assert node.set_parameters([Parameter('object_height_cm', value=3.0)])[0].successful
     assert ros.spin_until(lambda: statuses[-1].values['reason'] != 'looks_solid')
     assert sum('look solid' in line.text for line in log) == 1

@@ -229,7 +229,7 @@ def _uncalibrated(facts: Facts) -> Optional[CellState]:
 
 def _doubt(report: Optional[Report]) -> Optional[CellState]:
     # What was told last holds until another report comes, however late that is. That objects look
-    # solid is told with what a person has said of it, and is no matter where heights are measured.
+    # solid is told with what a person has said of it.
     if report is None or report.level == 'ok' or report.reason == 'looks_solid':
         return None
     return CellState(report.reason, report.level, report.sentence)
