@@ -88,7 +88,7 @@ def is_soft_light(detection: Detection, frame: np.ndarray, reference: Reference)
 
 def fades_away(detection: Detection, frame: np.ndarray, reference: Reference) -> bool:
     """
-    Tell whether a detection is lighter than the table, in any colour, and sharp at no place.
+    Tell whether a detection is lighter than the table in all channels, and hardly sharp anywhere.
 
     Arguments as for :func:`is_soft_light`.
     """
