@@ -119,7 +119,7 @@ class CameraPublisher(Node):
         self._positions.publish_sighting(
             header, sighting, settings.hull and in_force.moved(settings.hull), uncertainty,
             in_force.surface)
-        self._watch.note(sighting.objects, in_force.surface)
+        self._watch.note(sighting.objects)
         self._areas.use_surface(in_force.surface)
         self._debug_images.publish(
             header, frame, sighting, self._note(sighting),

@@ -10,7 +10,7 @@
 """Reports the state of a camera node in the log and the diagnostics, with its numbers."""
 
 import time
-from typing import Callable, Dict, Optional, Sequence, Tuple
+from typing import Callable, Dict, Optional, Sequence
 
 from camera_to_base.detection import LocatedObject
 from camera_to_base.errors import all_well, Level, Reason
@@ -19,12 +19,12 @@ from camera_to_base.pipeline import CameraPipeline, Correction, View
 from camera_to_base.ros import Diagnostics, Health, Heartbeat, NameCheck
 from camera_to_base.shell_commands import with_full_commands
 from camera_to_base.sources import ReaderStatus
-from camera_to_base.surface import Surface
 from rclpy.node import Node
 
 _PERIOD_S = 0.2
-# Objects look solid in so many looks in a row before that is told.
-_SOLID_LOOKS = 10
+# Objects look solid in so many looks before that is told, and what moves through the picture does
+# not for so long; by a look in which they do not, the count falls by so many.
+_SOLID_LOOKS, _FLAT_LOOK = 10, 3
 # Whoever listens to these measures the heights: camera_fusion.
 _SILHOUETTES = 'objects_in_robot_base_frame/silhouettes'
 _ALL_WELL = all_well('objects on the surface are published')
@@ -50,19 +50,6 @@ class DetectionRate:
                       f'{(with_object - self._with_object) / seconds:.1f}'}
         self._looked_at, self._frames, self._with_object = now, frames, with_object
         return values
-
-
-def solid_values(objects: Sequence[LocatedObject], surface: Surface) -> Dict[str, str]:
-    """
-    Count the objects that count as flat and look solid, as text for the diagnostics.
-
-    :param surface: Maps the frame's pixels to the work surface.
-    :returns: {} where the heights are told, or the camera's place is not known.
-    """
-    if surface.camera_place is None or any(found.solid is not None for found in objects):
-        return {}
-    solid = sum(found.sides is not None for found in objects)
-    return {'objects that look solid': f'{solid} of {len(objects)}'}
 
 
 def solid_doubt(objects: Sequence[LocatedObject]) -> Optional[Reason]:
@@ -165,11 +152,12 @@ class CameraWatch:
         self._blind_spot: Optional[str] = None
         self._told_faintness = False
         self._solid_looks, self._told_solid = 0, False
+        self._solid: Optional[Reason] = None
         self._is_fused = lambda: node.count_subscribers(
             node.resolve_topic_name(_SILHOUETTES)) > 0
         self._detection_rate = DetectionRate()
         self._feed: Optional[Feed] = None
-        self._seen: Optional[Tuple[Sequence[LocatedObject], Surface]] = None
+        self._seen: Sequence[LocatedObject] = ()
         self._heartbeat = Heartbeat(node)
         self._diagnostics = Diagnostics(node, self._heartbeat, self._health)
         NameCheck(node, self._heartbeat)
@@ -183,9 +171,9 @@ class CameraWatch:
         if not self._is_calibrated():
             self._logger.warning(_NOT_CALIBRATED.sentence)
 
-    def note(self, objects: Sequence[LocatedObject], surface: Surface) -> None:
-        """Take the objects of a frame, and what maps its pixels to the work surface."""
-        self._seen = objects, surface
+    def note(self, objects: Sequence[LocatedObject]) -> None:
+        """Take the objects of a frame."""
+        self._seen = objects
 
     def _watch(self) -> None:
         reason = self._feed.reason or self._pipeline.reason
@@ -210,16 +198,16 @@ class CameraWatch:
         self._told_doubt = _kind(doubt)
 
     def _note_solid(self) -> None:
-        doubt = self._solid_doubt()
-        self._solid_looks = 0 if doubt is None else self._solid_looks + 1
-        # What moves through the picture does not look so for long. It is logged once.
-        if self._solid_looks == _SOLID_LOOKS and not self._told_solid:
+        doubt = None if self._is_fused() else solid_doubt(self._seen)
+        change = -_FLAT_LOOK if doubt is None else 1
+        self._solid_looks = min(max(self._solid_looks + change, 0), _SOLID_LOOKS)
+        if self._solid_looks == 0:
+            self._solid = None
+        elif self._solid_looks == _SOLID_LOOKS:
+            self._solid = doubt
+        if self._solid is not None and not self._told_solid:
             self._told_solid = True
-            self._logger.warning(doubt.sentence)
-
-    def _solid_doubt(self) -> Optional[Reason]:
-        doubt = solid_doubt(self._seen[0]) if self._seen else None
-        return None if doubt is None or self._is_fused() else doubt
+            self._logger.warning(self._solid.sentence)
 
     def _with_commands(self, sentence: str) -> str:
         return with_full_commands(sentence, self._camera_node)
@@ -238,12 +226,11 @@ class CameraWatch:
     def _health(self) -> Health:
         values = {'source': self._feed.name,
                   **camera_values(self._feed.reader, self._pipeline),
-                  **self._detection_rate.values(self._pipeline),
-                  **(solid_values(*self._seen) if self._seen else {})}
+                  **self._detection_rate.values(self._pipeline)}
         well = _ALL_WELL if self._is_calibrated() else _NOT_CALIBRATED
-        solid = self._solid_doubt() if self._solid_looks >= _SOLID_LOOKS else None
         return Health(
-            self._reason or self._doubt() or self._file_doubt() or solid or well, values)
+            self._reason or self._doubt() or self._file_doubt() or self._solid or well,
+            values)
 
     def _doubt(self) -> Optional[Reason]:
         doubt = self._pipeline.doubt

@@ -84,8 +84,6 @@ class Facts(NamedTuple):
     :param has_new_surface: Whether a new surface is used whose background is not taken yet.
     :param object_count: Number of objects in the newest frame.
     :param has_left_out: Whether something was left out of it, or of one shortly before.
-    :param solid: How many of the objects that count as flat look solid, and of how many; None
-        where that is no reason to ask.
     :param not_kept: Why what people have measured is not on the disk; None if it is.
     """
 
@@ -102,7 +100,6 @@ class Facts(NamedTuple):
     has_new_surface: bool = False
     object_count: int = 0
     has_left_out: bool = False
-    solid: Optional[Tuple[int, int]] = None
     not_kept: Optional[str] = None
 
 
@@ -138,7 +135,7 @@ def cell_state(facts: Facts) -> CellState:
         return _silence(facts)
     doubts = list(filter(None, (
         _without_base(facts), _uncalibrated(facts), _doubt(facts.camera),
-        _doubt(facts.transform), _solid(facts.solid), _not_kept(facts.not_kept))))
+        _doubt(facts.transform), _not_kept(facts.not_kept))))
     return _worst(doubts) or CellState('ok', 'ok', _published(facts))
 
 
@@ -228,20 +225,10 @@ def _uncalibrated(facts: Facts) -> Optional[CellState]:
 
 
 def _doubt(report: Optional[Report]) -> Optional[CellState]:
-    # What was told last holds until another report comes, however late that is. That objects look
-    # solid is told with what a person has said of it.
-    if report is None or report.level == 'ok' or report.reason == 'looks_solid':
+    # What was told last holds until another report comes, however late that is.
+    if report is None or report.level == 'ok':
         return None
     return CellState(report.reason, report.level, report.sentence)
-
-
-def _solid(solid: Optional[Tuple[int, int]]) -> Optional[CellState]:
-    if solid is None:
-        return None
-    return CellState('looks_solid', 'warn', (
-        f'{solid[0]} of {solid[1]} objects {"looks" if solid[0] == 1 else "look"} solid, and '
-        'object_height_cm is 0: positions are off by up to half of what is seen of the sides. '
-        'Say in Watch how high they are, or that they are flat.'))
 
 
 def _not_kept(problem: Optional[str]) -> Optional[CellState]:
@@ -250,17 +237,6 @@ def _not_kept(problem: Optional[str]) -> Optional[CellState]:
     return CellState('steps_not_kept', 'warn', (
         'What you have measured is not on the disk, and is lost when the dashboard ends: '
         f'{problem}'))
-
-
-def look_solid(report: Optional[Report]) -> Optional[Tuple[int, int]]:
-    """Return how many objects look solid by a camera node's report, of how many; None for few."""
-    told = '' if report is None else report.values.get('objects that look solid', '')
-    numbers = told.split(' of ')
-    if len(numbers) != 2 or not all(number.isdecimal() for number in numbers):
-        return None
-    solid, count = map(int, numbers)
-    # A flat one that points to the camera looks so by chance.
-    return (solid, count) if solid and 2 * solid >= count else None
 
 
 def _published(facts: Facts) -> str:

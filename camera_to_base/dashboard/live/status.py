@@ -19,7 +19,7 @@ from camera_to_base.dashboard.live.cells import (
 from camera_to_base.dashboard.live.geometry import Geometry, shapes_data
 from camera_to_base.dashboard.live.health import CellHealth, Charts
 from camera_to_base.dashboard.live.positions import CellPositions, SeenFrame
-from camera_to_base.dashboard.live.state import cell_state, Facts, look_solid, SILENT_S
+from camera_to_base.dashboard.live.state import cell_state, Facts, SILENT_S
 from camera_to_base.dashboard.sessions.values import Setup
 from camera_to_base.ros import UncertainPose
 from camera_to_base.uncertainty import error_ellipse
@@ -35,7 +35,6 @@ _DIGITS = 4
 _LEAST_HZ, _LONGEST_MS = 5.0, 300.0
 # An object's last ellipse is held for so long, while it moves at most so far.
 _HELD_S, _HELD_CM = 2.0, 3.0
-_HELD_SOLID_S = 5.0
 _HELD_LEFT_OUT_S = 1.0
 
 
@@ -172,7 +171,6 @@ class CellStatus:
             full_name(namespace, name) for name in (CAMERA, TRANSFORM, FUSION))
         self._charts, self._held = Charts(), HeldEllipses()
         self._was_seen = False
-        self._was_solid: Tuple[float, Optional[Tuple[int, int]]] = (-math.inf, None)
         self._left_out_at = -math.inf
         self._old_surface: Any = None
         self._state: Dict[str, Any] = {}
@@ -206,7 +204,7 @@ class CellStatus:
         self._state = cell_state(self._facts(cell, setup, shown)).data
         return {
             'state': self._state, 'rate_hz': round(self._positions.rate_hz, 1),
-            'solid': None if setup.are_flat else self._solid,
+            'looks_solid': self._looks_solid,
             'stamp_s': None if frame is None else round(frame.stamp_s, 3),
             'age_s': None if frame is None else round(time.time() - frame.stamp_s, 1),
             'latency_ms': self._latency_ms, 'pace': self._pace,
@@ -246,7 +244,7 @@ class CellStatus:
             setup.parts, setup.sees_board,
             setup.new_surface is not None and setup.new_surface is not self._old_surface,
             len(shown.camera or []) if shown else 0, self._has_left_out(shown),
-            None if setup.are_flat else self._solid, setup.not_kept)
+            setup.not_kept)
 
     def _has_left_out(self, shown: Optional[SeenFrame]) -> bool:
         # Held: it comes after the objects of its frame.
@@ -255,15 +253,9 @@ class CellStatus:
         return time.monotonic() - self._left_out_at < _HELD_LEFT_OUT_S
 
     @property
-    def _solid(self) -> Optional[Tuple[int, int]]:
-        # Held, so that an object in doubt does not make the sentence come and go.
-        now, report = time.monotonic(), self._health.report(self._camera)
-        solid = None if report is None or report.is_stale else look_solid(report)
-        if solid is not None:
-            self._was_solid = now, solid
-        came_at, held = self._was_solid
-        is_asked = report is not None and 'objects that look solid' in report.values
-        return held if is_asked and now - came_at < _HELD_SOLID_S else None
+    def _looks_solid(self) -> bool:
+        report = self._health.report(self._camera)
+        return report is not None and report.reason == 'looks_solid'
 
     @property
     def _shown(self) -> Optional[SeenFrame]:

@@ -26,7 +26,7 @@ from camera_to_base.dashboard.sessions.record import RecordSession
 from camera_to_base.dashboard.sessions.robot import RobotSession
 from camera_to_base.dashboard.sessions.save import SaveSession
 from camera_to_base.dashboard.sessions.table import (
-    area_changes, areas_data, FlatObjects, MarkerSession, show, simulated_data, TOOL_TOPIC, touch)
+    area_changes, areas_data, MarkerSession, show, simulated_data, TOOL_TOPIC, touch)
 from camera_to_base.dashboard.sessions.values import CellChanges, CellValues, Setup, Worker
 from camera_to_base.errors import CameraToBaseError, InvalidValueError
 from camera_to_base.parameters import Values
@@ -35,7 +35,7 @@ import numpy as np
 # The edge of a printed marker, in mm; the command `calibrate sheet --markers` has others.
 _MARKER_MM = 40.0
 PARTS = (
-    'board', 'markers', 'robot', 'prove', 'record', 'save', 'objects', 'areas', 'simulated')
+    'board', 'markers', 'robot', 'prove', 'record', 'save', 'areas', 'simulated')
 # A session may change several times for one frame.
 _PAUSE_S = 0.05
 Action = Callable[[Mapping[str, Any]], Optional[CellChanges]]
@@ -79,7 +79,6 @@ class CellSessions:
             params_file, lambda: on_change('save'), owner_of)
         self._record = RecordSession(
             self._values, lambda: self._save.beside, self._worker, lambda: on_change('record'))
-        self._objects = FlatObjects(lambda: on_change('objects'))
         self._actions = self._list_actions()
         self._kept = KeptSteps(self._save.path)
         self._restore()
@@ -114,7 +113,7 @@ class CellSessions:
         """How far the cell is set up."""
         with self._lock:
             return Setup(self._values.parts, self._board.sees_board, self._board.new_surface,
-                         self._objects.are_flat, self._kept.problem)
+                         self._kept.problem)
 
     @property
     def tool_topic(self) -> str:
@@ -201,8 +200,7 @@ class CellSessions:
             if part in ('areas', 'simulated'):
                 return (areas_data if part == 'areas' else simulated_data)(self._values)
             return {'board': self._board, 'markers': self._markers, 'robot': self._robot,
-                    'prove': self._prove, 'record': self._record, 'save': self._save,
-                    'objects': self._objects}[part].state
+                    'prove': self._prove, 'record': self._record, 'save': self._save}[part].state
 
     def act(self, part: str, name: str, body: Mapping[str, Any]) -> Optional[CellChanges]:
         """
@@ -311,7 +309,6 @@ class CellSessions:
             ('board', 'tilt'): board.tilt, ('board', 'undo'): lambda body: board.undo(),
             ('board', 'accept'): lambda body: board.acceptance(),
             ('board', 'cancel'): lambda body: board.cancel(),
-            ('objects', 'tell'): self._objects.tell,
             ('areas', 'set'): lambda body: area_changes(values, body),
             ('simulated', 'show'): lambda body: show(values, body),
             ('simulated', 'touch'): lambda body: touch(values, self._robot.object_number(body)),

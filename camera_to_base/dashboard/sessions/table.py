@@ -7,7 +7,7 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""What is on the table: markers, areas, flat objects; what lies on the simulated one."""
+"""What is on the table: markers, areas; what lies on the simulated one."""
 
 from collections import deque
 import time
@@ -144,35 +144,6 @@ class MarkerSession:
 
 def _names(numbers: List[int]) -> str:
     return ', '.join(map(str, numbers))
-
-
-class FlatObjects:
-    """
-    Whether a person has said that objects which look solid are flat.
-
-    :param on_change: Called when the state has changed.
-    """
-
-    def __init__(self, on_change: Callable[[], None]) -> None:
-        self._on_change = on_change
-        self.are_flat = False
-
-    @property
-    def state(self) -> Dict[str, Any]:
-        """The state as JSON."""
-        return {'flat': self.are_flat}
-
-    def tell(self, body: Mapping[str, Any]) -> None:
-        """
-        Say that they are, or ask again.
-
-        :param body: {'flat': whether they are}.
-        :raises InvalidValueError: If it says neither.
-        """
-        if not isinstance(body.get('flat'), bool):
-            raise InvalidValueError('flat must be true or false')
-        self.are_flat = body['flat']
-        self._on_change()
 
 
 def areas_data(values: CellValues) -> Dict[str, Any]:

@@ -97,14 +97,12 @@ class Setup(NamedTuple):
     :param parts: What is calibrated: SURFACE, MARKERS, BASE; None while a node does not run.
     :param sees_board: Whether a board is looked for, and seen now.
     :param new_surface: Another object for each surface that was accepted; None before.
-    :param are_flat: Whether a person has said that the objects that look solid are flat.
     :param not_kept: Why the steps are not on the disk; None if they are.
     """
 
     parts: Optional[List[str]] = None
     sees_board: bool = False
     new_surface: Any = None
-    are_flat: bool = False
     not_kept: Optional[str] = None
 
 

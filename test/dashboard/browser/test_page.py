@@ -124,10 +124,11 @@ def test_solid_objects_are_noticed_and_drawn_with_what_they_stand_on(open_page, 
     cell = start_cell('-p', 'source:=simulated', '-p', 'object_height_cm:=0.0',
                       namespace='/solid', params_file=SOLIDS)
     page = open_page(cell)
-    page.wait_for('5 of 5 objects look solid', '#part-watch .heights')
+    page.wait_for('Objects look solid', '#part-watch .heights')
     page.wait_for('5 of 5 objects look solid', '#banner')
     page.click('They are flat', '#part-watch .heights')
     page.wait_for('5 objects are published', '#banner')
+    assert page.field('object_height_cm').get_attribute('value') == '0.1'
     page.fill('Height of the objects in cm', '3')
     for paths in ('.picture .shapes path.top', '.map path.footprint'):
         wait_until(lambda paths=paths: len(page.elements(f'#part-watch {paths}')) == 5,

@@ -171,11 +171,3 @@ def test_steps_that_cannot_be_kept_are_told_until_they_are(tmp_path):
     prove(cell, (-5.8, 15.31))
     wait_for(lambda: cell.sessions.setup.not_kept is None)
     cell.sessions.close()
-
-
-def test_objects_are_flat_once_a_person_says_so(cell):
-    assert not cell.sessions.setup.are_flat
-    assert cell.do('objects', 'tell', flat=True) == {'flat': True}
-    assert cell.sessions.setup.are_flat
-    with pytest.raises(CameraToBaseError, match='true or false'):
-        cell.do('objects', 'tell', flat='yes')

@@ -29,4 +29,3 @@ export const markers = session('markers');
 export const robot = session('robot');
 export const prove = session('prove');
 export const record = session('record');
-export const objects = session('objects');

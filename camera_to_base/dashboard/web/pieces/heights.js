@@ -19,19 +19,23 @@ import {button, element, setText, show} from '../base/dom.js';
 import {attempt} from '../base/notices.js';
 import {fixed, read} from '../base/numbers.js';
 import {doubtsHeight} from '../base/reasons.js';
-import {objects} from '../base/sessions.js';
+
+// Less than a gripper notices, and a height: what has one does not count as flat.
+const FLAT_CM = 0.1;
 
 /** Make the question; it is urgent while objects do not fit the height that is set, or look solid. */
 export function createHeights(store) {
   const sentence = element('p', {role: 'status'});
   const input = element('input', {type: 'text', inputmode: 'decimal', id: 'height', class: 'short',
     autocomplete: 'off'});
+  const use = (height) => attempt(
+    () => act('/api/parameters', {node: 'camera', values: {object_height_cm: height}}),
+    () => `The objects are ${height} cm high now. Save it, so that it stays.`);
   // A flat thing may look solid by chance, such as a card that points away from the camera.
-  const flat = button('They are flat', () => objects('tell', {flat: true}));
+  const flat = button('They are flat', () => use(FLAT_CM));
   const node = element('form', {class: 'heights', hidden: true, onsubmit: (event) => {
     event.preventDefault();
-    attempt(() => act('/api/parameters', {node: 'camera', values: {object_height_cm: read(input.value)}}),
-      () => `The objects are ${input.value} cm high now. Save it, so that it stays.`);
+    use(read(input.value));
   }}, sentence, element('p', {class: 'buttons'}, element('label', {for: 'height'}, 'Height of the objects in cm'),
     input, button('Use it', () => {}, {type: 'submit'}), flat));
   const update = () => {
@@ -39,14 +43,14 @@ export function createHeights(store) {
     const isKnown = valueOf(store, 'surface.model') === 'pinhole' || valueOf(store, 'surface.camera_height_cm') > 0;
     const several = valueOf(store, 'object_heights_cm')?.length;
     const doubted = (store.get('watch')?.left_out ?? []).filter(({reason}) => doubtsHeight(reason)).length;
-    const solid = !height && !several ? store.get('watch')?.solid : null;
+    const solid = store.get('watch')?.looks_solid;
     show(node, isKnown && !several || doubted);
     show(flat, solid);
-    node.classList.toggle('question', doubted > 0 || Boolean(solid));
+    node.classList.toggle('question', doubted > 0 || solid);
     setText(sentence, doubted ? `${doubted} ${doubted === 1 ? 'object does' : 'objects do'} not fit a height of ` +
       `${fixed(height, 1)} cm. How high are they?` : height ? '' : solid ?
-      `${solid[0]} of ${solid[1]} objects ${solid[0] === 1 ? 'looks' : 'look'} solid: the camera sees their sides. ` +
-      'Say how high they are: their positions are off by up to half of what is seen of the sides.' :
+      'Objects look solid: the camera sees their sides. Say how high they are: their positions are off by up to ' +
+      'half of what is seen of the sides.' :
       'Objects count as flat. Of solid ones the camera sees the sides, too: say how high they are, or their ' +
       'positions are off.');
     if (document.activeElement !== input && !input.value) input.value = height ?? '';
