@@ -166,7 +166,7 @@ class PreciseDifferenceDetector:
         self._dropped = left_over(
             found, parts, placed + [one for _, one in left], self._reference, self._min_area)
         self._still.remember(
-            frame, self._reference, found.held, found.told, found.left, places,
+            frame, self._reference, found.held, found.told, places,
             [one for one in self._dropped if one not in found.light])
         self._last = placed
         return placed

@@ -145,8 +145,6 @@ def _of_chroma(rest: np.ndarray, sides: Sequence[Side], found: Evidence) -> np.n
     The faces of a thing differ in their level, and a shade has the table's chroma and a tint.
     """
     faces = np.zeros_like(rest)
-    if not sides:
-        return faces
     count = cv2.max(box_mean(rest.astype(np.float32), _WINDOW), _NOTHING)
     *chroma, level = (box_mean(one * rest, _WINDOW) / count
                       for one in (*found.chroma, found.level))

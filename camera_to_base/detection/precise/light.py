@@ -346,7 +346,7 @@ def _by_level(differences: np.ndarray, bins: np.ndarray) -> np.ndarray:
     counts = np.bincount(
         np.int16(bins) * _DIFFERENCES + differences, minlength=_BINS * _DIFFERENCES)
     counts = counts.reshape(_BINS, _DIFFERENCES)
-    known = np.flatnonzero(counts.sum(axis=1) >= min(_LEAST_IN_BIN, len(differences)))
+    known = np.flatnonzero(counts.sum(axis=1) >= _LEAST_IN_BIN)
     medians = [_median(counts[number]) for number in known]
     if not medians:
         known, medians = np.array([0]), [_median(counts.sum(axis=0))]

@@ -30,8 +30,9 @@ from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.precise.evidence import BRIGHTEST
 from camera_to_base.detection.precise.light import LINEAR, log_light, Reference
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, filled, fullness, grown, ratio_of, slices, square)
-from camera_to_base.detection.precise.shade import change_of, DARKEST, is_neutral
+    channel_extremes, filled, fullness, grown, slices, square)
+from camera_to_base.detection.precise.shade import (
+    change_of, DARKEST, is_neutral, like_light, SHADED)
 import cv2
 import numpy as np
 
@@ -39,8 +40,8 @@ import numpy as np
 LIGHT_OR_THING = ('leave_out', 'leave_out_all', 'publish')
 # Some rows tell as much as all.
 _ROW_STEP = 3
-# What shade can be: the least and the largest ratio, and the strongest tint; on which part.
-_DEEPEST, _FAINTEST, _TINT, _LEAST_SHADE = 0.25, 0.985, 1.25, 0.8
+# What is shade, is so on this part.
+_LEAST_SHADE = 0.8
 # An outline that fills less of its hull is a crescent's.
 _FULL = 0.85
 # How sharp a rim is, on which part of it, told from the steps in windows of two sizes in px;
@@ -103,18 +104,10 @@ def fades_away(detection: Detection, frame: np.ndarray, reference: Reference) ->
 
 def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
     # Some rows tell as much as all.
-    piece, table, inside = (picture[::_ROW_STEP] for picture in (piece, table, inside))
-    light, usual = cv2.LUT(piece, LINEAR), cv2.LUT(table, LINEAR)
-    ratio = ratio_of(light, usual)
-    least = _LEAST_SHADE * cv2.countNonZero(inside)
-    # Most objects are too dark or too light: their tint need not be looked at.
-    may_be = cv2.inRange(ratio, (_DEEPEST,) * 3, (_FAINTEST,) * 3)
-    if cv2.countNonZero(cv2.bitwise_and(may_be, inside)) <= least:
-        return False
-    smallest, largest = channel_extremes(ratio)
-    shade = (smallest > _DEEPEST) & (largest < _FAINTEST) & (largest < _TINT * smallest)
-    shade = cv2.bitwise_and(shade.view(np.uint8), inside)
-    return cv2.countNonZero(shade) > least
+    light, usual = (cv2.LUT(picture[::_ROW_STEP], LINEAR) for picture in (piece, table))
+    inside = np.ascontiguousarray(inside[::_ROW_STEP])
+    return cv2.countNonZero(
+        like_light(light, usual, SHADED) & inside) > _LEAST_SHADE * cv2.countNonZero(inside)
 
 
 def _has_edges_inside(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:

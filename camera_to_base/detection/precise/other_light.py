@@ -23,7 +23,8 @@ from camera_to_base.detection.detection import Box, NoObject, Pixel
 from camera_to_base.detection.precise.light import (
     grey_factors, LEAST_LIGHT, LINEAR, log_light, POWER, Range)
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, padded, shrunk, slices, square)
+    channel_extremes, padded, ratio_of, shrunk, slices, square)
+from camera_to_base.detection.precise.shade import like_light
 import cv2
 import numpy as np
 
@@ -34,8 +35,8 @@ _LEAST_CHANGE = 0.03
 _STEPS = 64
 # The median rounds the corners of an edge: beside one, either light counts, in shrunk px.
 _EDGE = np.ones((9, 9), np.uint8)
-# Shade takes this much light at most, and colours it little.
-_DEEPEST, _BRIGHTEST, _STRONGEST_TINT, _LEAST_SHARE = 0.2, 2.0, 1.25, 0.6
+# The brightest sun, by the table's light; which part of what differs must be like light.
+_BRIGHTEST, _LEAST_SHARE = 2.0, 0.6
 _LEAST_MARKED = 0.1
 # Smooth light changes by less per shrunk px; logarithm: the edge of the faintest thing is steeper.
 _STEEPEST = 0.05
@@ -49,10 +50,8 @@ _STEP = 4
 _ROWS = slice(_STEP // 2, None, _STEP)
 # Rows: how far they are apart from one another at least (to both sides, less is below the weak
 # limit on a grey of 120 levels), from the picture's light at most, and from side to side, all
-# logarithms; the part of all rows that must tell their light; how much larger they are than what
-# a smooth curve leaves of them.
+# logarithms; the part of all rows that must tell their light.
 _LEAST_BAND, _STRONGEST_BAND, _LEVEL, _LEAST_ROWS = 0.1, 0.45, 0.06, 0.6
-_SMOOTH = 8
 # Levels that the sensor has cut off tell no light.
 _LIGHTEST, _UNKNOWN = 250, 99.0
 # A parabola through seven rows (Savitzky and Golay): it keeps a wave's height.
@@ -73,11 +72,10 @@ def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray
     :param mask: Shape (h, w), not 0 where they differ.
     """
     light, usual = (cv2.LUT(picture, LINEAR) for picture in (frame, background))
-    smallest, largest = channel_extremes(light / np.maximum(usual, LEAST_LIGHT))
-    tint = largest / np.maximum(smallest, LEAST_LIGHT)
+    largest = channel_extremes(ratio_of(light, usual))[1]
     marked = (mask > 0) & (np.abs(cv2.log(np.maximum(largest, LEAST_LIGHT))) > _LEAST_MARKED)
-    is_light = (largest > _DEEPEST) & (largest < _BRIGHTEST) & (tint < _STRONGEST_TINT)
-    return np.count_nonzero(is_light & marked) > _LEAST_SHARE * np.count_nonzero(marked)
+    is_light = like_light(light, usual, _BRIGHTEST) & marked
+    return np.count_nonzero(is_light) > _LEAST_SHARE * np.count_nonzero(marked)
 
 
 def in_usual_light(
@@ -215,8 +213,7 @@ def find_bands(frame: np.ndarray, background: np.ndarray) -> Optional[np.ndarray
     rows = np.arange(len(bands))
     bands = np.interp(rows, rows[is_light], bands[is_light]).astype(np.float32)
     smooth = cv2.filter2D(bands[:, None], -1, _PARABOLA, borderType=cv2.BORDER_REPLICATE)[:, 0]
-    # A camera that trembles over a grain changes rows, too, but not smoothly.
-    if np.ptp(smooth) <= max(_LEAST_BAND, _SMOOTH * np.abs(bands - smooth).mean()):
+    if np.ptp(smooth) <= _LEAST_BAND:
         return None
     return np.interp(np.arange(len(frame)), _STEP * rows + _ROWS.start, smooth).astype(np.float32)
 

@@ -10,75 +10,108 @@
 """
 Splits an object's own shadow off its region where only darkness tells which part is the thing.
 
-Shade takes light in all colours alike, is one lump, and lies to one side of its object. A table's
-pattern and a smooth gradient look like two parts, too; so the *frame* must show the step between
-them, and a sharp one.
-
 The object is the darker part, with all that is lighter than the table or coloured. It may be
-lighter than its shadow: then the shadow is a crescent, and the object is convex.
+lighter than its shadow: then the shadow is a crescent, and the object is convex. A gradient looks
+like two parts, too, but has no two levels.
 """
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Optional
 
 from camera_to_base.detection.precise.gloss import find_highlight, surrounds
+from camera_to_base.detection.precise.light import LEAST_LIGHT
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, in_clearest_colour, largest_part, Look, look_at, Piece, quantile, solidity,
-    square)
+    channel_extremes, channel_sum, largest_part, Piece, ratio_of, solidity, square)
+from camera_to_base.detection.precise.shade import like_light, SHADED
 import cv2
 import numpy as np
 
-# What shade can be: the least and the largest ratio, and the strongest tint.
-_DEEPEST, _FAINTEST, _TINT = 0.2, 0.985, 1.25
-_LEAST_PART, _LEAST_THING, _LEAST_RING = 8, 16, 4
-_LEAST_SHARE_OF_REGION, _LEAST_FREE_RIM = 0.15, 0.25
+# The least object, in px² and as a part of its region; how much of its rim is the region's.
+_LEAST_THING, _LEAST_SHARE, _LEAST_FREE_RIM = 16, 0.15, 0.25
+# Of the rest, this part is shade, and this part in one lump.
 _LEAST_SHADE, _LEAST_LUMP = 0.8, 0.6
-# The step between two levels is at least this high, is this part of the whole difference, and the
-# object hardly changes on the way to it.
-_LEAST_STEP, _FRAME_STEP, _OF_WHOLE, _STEEPEST = 0.12, 0.4, 0.35, 0.2
-_NEAR, _CLOSE, _FARTHER = (1.5, 4.0), (3.0, 5.0), (6.0, 9.0)
-
 # What shade cannot be: lighter, or of a colour.
 _LIGHT, _COLOURED = 1.1, 1.6
-_LEAST_CORE, _LEAST_SHADE_PART = 20, 8
-_SATURATED, _MOST_SATURATED = 0.97, 0.02
-# Two levels are apart by this much, logarithm.
-_LEVELS_APART = 0.15
+_LEAST_CORE = 20
+# Two levels are apart by this much, logarithm, and around them the deviation is this part of
+# it; of what changes evenly, it is 0.29.
+_LEVELS_APART, _TWO_LEVELS = 0.15, 0.27
 _STEPS, _LOWEST = 80, -3.0
 # How much more convex an object is than its shadow, where it is lighter.
 _MORE_CONVEX = 0.2
 
 
-def _is_thing_and_shade(
-    thing: np.ndarray, marked: np.ndarray, piece: Piece, look: Look
-) -> bool:
+def split_off_shade(piece: Piece) -> Optional[np.ndarray]:
     """
-    Tell whether a part of a region may be an object, and the rest its shade.
+    Find the object in a region that is an object and its shade.
 
-    :param thing: The part, shape (h, w), uint8, 1 inside.
-    :param marked: What tells it from shade: the part without its holes.
+    What is split off may be its lighter face, or it is a face of what is split off.
+
+    :returns: Its mask, shape (h, w), uint8, 1 inside; None for other regions.
     """
-    mask = piece.mask
-    rest = mask & (1 - cv2.dilate(thing, square(3)))
-    return (cv2.countNonZero(thing) >= _least_area(mask)
-            and _is_lump_of_shade(cv2.erode(rest, square(3)), look)
-            and _has_free_rim(thing, mask)
-            and _has_sharp_step(thing, marked, rest, piece))
+    mask, core = piece.mask, cv2.erode(piece.mask, square(5))
+    light, usual = (cv2.blur(one, (3, 3)) for one in (piece.frame, piece.table))
+    special, spot = _special(ratio_of(light, usual), mask), find_highlight(piece)
+    if spot is not None:
+        special |= spot & mask
+    ratio = cv2.subtract(*(cv2.log(cv2.max(channel_sum(one), 3 * LEAST_LIGHT))
+                           for one in (light, usual)))
+    limit = _limit(ratio[(core & (1 - special)) > 0], cv2.countNonZero(core))
+    if limit is None:
+        return None
+    darker = special | mask & (ratio <= limit).view(np.uint8)
+    gap = 9 if special.any() else 3
+    thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(gap)))
+    rest = _lighter_side(thing, mask)
+    if not special.any() and solidity(rest) > solidity(thing) + _MORE_CONVEX:
+        # A shadow is what its object leaves of it, a crescent.
+        thing, rest = rest, _lighter_side(rest, mask)
+    shade = mask & (1 - cv2.dilate(thing, square(3)))
+    is_split = (cv2.countNonZero(thing) >= max(_LEAST_THING, _LEAST_SHARE * mask.sum())
+                and _is_lump(cv2.erode(shade, square(3)), like_light(light, usual, SHADED))
+                and _has_free_rim(thing, mask)
+                and not (spot is not None and surrounds(spot, thing, rest)))
+    return thing if is_split else None
 
 
-def _least_area(mask: np.ndarray) -> float:
-    """Give the least area of an object in a region, in px²."""
-    return max(_LEAST_THING, _LEAST_SHARE_OF_REGION * cv2.countNonZero(mask))
+def _special(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Give what is no shade, by the ratios to the table, shape (h, w, 3)."""
+    smallest, largest = channel_extremes(ratio)
+    special = (largest > _LIGHT) | (largest > _COLOURED * np.maximum(smallest, LEAST_LIGHT))
+    return cv2.morphologyEx(mask & special.view(np.uint8), cv2.MORPH_OPEN, square(3))
 
 
-def _is_lump_of_shade(rest: np.ndarray, look: Look) -> bool:
+def _limit(ratios: np.ndarray, count: int) -> Optional[float]:
+    """
+    Give the limit between two levels, half-way; None where there are no two.
+
+    :param ratios: Of what may be shade, logarithms.
+    :param count: Of how many px these are; most are.
+    """
+    if len(ratios) < max(_LEAST_CORE, count / 2):
+        return None
+    steps = np.clip(np.rint((ratios - _LOWEST) * _STEPS), 0, 255).astype(np.uint8)
+    level, _ = cv2.threshold(steps.reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
+    dark = ratios <= level / _STEPS + _LOWEST
+    if not 0 < np.count_nonzero(dark) < len(dark):
+        return None
+    low, high = ratios[dark].mean(), ratios[~dark].mean()
+    within = (ratios - np.where(dark, low, high)).std()
+    is_apart = high - low > _LEVELS_APART and within < _TWO_LEVELS * (high - low)
+    return (low + high) / 2 if is_apart else None
+
+
+def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    # Without the rim, which is lighter on all sides.
+    rest = cv2.erode(mask, square(5)) & (1 - dark)
+    rest = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
+    return cv2.dilate(rest, square(5)) & mask & (1 - dark)
+
+
+def _is_lump(rest: np.ndarray, shade: np.ndarray) -> bool:
+    """Tell whether the rest of a region is shade, and one lump."""
     area = cv2.countNonZero(rest)
-    shade = (look.smallest > _DEEPEST) & (look.largest < _FAINTEST) & (look.tint < _TINT)
-    if area < _LEAST_PART or cv2.countNonZero(
-            rest & shade.astype(np.uint8)) < _LEAST_SHADE * area:
-        return False
-    outlines, _ = cv2.findContours(rest, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    areas = [cv2.contourArea(outline) + len(outline) / 2 for outline in outlines]
-    return max(areas) > _LEAST_LUMP * sum(areas)
+    return cv2.countNonZero(rest & shade) > _LEAST_SHADE * area and cv2.countNonZero(
+        largest_part(rest)) > _LEAST_LUMP * area
 
 
 def _has_free_rim(thing: np.ndarray, mask: np.ndarray) -> bool:
@@ -90,131 +123,3 @@ def _has_free_rim(thing: np.ndarray, mask: np.ndarray) -> bool:
     rim = thing & (1 - cv2.erode(thing, square(3)))
     free = rim & (1 - cv2.erode(mask, square(9)))
     return cv2.countNonZero(free) >= _LEAST_FREE_RIM * cv2.countNonZero(rim)
-
-
-def _has_sharp_step(
-    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
-) -> bool:
-    sides, light, level, ratio = _sides(thing, marked, rest, piece)
-    in_frame, in_ratio = sides.step(level, *_NEAR), sides.step(ratio, *_NEAR)
-    if in_frame is None:
-        return False
-    whole = abs(sides.step(ratio, 0.0, np.inf))
-    is_step = (abs(in_frame) >= max(_LEAST_STEP, _FRAME_STEP * abs(in_ratio))
-               and abs(in_ratio) >= _OF_WHOLE * whole)
-    return bool(is_step and sides.slope(light) <= _STEEPEST * abs(sides.step(light, *_NEAR)))
-
-
-def _sides(
-    thing: np.ndarray, marked: np.ndarray, rest: np.ndarray, piece: Piece
-) -> Tuple['_Sides', np.ndarray, np.ndarray, np.ndarray]:
-    inner = cv2.erode(piece.mask, square(5))
-    light, usual = in_clearest_colour(piece, thing & marked & inner, rest & inner)
-    level = cv2.log(light)
-    sides = _Sides(thing & cv2.erode(marked, square(3)) & inner, rest & inner,
-                   cv2.distanceTransform(1 - rest, cv2.DIST_L2, 3),
-                   cv2.distanceTransform(1 - thing, cv2.DIST_L2, 3))
-    return sides, light, level, level - cv2.log(usual)
-
-
-class _Sides(NamedTuple):
-    """Both sides of the border between an object and its shade."""
-
-    thing: np.ndarray
-    rest: np.ndarray
-    to_rest: np.ndarray
-    to_thing: np.ndarray
-
-    def step(self, values: np.ndarray, near: float, far: float) -> Optional[float]:
-        """How much higher the median is on the shade's side, between two distances in px."""
-        inside, outside = (_median(values, side, distances, near, far) for side, distances in (
-            (self.thing, self.to_rest), (self.rest, self.to_thing)))
-        return None if inside is None or outside is None else outside - inside
-
-    def slope(self, values: np.ndarray) -> float:
-        """How much the object's own side changes on the way to the border."""
-        near, farther = (_median(values, self.thing, self.to_rest, *distances)
-                         for distances in (_CLOSE, _FARTHER))
-        return 0.0 if near is None or farther is None else abs(near - farther)
-
-
-def _median(
-    values: np.ndarray, side: np.ndarray, distances: np.ndarray, near: float, far: float
-) -> Optional[float]:
-    chosen = values[(side > 0) & (distances > near) & (distances <= far)]
-    return float(quantile(chosen)) if len(chosen) >= _LEAST_RING else None
-
-
-def split_off_shade(piece: Piece) -> Optional[np.ndarray]:
-    """
-    Find the object in a region that is an object and its shade.
-
-    What is split off may be its lighter face, or it is a face of what is split off.
-
-    :returns: Its mask, shape (h, w), uint8, 1 inside; None for other regions.
-    """
-    core = cv2.erode(piece.mask, square(5))
-    if cv2.countNonZero(core) < _LEAST_CORE:
-        return None
-    look = look_at(piece)
-    special = _special(look, piece.mask)
-    if 2 * cv2.countNonZero(special & core) >= cv2.countNonZero(core) or _is_dazzled(piece):
-        return None
-    spot = find_highlight(piece)
-    if spot is not None:
-        special |= spot & piece.mask
-    thing = _darker_thing(piece, look, core, special)
-    if thing is not None and spot is not None and surrounds(
-            spot, thing, _lighter_side(thing, piece.mask)):
-        return None
-    return thing
-
-
-def _is_dazzled(piece: Piece) -> bool:
-    # Beside a lamp's mirror image on the table, ratios tell nothing of shade.
-    around = cv2.dilate(piece.mask, square(9))
-    bright = (channel_extremes(piece.table)[1] > _SATURATED).astype(np.uint8)
-    share = cv2.countNonZero(around & bright) / cv2.countNonZero(around)
-    return _MOST_SATURATED < share < 1 - _MOST_SATURATED
-
-
-def _special(look: Look, mask: np.ndarray) -> np.ndarray:
-    special = ((look.largest > _LIGHT) | (look.tint > _COLOURED)).astype(np.uint8)
-    return cv2.morphologyEx(mask & special, cv2.MORPH_OPEN, square(3))
-
-
-def _darker_thing(
-    piece: Piece, look: Look, core: np.ndarray, special: np.ndarray
-) -> Optional[np.ndarray]:
-    ratio = look.ratio
-    ratios = ratio[(core & (1 - special)) > 0]
-    if len(ratios) < _LEAST_CORE:
-        return None
-    dark = ratios <= _otsu(ratios)
-    if not _LEAST_SHADE_PART < dark.sum() < len(dark) - _LEAST_SHADE_PART:
-        return None
-    low, high = ratios[dark].mean(), ratios[~dark].mean()
-    if high - low < _LEVELS_APART:
-        return None
-    darker = piece.mask & (ratio <= (low + high) / 2).astype(np.uint8)
-    darker |= special
-    gap = 9 if special.any() else 3
-    thing = largest_part(cv2.morphologyEx(darker, cv2.MORPH_CLOSE, square(gap)))
-    rest = _lighter_side(thing, piece.mask)
-    if not special.any() and solidity(rest) > solidity(thing) + _MORE_CONVEX:
-        # A shadow is what its object leaves of it, a crescent.
-        thing = darker = rest
-    return thing if _is_thing_and_shade(thing, darker, piece, look) else None
-
-
-def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    # Without the rim, which is lighter on all sides.
-    rest = cv2.erode(mask, square(5)) & (1 - dark)
-    rest = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
-    return cv2.dilate(rest, square(5)) & mask & (1 - dark)
-
-
-def _otsu(ratios: np.ndarray) -> float:
-    steps = np.clip(np.rint((ratios - _LOWEST) * _STEPS), 0, 255).astype(np.uint8)
-    level, _ = cv2.threshold(steps.reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
-    return level / _STEPS + _LOWEST

@@ -107,66 +107,6 @@ def make_piece(frame: np.ndarray, table: np.ndarray, mask: np.ndarray) -> Piece:
     return Piece(cv2.LUT(frame, LINEAR), table, mask)
 
 
-class Look(NamedTuple):
-    """
-    What can be told of each pixel of a piece, smoothed over 3 x 3 px.
-
-    :param ratio: Logarithm of the frame's light / the table's.
-    :param largest: Largest ratio of a channel.
-    :param smallest: Smallest ratio of a channel.
-    """
-
-    ratio: np.ndarray
-    largest: np.ndarray
-    smallest: np.ndarray
-
-    @property
-    def tint(self) -> np.ndarray:
-        """Largest ratio / smallest ratio: 1 where only the brightness differs."""
-        return self.largest / np.maximum(self.smallest, LEAST_LIGHT)
-
-
-def look_at(piece: Piece) -> Look:
-    """Compare a piece's frame with its table."""
-    frame, table = cv2.blur(piece.frame, (3, 3)), cv2.blur(piece.table, (3, 3))
-    level, usual = (cv2.log(cv2.max(channel_sum(light), 3 * LEAST_LIGHT))
-                    for light in (frame, table))
-    smallest, largest = channel_extremes(ratio_of(frame, table))
-    return Look(level - usual, largest, smallest)
-
-
-def in_clearest_colour(
-    piece: Piece, thing: np.ndarray, rest: np.ndarray
-) -> Tuple[np.ndarray, np.ndarray]:
-    """
-    Give the light and the table's light of the colour in which two parts of a piece differ most.
-
-    :param thing: The one part, shape (h, w), uint8, 1 inside.
-    :param rest: The other.
-    :returns: Two of shape (h, w), see :func:`_smooth_channel`.
-    """
-    channel = _channel_of_most_contrast(piece.frame, thing, rest)
-    return _smooth_channel(piece.frame, channel), _smooth_channel(piece.table, channel)
-
-
-def _channel_of_most_contrast(light: np.ndarray, thing: np.ndarray, rest: np.ndarray) -> int:
-    """
-    Give the channel in which the mean light of two parts differs most.
-
-    :param light: Shape (h, w, 3), float32.
-    :param thing: The one part, shape (h, w), uint8, 1 inside.
-    :param rest: The other.
-    """
-    ratios = np.divide(*(np.maximum(cv2.mean(light, part)[:3], LEAST_LIGHT)
-                         for part in (thing, rest)))
-    return int(np.argmax(np.abs(np.log(ratios))))
-
-
-def _smooth_channel(light: np.ndarray, channel: int) -> np.ndarray:
-    """Smooth a channel of light over 3 x 3 px: shape (h, w, 3) to (h, w), above 0."""
-    return cv2.max(cv2.blur(cv2.extractChannel(light, channel), (3, 3)), LEAST_LIGHT)
-
-
 def largest_part(mask: np.ndarray) -> np.ndarray:
     """Keep the largest connected part of a mask of 0 and 1, without its holes."""
     outline = outline_of(mask)

@@ -36,9 +36,6 @@ import numpy as np
 _LEAST_BANDS = 0.05
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
-# A faint region whose box covers at least this part may go on to the border; faint is a region of
-# whose box less than this part differs strongly.
-_FAR, _FAINT = 0.04, 0.15
 # What is left over where light was taken out is an object where this part of it differs strongly.
 _MOSTLY = 0.4
 # What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
@@ -250,7 +247,7 @@ def _joined(things: Sequence[Region]) -> List[Region]:
     """Join what hides the same place of the table: it is one thing, seen as two regions."""
     joined: List[Region] = []
     for thing in things:
-        same = [one for one in joined if thing.is_hiding and one.is_hiding and _meet(one, thing)]
+        same = [one for one in joined if thing.is_hiding and _meet(one, thing)]
         for one in same:
             thing = thing.united(one)
         joined = [one for one in joined if not any(one is other for other in same)] + [thing]
@@ -347,12 +344,7 @@ def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float
 
 
 def _may_reach_border(frame: np.ndarray, region: Region) -> bool:
-    # A faint shadow is seen to the border less than elsewhere, where a lens is darker.
-    if region.is_thing:
-        return False
-    is_faint = region.strong_area < _FAINT * region.box.width * region.box.height
-    return (touches_edge(region.box, frame) or is_faint
-            and region.box.width * region.box.height > _FAR * frame[..., 0].size)
+    return not region.is_thing and touches_edge(region.box, frame)
 
 
 def _may_be_light(frame: np.ndarray, region: Region, lit: np.ndarray) -> bool:

@@ -200,7 +200,7 @@ def parted(
         if cv2.countNonZero(soft) > _LEAST_SOFT * cv2.countNonZero(changed):
             result.light[soft > 0] = 1
     if cv2.countNonZero(result.light) < min_area:
-        hard = [] if shade.levels else _hard_shade(segments, at_table)
+        hard = [] if shade.levels else _hard_shade(segments)
         return result._replace(
             things=changed, unsure=hard or result.unsure, is_untold=not hard)
     surest = max(nats for *_, nats in judged)
@@ -260,10 +260,9 @@ def _without_things(
                            is_untold=not (is_light or is_unclear))
 
 
-def _hard_shade(segments: List[_Segment], at_table: np.ndarray) -> List[Unsure]:
+def _hard_shade(segments: List[_Segment]) -> List[Unsure]:
     """Give what of a grey thing may be a hard lamp's shade, where nothing tells which part is."""
-    maybe = [one for one in segments if one.may_be_shade and cv2.countNonZero(
-        cv2.dilate(one.mask, square(3)) & at_table) >= _FEW]
+    maybe = [one for one in segments if one.may_be_shade]
     is_told = len(maybe) in (1, len(segments)) or any(
         one.is_soft or one.nats > 0 for one in segments)
     return [] if is_told else [Unsure(one.mask, 0.5) for one in maybe]

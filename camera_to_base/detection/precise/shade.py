@@ -25,7 +25,8 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
     AXES, LEVEL_SCALE, log_levels, Reference, SATURATED, UNSEEN)
-from camera_to_base.detection.precise.piece import filled, slices
+from camera_to_base.detection.precise.piece import (
+    channel_extremes, filled, ratio_of, slices)
 from camera_to_base.detection.precise.regions import Region
 import cv2
 import numpy as np
@@ -56,6 +57,9 @@ _UNKNOWN = ((np.where(
              / NEUTRAL) ** 2).tolist()
 # How much chroma a grey table has at most, logarithm; two colours are one below this change.
 GREY, _ALIKE = 0.5, 0.16
+# What each channel keeps of its light in shade, at least and at most, and how much more than
+# another: so that it can be asked pixel by pixel.
+_DEEPEST, SHADED, _TINT = 0.2, 0.985, 1.25
 # The faintest shade, logarithm of the ratio; the bins of the levels.
 FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
@@ -162,6 +166,18 @@ def is_neutral(chroma: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     :param ratio: Logarithm of the level / the table's.
     """
     return chroma < np.maximum(NEUTRAL, _OF_LEVEL * np.abs(ratio))
+
+
+def like_light(light: np.ndarray, usual: np.ndarray, most: float) -> np.ndarray:
+    """
+    Find where all channels have changed nearly alike: shape (h, w), uint8, 1 there.
+
+    :param light: Shape (h, w, 3), float32.
+    :param usual: The table's, of the same shape.
+    :param most: The largest ratio in a channel, as `SHADED`.
+    """
+    smallest, largest = channel_extremes(ratio_of(light, usual))
+    return ((smallest > _DEEPEST) & (largest < most) & (largest < _TINT * smallest)).view(np.uint8)
 
 
 def change_of(level: Sequence[float], usual: Sequence[float]) -> Tuple[float, float]:

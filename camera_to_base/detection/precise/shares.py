@@ -127,12 +127,7 @@ def _turns(
         if others is not None:
             shares *= 1 - others
         before, mask = mask, (shares > 0.5).view(np.uint8)
-        area = cv2.countNonZero(mask)
-        if not area:
-            # All of the mask is the object.
-            return Placed(_shares(values, piece.mask, cv2.erode(piece.mask, square(3))),
-                          piece.mask), piece.mask
-        if cv2.countNonZero(mask ^ before) <= _SETTLED * area:
+        if cv2.countNonZero(mask ^ before) <= _SETTLED * cv2.countNonZero(mask):
             break
     return Placed(shares, mask), before
 

@@ -126,7 +126,7 @@ class StillRegions:
 
     def remember(
         self, frame: np.ndarray, reference: Reference, held: Sequence[Still],
-        told: Sequence[Tuple[Region, Sequence[Region]]], left: Sequence[Region],
+        told: Sequence[Tuple[Region, Sequence[Region]]],
         placed: Mapping[Box, Placing], no_objects: Sequence[NoObject],
     ) -> None:
         """
@@ -134,7 +134,6 @@ class StillRegions:
 
         :param held: What was not told anew.
         :param told: Each region, and the things in it.
-        :param left: Regions of which nothing was told.
         :param placed: How each thing was placed, by its box.
         :param no_objects: What differs on the frame, and is no object.
         """
@@ -142,9 +141,6 @@ class StillRegions:
         rest = [one for one in no_objects if one.kind in _KEPT]
         for region, things in told:
             window = grown(region.box, _AROUND, frame)
-            # Beside what was not looked at, nothing is complete.
-            if any(window.overlaps(other.box) for other in left):
-                continue
             own = [one for one in rest if _has(region, one)]
             rest = [one for one in rest if not _has(region, one)]
             places = [placed.get(thing.box, Placing([], thing)) for thing in things]

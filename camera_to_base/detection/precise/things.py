@@ -247,10 +247,7 @@ def _masks(
     sure = _no_light(wide, found)
     is_cut_off = cut_off(frame)
     has_highlight = bool(is_cut_off.any()) and _has_highlight(frame, background, changed, sure)
-    # Light is lighter than the table, and shade is darker.
-    is_glossy = has_highlight and cv2.countNonZero(
-        _may_be_shade(changed, found)) > _LEAST_REST * cv2.countNonZero(changed)
-    if not (is_cluttered or is_glossy or wide.any()) and _is_clear(
+    if not (is_cluttered or has_highlight or wide.any()) and _is_clear(
             wide, changed, found, has_highlight):
         return []
     by_edges = untold(changed) if has_highlight or not do_edges_tell else _by_segments(
@@ -357,7 +354,7 @@ def _by_segments(
         found.is_dark | (found.nats > _CLEAR).view(np.uint8))
     near = cv2.dilate(result.things, square(_SIZE))
     labels = cv2.connectedComponents(narrow)[1]
-    joined = narrow & np.isin(labels, labels[(narrow & near) > 0]).view(np.uint8)
+    joined = narrow & np.isin(labels, labels[near > 0]).view(np.uint8)
     things = result.things | cv2.dilate(joined, square(3)) & result.light
     if cv2.countNonZero(narrow & (1 - joined)) > min_area / 2:
         return result._replace(is_light=False, is_untold=True)
