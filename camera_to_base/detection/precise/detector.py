@@ -53,7 +53,7 @@ from camera_to_base.detection.precise.changes import (
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.light_alone import (
-    fades_away, is_soft_light, LIGHT_OR_THING, Told, told)
+    is_soft_light, LIGHT_OR_THING, Told, told)
 from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices
 from camera_to_base.detection.precise.placer import (
     hidden_doubt, notch_doubt, Placer, Placing, unplaced)
@@ -190,9 +190,9 @@ class PreciseDifferenceDetector:
             if region.may_be_light:
                 unclear += parts or unplaced(region.outline, frame)
             else:
-                is_light = fades_away if region.is_thing else is_soft_light
                 for part in parts:
-                    (unclear if is_light(part, frame, self._reference) else placed).append(part)
+                    is_light = is_soft_light(part, frame, self._reference, region.is_thing)
+                    (unclear if is_light else placed).append(part)
         placed = _largest_first(placed)
         if len(placed) + len(unclear) > 1:
             # Most frames have no such shadow: only until an object is the first.
@@ -227,7 +227,7 @@ class PreciseDifferenceDetector:
         """Give the others, and the faint ones: but not the largest of what hides the table."""
         clear: List[Detection] = []
         faint: List[Detection] = []
-        largest = max(parts, key=lambda one: one.area) if is_hiding and parts else None
+        largest = max(parts, key=lambda one: one.area, default=None) if is_hiding else None
         for part in parts:
             is_faint = part is not largest and not part.cut_off and self._is_faint(
                 np.int32(part.outline)[:, None], part.box, frame)

@@ -60,21 +60,27 @@ _FINE, _LEAST_LIKENESS, _SURE, _LEAST_SEEN, _MOST_SEEN = 5, 0.4, 4.5, 0.4, 1.6
 _NOTHING = 1e-12
 
 
-def is_soft_light(detection: Detection, frame: np.ndarray, reference: Reference) -> bool:
+def is_soft_light(
+    detection: Detection, frame: np.ndarray, reference: Reference, is_thing: bool = False
+) -> bool:
     """
-    Tell whether a detection has the chroma of light, and a rim as light has it.
+    Tell whether a detection has a rim as light has it, and the chroma of light.
+
+    What fades away all around is a lamp's mirror image, whatever its chroma.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param reference: The background at the frame's light.
+    :param is_thing: Whether its chroma or its texture is known to be a thing's.
     """
     if detection.cut_off:
         return False
-    outline = np.int32(detection.outline)[:, None]
-    part = slices(detection.box)
-    pictures = (frame[part], reference.lit[part])
-    inside = filled(outline, detection.box)
-    if fades_away(detection, frame, reference):
+    outline, part = np.int32(detection.outline)[:, None], slices(detection.box)
+    pictures, inside = (frame[part], reference.lit[part]), filled(outline, detection.box)
+    seen, usual = (cv2.mean(picture, inside)[:3] for picture in pictures)
+    if all(map(operator.gt, seen, usual)) and _sharp_part(frame, outline) < _HARDLY_SHARP:
         return True
+    if is_thing:
+        return False
     is_shade = _is_shade(*pictures, inside)
     if (not (is_shade or _is_shade(*reversed(pictures), inside))
             or _has_edges_inside(*pictures, inside)):
@@ -83,23 +89,7 @@ def is_soft_light(detection: Detection, frame: np.ndarray, reference: Reference)
         levels = _levels_in(detection, frame, reference)
         if levels is None or levels.are_even:
             return True
-    window = grown(detection.box, max(_WINDOWS), frame)
-    return _sharp_part(frame[slices(window)], outline, window) < _LEAST_RIM
-
-
-def fades_away(detection: Detection, frame: np.ndarray, reference: Reference) -> bool:
-    """
-    Tell whether a detection is lighter than the table in all channels, and hardly sharp anywhere.
-
-    Arguments as for :func:`is_soft_light`.
-    """
-    part, outline = slices(detection.box), np.int32(detection.outline)[:, None]
-    inside = filled(outline, detection.box)
-    seen, usual = (cv2.mean(picture[part], inside)[:3] for picture in (frame, reference.lit))
-    if detection.cut_off or not all(map(operator.gt, seen, usual)):
-        return False
-    window = grown(detection.box, max(_WINDOWS), frame)
-    return _sharp_part(frame[slices(window)], outline, window) < _HARDLY_SHARP
+    return _sharp_part(frame, outline) < _LEAST_RIM
 
 
 def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
@@ -128,10 +118,11 @@ def _steps(piece: np.ndarray, size: int) -> np.ndarray:
         cv2.morphologyEx(piece, cv2.MORPH_GRADIENT, square(size)))[1])
 
 
-def _sharp_part(piece: np.ndarray, outline: np.ndarray, window: Box) -> float:
-    # At a sharp step, a small window shows as large a step as a larger window does.
+def _sharp_part(frame: np.ndarray, outline: np.ndarray) -> float:
+    """Tell which part of an outline is sharp: there, a small window shows as large a step."""
+    window = grown(Box(*cv2.boundingRect(outline)), max(_WINDOWS), frame)
     x, y = outline[:, 0, 0] - window.x, outline[:, 0, 1] - window.y
-    near, far = (_steps(piece, size) for size in _WINDOWS)
+    near, far = (_steps(frame[slices(window)], size) for size in _WINDOWS)
     return float((near > _SHARP * far)[y, x].mean())
 
 

@@ -39,8 +39,6 @@ _MOST_AT_EDGE = 150_000
 # Where a darker part is told from a lighter one alone, what was split off is the object's in 2 of
 # 21 cases (rendered cells): the deviation, by how far that moves its centre.
 _OF_SHADE = 0.3
-# What reaches in from the edge and covers more than this part is not looked at closely.
-_MOST_CUT = 0.2
 # Both sides of a rim, in px from it. A print hides a rim where it has a step of twice what a thing
 # must differ by, and the thing is off the print beyond it by less than this part of the step.
 _BESIDE, _CLEAR_STEP, _SAME_COLOUR = 3, 2.0, 0.3
@@ -91,8 +89,6 @@ class Placer:
         self, frame: np.ndarray, region: Region, reference: Reference
     ) -> List[Detection]:
         is_at_edge = touches_edge(region.box, frame)
-        if is_at_edge and region.strong_area > _MOST_CUT * frame[..., 0].size:
-            return unplaced(region.outline, frame)
         box = grown(region.box, _SURROUNDINGS, frame)
         window = _Window(frame, reference, box, filled(region.outline, box))
         if is_at_edge and window.mask.size > _MOST_AT_EDGE:
