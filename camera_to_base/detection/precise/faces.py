@@ -25,7 +25,7 @@ from camera_to_base.detection.precise.evidence import (
     box_mean, detail_nats, detail_of, Evidence, PRIOR)
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
-    filled, outlines_in, quantile, slices, square)
+    filled, outlines_in, quantile, slices, square, two_means)
 from camera_to_base.detection.precise.shade import is_neutral, NEUTRAL
 import cv2
 import numpy as np
@@ -38,8 +38,8 @@ _WINDOW, _OTHER_CHROMA, _NEARER, _SAME_CHROMA, _LEAST_WIDTH = 5, 1.5, 0.7, 0.4, 
 _BESIDE, _FEW, _NEARBY = 5, 8, 9
 _NOTHING = 1e-3
 # The shade in a segment is off the table's chroma by less than this part of what the thing is;
-# chosen on 785 segments with two kinds of chroma. Two means settle in so many rounds.
-_LESS_CHROMA, _ROUNDS = 0.35, 5
+# chosen on 785 segments with two kinds of chroma.
+_LESS_CHROMA = 0.35
 # The table's texture is looked for in windows, px; the median of what tells that it is seen, or
 # gone, where that is sure, nats.
 _TEXTURE_WINDOW, _SURELY = 11, 15.0
@@ -108,13 +108,8 @@ def cut_by_chroma(
 
 def _chroma_between(off: np.ndarray) -> Optional[float]:
     """Give the limit between two kinds of chroma, half-way; None where all is of one kind."""
-    low, high = quantile(off, 0.1), quantile(off, 0.9)
-    for _ in range(_ROUNDS):
-        is_high = off > (low + high) / 2
-        if high < NEUTRAL or is_high.all() or not is_high.any():
-            return None
-        low, high = off[~is_high].mean(), off[is_high].mean()
-    return (low + high) / 2 if low < _LESS_CHROMA * high else None
+    low, high = two_means(off) or (0.0, 0.0)
+    return (low + high) / 2 if high > NEUTRAL and low < _LESS_CHROMA * high else None
 
 
 def with_faces(

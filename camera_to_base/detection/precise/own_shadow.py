@@ -20,7 +20,7 @@ from typing import Optional
 from camera_to_base.detection.precise.gloss import find_highlight, surrounds
 from camera_to_base.detection.precise.light import LEAST_LIGHT
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, channel_sum, largest_part, Piece, ratio_of, solidity, square)
+    channel_extremes, channel_sum, largest_part, Piece, ratio_of, solidity, square, two_means)
 from camera_to_base.detection.precise.shade import like_light, SHADED
 import cv2
 import numpy as np
@@ -35,7 +35,6 @@ _LEAST_CORE = 20
 # Two levels are apart by this much, logarithm, and around them the deviation is this part of
 # it; of what changes evenly, it is 0.29.
 _LEVELS_APART, _TWO_LEVELS = 0.15, 0.27
-_STEPS, _LOWEST = 80, -3.0
 # How much more convex an object is than its shadow, where it is lighter.
 _MORE_CONVEX = 0.2
 
@@ -89,15 +88,11 @@ def _limit(ratios: np.ndarray, count: int) -> Optional[float]:
     """
     if len(ratios) < max(_LEAST_CORE, count / 2):
         return None
-    steps = np.clip(np.rint((ratios - _LOWEST) * _STEPS), 0, 255).astype(np.uint8)
-    level, _ = cv2.threshold(steps.reshape(-1, 1), 0, 255, cv2.THRESH_OTSU)
-    dark = ratios <= level / _STEPS + _LOWEST
-    if not 0 < np.count_nonzero(dark) < len(dark):
-        return None
-    low, high = ratios[dark].mean(), ratios[~dark].mean()
-    within = (ratios - np.where(dark, low, high)).std()
+    low, high = two_means(ratios) or (0.0, 0.0)
+    limit = (low + high) / 2
+    within = (ratios - np.where(ratios > limit, high, low)).std()
     is_apart = high - low > _LEVELS_APART and within < _TWO_LEVELS * (high - low)
-    return (low + high) / 2 if is_apart else None
+    return limit if is_apart else None
 
 
 def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:

@@ -83,6 +83,13 @@ def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:
     return np.partition(values, index, axis=0)[index]
 
 
+def two_means(values: np.ndarray) -> Optional[Tuple[float, float]]:
+    """Give the means of two groups of values (Otsu's method); None where all are alike."""
+    levels = cv2.normalize(values.reshape(-1, 1), None, 0, 255, cv2.NORM_MINMAX, cv2.CV_8U)
+    is_high = levels.ravel() > cv2.threshold(levels, 0, 255, cv2.THRESH_OTSU)[0]
+    return (values[~is_high].mean(), values[is_high].mean()) if is_high.any() else None
+
+
 class Piece(NamedTuple):
     """
     A part of a frame.
