@@ -200,9 +200,7 @@ def parted(
         if cv2.countNonZero(soft) > _LEAST_SOFT * cv2.countNonZero(changed):
             result.light[soft > 0] = 1
     if cv2.countNonZero(result.light) < min_area:
-        hard = [] if shade.levels else _hard_shade(segments)
-        return result._replace(
-            things=changed, unsure=hard or result.unsure, is_untold=not hard)
+        return result._replace(things=changed, is_untold=True)
     surest = max(nats for *_, nats in judged)
     penumbra = sum(cv2.countNonZero(segment) for one, segment, _ in judged if one.is_soft)
     is_soft = penumbra > _LEAST_PENUMBRA * cv2.countNonZero(result.things)
@@ -258,14 +256,6 @@ def _without_things(
     is_unclear = is_soft or is_surely_light and any(one.colour > _SURE_LIGHT for one in segments)
     return result._replace(things=np.zeros_like(result.things), is_light=is_light,
                            is_untold=not (is_light or is_unclear))
-
-
-def _hard_shade(segments: List[_Segment]) -> List[Unsure]:
-    """Give what of a grey thing may be a hard lamp's shade, where nothing tells which part is."""
-    maybe = [one for one in segments if one.may_be_shade]
-    is_told = len(maybe) in (1, len(segments)) or any(
-        one.is_soft or one.nats > 0 for one in segments)
-    return [] if is_told else [Unsure(one.mask, 0.5) for one in maybe]
 
 
 def doubt_of(thing: np.ndarray, unsure: Sequence[Unsure]) -> float:
