@@ -228,8 +228,9 @@ def _with_edges(things: np.ndarray, changed: np.ndarray, found: Evidence) -> np.
     Between two things, the table is seen on more pixels than on such an edge.
     """
     light = found.is_lighter
-    near_light, near_dark = (
-        cv2.dilate(things & one, square(_NEARBY)) for one in (light, 1 - light))
+    # A rim is no face.
+    near_light, near_dark = (cv2.dilate(cv2.morphologyEx(
+        things & one, cv2.MORPH_OPEN, square(3)), square(_NEARBY)) for one in (light, 1 - light))
     edge = near_light & near_dark & changed & (1 - things)
     if not edge.any():
         return things
