@@ -23,7 +23,7 @@ from camera_to_base.detection.precise.faces import cut_by_chroma, Side, with_fac
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_extremes, cut_off, disc, largest_part, quantile, square)
-from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, is_neutral, Shade
+from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, Shade
 import cv2
 import numpy as np
 
@@ -224,8 +224,8 @@ def _sorted(judged: Sequence[_Judged], changed: np.ndarray) -> Parted:
 
 def _unsure(judged: Sequence[_Judged]) -> Iterator[Unsure]:
     """Give what may be light as well as a thing."""
-    # Beside a thing that has the table's chroma, shade without a penumbra may be its face.
-    are_grey = all(is_neutral(one.chroma, one.ratio) for one, _, nats in judged if nats > 0)
+    # Beside a thing of little chroma, shade without a penumbra may be its face.
+    are_grey = all(one.chroma < COLOURED for one, _, nats in judged if nats > 0)
     for one, segment, nats in judged:
         deviation = 0.5 / math.cosh(nats / _NATS_OF_ODDS / 2)
         if are_grey and nats < 0 and not (one.is_soft or one.detail.is_table):
