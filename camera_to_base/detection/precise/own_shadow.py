@@ -32,9 +32,9 @@ _LEAST_SHADE, _LEAST_LUMP = 0.8, 0.6
 # What shade cannot be: lighter, or of a colour.
 _LIGHT, _COLOURED = 1.1, 1.6
 _LEAST_CORE = 20
-# Two levels are apart by this much, logarithm, and around them the deviation is this part of
-# it; of what changes evenly, it is 0.29.
-_LEVELS_APART, _TWO_LEVELS = 0.15, 0.27
+# Two levels are apart by this much, logarithm, and the deviations around both are less than this
+# part of it; of what changes evenly, they are 0.58. So much of the step is the frame's.
+_LEVELS_APART, _TWO_LEVELS, _IN_FRAME = 0.15, 0.3, 0.4
 # How much more convex an object is than its shadow, where it is lighter.
 _MORE_CONVEX = 0.2
 
@@ -52,9 +52,11 @@ def split_off_shade(piece: Piece) -> Optional[np.ndarray]:
     special, spot = _special(ratio_of(light, usual), mask), find_highlight(piece)
     if spot is not None:
         special |= spot & mask
-    ratio = cv2.subtract(*(cv2.log(cv2.max(channel_sum(one), 3 * LEAST_LIGHT))
-                           for one in (light, usual)))
-    limit = _limit(ratio[(core & (1 - special)) > 0], cv2.countNonZero(core))
+    levels = [cv2.log(cv2.max(channel_sum(one), 3 * LEAST_LIGHT)) for one in (light, usual)]
+    ratio, plain = cv2.subtract(*levels), core & (1 - special)
+    if cv2.countNonZero(plain) < max(_LEAST_CORE, cv2.countNonZero(core) / 2):
+        return None
+    limit = _limit(ratio, plain, levels[0])
     if limit is None:
         return None
     darker = special | mask & (ratio <= limit).view(np.uint8)
@@ -79,20 +81,27 @@ def _special(ratio: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return cv2.morphologyEx(mask & special.view(np.uint8), cv2.MORPH_OPEN, square(3))
 
 
-def _limit(ratios: np.ndarray, count: int) -> Optional[float]:
+def _limit(ratio: np.ndarray, plain: np.ndarray, level: np.ndarray) -> Optional[float]:
     """
-    Give the limit between two levels, half-way; None where there are no two.
+    Give the limit between two levels of a region, half-way; None where there are no two.
 
-    :param ratios: Of what may be shade, logarithms.
-    :param count: Of how many px these are; most are.
+    :param ratio: Logarithm of the light / the table's, shape (h, w).
+    :param plain: What of the region may be shade, of that shape, uint8.
+    :param level: Logarithm of the light: a print of the table has no step in it.
     """
-    if len(ratios) < max(_LEAST_CORE, count / 2):
-        return None
-    low, high = two_means(ratios) or (0.0, 0.0)
+    low, high = two_means(ratio[plain > 0]) or (0.0, 0.0)
     limit = (low + high) / 2
-    within = (ratios - np.where(ratios > limit, high, low)).std()
-    is_apart = high - low > _LEVELS_APART and within < _TWO_LEVELS * (high - low)
-    return limit if is_apart else None
+    is_dark = (ratio <= limit).view(np.uint8)
+    # Not at the border itself, where pixels are mixed.
+    sides = [cv2.erode(plain & side, square(3)) for side in (is_dark, 1 - is_dark)]
+    if not all(map(cv2.countNonZero, sides)):
+        return None
+    (low, first), (high, second) = (cv2.meanStdDev(ratio, mask=side) for side in sides)
+    step = high - low
+    steps = [cv2.mean(level, side)[0] for side in sides]
+    is_told = (step > _LEVELS_APART and first + second < _TWO_LEVELS * step
+               and abs(steps[1] - steps[0]) > _IN_FRAME * step)
+    return limit if is_told else None
 
 
 def _lighter_side(dark: np.ndarray, mask: np.ndarray) -> np.ndarray:

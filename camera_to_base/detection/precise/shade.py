@@ -59,7 +59,7 @@ _UNKNOWN = ((np.where(
 GREY, _ALIKE = 0.5, 0.16
 # What each channel keeps of its light in shade, at least and at most, and how much more than
 # another: so that it can be asked pixel by pixel.
-_DEEPEST, SHADED, _TINT = 0.2, 0.985, 1.25
+_DEEPEST, SHADED, _TINT = 0.25, 0.985, 1.25
 # The faintest shade, logarithm of the ratio; the bins of the levels.
 FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
