@@ -26,6 +26,8 @@ _AT_ORIGIN = Box(0, 0, 0, 0)
 
 # So many values give a quantile.
 _ENOUGH = 500
+# What is no group of its own, as a part of all.
+_FEW = 0.02
 
 
 @lru_cache(maxsize=None)
@@ -85,7 +87,9 @@ def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:
 
 def two_means(values: np.ndarray) -> Optional[Tuple[float, float]]:
     """Give the means of two groups of values (Otsu's method); None where all are alike."""
-    levels = cv2.normalize(values.reshape(-1, 1), None, 0, 255, cv2.NORM_MINMAX, cv2.CV_8U)
+    # A few that are far off are no group.
+    usual = np.clip(values, quantile(values, _FEW), quantile(values, 1 - _FEW)).reshape(-1, 1)
+    levels = cv2.normalize(usual, None, 0, 255, cv2.NORM_MINMAX, cv2.CV_8U)
     is_high = levels.ravel() > cv2.threshold(levels, 0, 255, cv2.THRESH_OTSU)[0]
     return (values[~is_high].mean(), values[is_high].mean()) if is_high.any() else None
 
