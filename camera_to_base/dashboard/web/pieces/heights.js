@@ -43,7 +43,7 @@ export function createHeights(store) {
     const isKnown = valueOf(store, 'surface.model') === 'pinhole' || valueOf(store, 'surface.camera_height_cm') > 0;
     const several = valueOf(store, 'object_heights_cm')?.length;
     const doubted = (store.get('watch')?.left_out ?? []).filter(({reason}) => doubtsHeight(reason)).length;
-    const solid = store.get('watch')?.looks_solid;
+    const solid = Boolean(!height && store.get('watch')?.looks_solid);
     show(node, isKnown && !several || doubted);
     show(flat, solid);
     node.classList.toggle('question', doubted > 0 || solid);
