@@ -255,7 +255,8 @@ class CellStatus:
     @property
     def _looks_solid(self) -> bool:
         report = self._health.report(self._camera)
-        return report is not None and report.reason == 'looks_solid'
+        return (report is not None and not report.is_stale
+                and report.reason == 'looks_solid')
 
     @property
     def _shown(self) -> Optional[SeenFrame]:

@@ -108,7 +108,7 @@ def cut_by_chroma(
 
 def _chroma_between(off: np.ndarray) -> Optional[float]:
     """Give the limit between two kinds of chroma, half-way; None where all is of one kind."""
-    low, high = two_means(off) or (0.0, 0.0)
+    low, high = two_means(off)
     return (low + high) / 2 if high > NEUTRAL and low < _LESS_CHROMA * high else None
 
 

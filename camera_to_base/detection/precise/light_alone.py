@@ -30,7 +30,7 @@ from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.precise.evidence import BRIGHTEST
 from camera_to_base.detection.precise.light import LINEAR, log_light, Reference
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, filled, fullness, grown, slices, square)
+    channel_extremes, filled, fullness, grown, ratio_of, slices, square)
 from camera_to_base.detection.precise.shade import (
     change_of, DARKEST, is_neutral, like_light, SHADED)
 import cv2
@@ -96,8 +96,8 @@ def _is_shade(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:
     # Some rows tell as much as all.
     light, usual = (cv2.LUT(picture[::_ROW_STEP], LINEAR) for picture in (piece, table))
     inside = np.ascontiguousarray(inside[::_ROW_STEP])
-    return cv2.countNonZero(
-        like_light(light, usual, SHADED) & inside) > _LEAST_SHADE * cv2.countNonZero(inside)
+    is_shade = like_light(ratio_of(light, usual), SHADED)
+    return cv2.countNonZero(is_shade & inside) > _LEAST_SHADE * cv2.countNonZero(inside)
 
 
 def _has_edges_inside(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:

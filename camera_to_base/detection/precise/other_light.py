@@ -72,9 +72,10 @@ def looks_like_light(frame: np.ndarray, background: np.ndarray, mask: np.ndarray
     :param mask: Shape (h, w), not 0 where they differ.
     """
     light, usual = (cv2.LUT(picture, LINEAR) for picture in (frame, background))
-    largest = channel_extremes(ratio_of(light, usual))[1]
+    ratio = ratio_of(light, usual)
+    largest = channel_extremes(ratio)[1]
     marked = (mask > 0) & (np.abs(cv2.log(np.maximum(largest, LEAST_LIGHT))) > _LEAST_MARKED)
-    is_light = like_light(light, usual, _BRIGHTEST) & marked
+    is_light = like_light(ratio, _BRIGHTEST) & marked
     return np.count_nonzero(is_light) > _LEAST_SHARE * np.count_nonzero(marked)
 
 

@@ -49,14 +49,15 @@ def split_off_shade(piece: Piece) -> Optional[np.ndarray]:
     """
     mask, core = piece.mask, cv2.erode(piece.mask, square(5))
     light, usual = (cv2.blur(one, (3, 3)) for one in (piece.frame, piece.table))
-    special, spot = _special(ratio_of(light, usual), mask), find_highlight(piece)
+    change, spot = ratio_of(light, usual), find_highlight(piece)
+    special = _special(change, mask)
     if spot is not None:
         special |= spot & mask
-    levels = [cv2.log(cv2.max(channel_sum(one), 3 * LEAST_LIGHT)) for one in (light, usual)]
-    ratio, plain = cv2.subtract(*levels), core & (1 - special)
+    level, table = (cv2.log(cv2.max(channel_sum(one), 3 * LEAST_LIGHT)) for one in (light, usual))
+    ratio, plain = cv2.subtract(level, table), core & (1 - special)
     if cv2.countNonZero(plain) < max(_LEAST_CORE, cv2.countNonZero(core) / 2):
         return None
-    limit = _limit(ratio, plain, levels[0])
+    limit = _limit(ratio, plain, level)
     if limit is None:
         return None
     darker = special | mask & (ratio <= limit).view(np.uint8)
@@ -65,10 +66,10 @@ def split_off_shade(piece: Piece) -> Optional[np.ndarray]:
     rest = _lighter_side(thing, mask)
     if not special.any() and solidity(rest) > solidity(thing) + _MORE_CONVEX:
         # A shadow is what its object leaves of it, a crescent.
-        thing, rest = rest, _lighter_side(rest, mask)
+        thing = rest
     shade = mask & (1 - cv2.dilate(thing, square(3)))
     is_split = (cv2.countNonZero(thing) >= max(_LEAST_THING, _LEAST_SHARE * mask.sum())
-                and _is_lump(cv2.erode(shade, square(3)), like_light(light, usual, SHADED))
+                and _is_lump(cv2.erode(shade, square(3)), like_light(change, SHADED))
                 and _has_free_rim(thing, mask)
                 and not (spot is not None and surrounds(spot, thing, rest)))
     return thing if is_split else None
@@ -89,8 +90,7 @@ def _limit(ratio: np.ndarray, plain: np.ndarray, level: np.ndarray) -> Optional[
     :param plain: What of the region may be shade, of that shape, uint8.
     :param level: Logarithm of the light: a print of the table has no step in it.
     """
-    low, high = two_means(ratio[plain > 0]) or (0.0, 0.0)
-    limit = (low + high) / 2
+    limit = sum(two_means(ratio[plain > 0])) / 2
     is_dark = (ratio <= limit).view(np.uint8)
     # Not at the border itself, where pixels are mixed.
     sides = [cv2.erode(plain & side, square(3)) for side in (is_dark, 1 - is_dark)]

@@ -85,13 +85,14 @@ def quantile(values: np.ndarray, share: float = 0.5) -> np.ndarray:
     return np.partition(values, index, axis=0)[index]
 
 
-def two_means(values: np.ndarray) -> Optional[Tuple[float, float]]:
-    """Give the means of two groups of values (Otsu's method); None where all are alike."""
+def two_means(values: np.ndarray) -> Tuple[float, float]:
+    """Give the means of two groups of values (Otsu's method); the same where all are alike."""
     # A few that are far off are no group.
     usual = np.clip(values, quantile(values, _FEW), quantile(values, 1 - _FEW)).reshape(-1, 1)
     levels = cv2.normalize(usual, None, 0, 255, cv2.NORM_MINMAX, cv2.CV_8U)
     is_high = levels.ravel() > cv2.threshold(levels, 0, 255, cv2.THRESH_OTSU)[0]
-    return (values[~is_high].mean(), values[is_high].mean()) if is_high.any() else None
+    groups = (values[~is_high], values[is_high]) if is_high.any() else (values, values)
+    return groups[0].mean(), groups[1].mean()
 
 
 class Piece(NamedTuple):

@@ -25,8 +25,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
     AXES, LEVEL_SCALE, log_levels, Reference, SATURATED, UNSEEN)
-from camera_to_base.detection.precise.piece import (
-    channel_extremes, filled, ratio_of, slices)
+from camera_to_base.detection.precise.piece import channel_extremes, filled, slices
 from camera_to_base.detection.precise.regions import Region
 import cv2
 import numpy as np
@@ -168,15 +167,14 @@ def is_neutral(chroma: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     return chroma < np.maximum(NEUTRAL, _OF_LEVEL * np.abs(ratio))
 
 
-def like_light(light: np.ndarray, usual: np.ndarray, most: float) -> np.ndarray:
+def like_light(ratio: np.ndarray, most: float) -> np.ndarray:
     """
     Find where all channels have changed nearly alike: shape (h, w), uint8, 1 there.
 
-    :param light: Shape (h, w, 3), float32.
-    :param usual: The table's, of the same shape.
+    :param ratio: Of the light to the table's, shape (h, w, 3), float32.
     :param most: The largest ratio in a channel, as `SHADED`.
     """
-    smallest, largest = channel_extremes(ratio_of(light, usual))
+    smallest, largest = channel_extremes(ratio)
     return ((smallest > _DEEPEST) & (largest < most) & (largest < _TINT * smallest)).view(np.uint8)
 
 
