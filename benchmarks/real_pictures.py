@@ -184,8 +184,8 @@ def read_background(root: Path, name: str) -> np.ndarray:
 
 
 def _picture(root: Path, name: str) -> np.ndarray:
-    path, _, number = name.partition(' ')
-    return _video(root / path)[int(number)] if number else _read(root / path)
+    path, _, number = name.rpartition(' ')
+    return _video(root / path)[int(number)] if number.isdigit() else _read(root / name)
 
 
 def _read(path: Path) -> np.ndarray:
