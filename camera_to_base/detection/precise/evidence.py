@@ -275,7 +275,7 @@ def _light(
     off = room.off_tints(means[:2], means[2])
     if dark is not None:
         # Nobody knows how much of this channel there is, besides what light changes.
-        most = dark.unseen * (1 + np.float32(LEVEL_SCALE) * np.abs(means[2]))
+        most = dark.unseen * (1 + LEVEL_SCALE * np.abs(means[2]))
         off = without(off, dark.axis, -most, most)
     return cv2.erode(_chi_square(windows, off, drift, known, size), square(size))
 

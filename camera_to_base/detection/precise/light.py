@@ -47,8 +47,9 @@ _ALL = slice(None), slice(None)
 
 # Places that are compared, about, and how far apart the two of a pair are, in px.
 _PLACES, _APART, _NEXT = 9000, 3, 1
-# The same for what neighbours have in common, and how much larger its deviation is at least.
-_FAR_APART, _LEAST_DRIFT = 24, 1.3
+# The same for what neighbours have in common, how much larger its deviation is at least, and by
+# less than how many levels the two places differ on the background.
+_FAR_APART, _LEAST_DRIFT, _SAME_PRINT = 24, 1.3, 32
 _BIN, _LEAST_IN_BIN = 16, 60
 _BINS, _DIFFERENCES = 256 // _BIN, 2 * 255 + 1
 # A difference of whole numbers has a median of 0 on a quiet picture.
@@ -81,7 +82,7 @@ UNSEEN = LEAST_LIGHT / (LINEAR + LEAST_LIGHT)
 # Two axes of chroma and one of level, of the logarithms of B, G and R; orthonormal.
 AXES = np.float32([[1, 0, -1], [-1, 2, -1], [1, 1, 1]]) / np.sqrt(
     np.float32([[2], [6], [3]]))
-LEVEL_SCALE = 1 / np.sqrt(3)
+LEVEL_SCALE = 1 / math.sqrt(3)
 
 
 @lru_cache(maxsize=1)
@@ -317,7 +318,7 @@ def _nothing_yet() -> List[Any]:
 
 
 def measure_noise(
-    frame: np.ndarray, background: np.ndarray, apart: int = _APART
+    frame: np.ndarray, background: np.ndarray, apart: int = _APART, alike: int = 256
 ) -> np.ndarray:
     """
     Measure how much a frame differs from the background by noise alone.
@@ -328,17 +329,20 @@ def measure_noise(
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param background: Of the same shape, at the frame's light.
     :param apart: How far the two places of a pair are apart, in px.
+    :param alike: By less than so many levels they differ on the background.
     :returns: Shape (256, 3): the deviation of one frame's grey levels, by level and channel.
     """
     step = max(int(np.sqrt(frame.shape[0] * frame.shape[1] / _PLACES)), 1)
     rows = slice(step // 2, None, step)
-    change = frame[rows].astype(np.int16) - background[rows]
+    usual = background[rows].astype(np.int16)
+    change = frame[rows] - usual
     if change.shape[1] <= 2 * apart:
         return np.full((256, 3), _QUIETEST, np.float32)
-    pairs = change[:, :-apart:step] - change[:, apart::step]
-    levels = background[rows, :-apart:step] // _BIN
-    return np.stack([_by_level(np.abs(pairs[..., channel]).ravel(), levels[..., channel].ravel())
-                     for channel in range(3)], axis=1)
+    pairs, contrast = (np.abs(one[:, :-apart:step] - one[:, apart::step])
+                       for one in (change, usual))
+    bins = usual[:, :-apart:step] // _BIN
+    return np.stack([_by_level(*(one[..., channel][contrast[..., channel] < alike]
+                                 for one in (pairs, bins))) for channel in range(3)], axis=1)
 
 
 def _by_level(differences: np.ndarray, bins: np.ndarray) -> np.ndarray:
@@ -349,7 +353,8 @@ def _by_level(differences: np.ndarray, bins: np.ndarray) -> np.ndarray:
     known = np.flatnonzero(counts.sum(axis=1) >= _LEAST_IN_BIN)
     medians = [_median(counts[number]) for number in known]
     if not medians:
-        known, medians = np.array([0]), [_median(counts.sum(axis=0))]
+        known = np.array([0])
+        medians = [_median(counts.sum(axis=0)) if len(differences) else 0.0]
     deviations = np.interp(np.arange(256), known * _BIN + _BIN / 2, medians)
     # Two frames at two places each: four times one frame's variance.
     return (np.maximum(deviations, _QUIETEST) * _DEVIATION / 2).astype(np.float32)
@@ -407,9 +412,11 @@ class Reference:
         if is_noise_due:
             self.noise = measure_noise(frame, self.lit)
             self.mean_noise = self._usual_noise(self.noise)
-            far, near = (self._usual_noise(measure_noise(frame, self.lit, apart)) / self.mean_noise
-                         for apart in (_FAR_APART, _NEXT))
-            self.drift = far ** 2 - 1 if far > _LEAST_DRIFT else 0.0
+            near = self._usual_noise(measure_noise(frame, self.lit, _NEXT)) / self.mean_noise
+            # A tone curve that has changed shows where a print does, too: that is no drift.
+            own, far = (self._usual_noise(measure_noise(frame, self.lit, apart, _SAME_PRINT))
+                        for apart in (_APART, _FAR_APART))
+            self.drift = (far / own) ** 2 - 1 if far > _LEAST_DRIFT * own else 0.0
             # Each camera has noise: where there is none, it was compressed away.
             self.compression = (1.0 if self.mean_noise < _NO_NOISE
                                 else 1 - min(near, 1.0) ** 2)

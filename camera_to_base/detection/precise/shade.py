@@ -88,7 +88,7 @@ class Shade(NamedTuple):
         """
         if not self.tints:
             return chroma
-        ratio = np.float32(LEVEL_SCALE) * np.minimum(level, 0)
+        ratio = LEVEL_SCALE * np.minimum(level, 0)
         number = _bin(ratio)
         most = np.minimum(-2 / _STEP * ratio, 1)
         least, *others = [without(chroma, [axis[number] for axis in one], 0, most)
