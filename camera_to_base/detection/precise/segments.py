@@ -18,11 +18,12 @@ a segment without a penumbra is a thing unless its colour and texture speak agai
 import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
 from camera_to_base.detection.precise.faces import cut_by_chroma, Side, with_faces
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
-    centre_of, channel_extremes, cut_off, disc, largest_part, quantile, square)
+    centre_of, channel_extremes, cut_off, disc, grown, largest_part, quantile, slices, square)
 from camera_to_base.detection.precise.shade import DARKEST, FAINTEST, Shade
 import cv2
 import numpy as np
@@ -264,9 +265,13 @@ def doubt_of(thing: np.ndarray, unsure: Sequence[Unsure]) -> float:
 
     :param thing: Shape (h, w), uint8, 1 inside.
     """
-    variance = 0.0
+    box = Box(*cv2.boundingRect(thing))
+    # A face is no farther away than its thing is wide.
+    window = slices(grown(box, max(box.width, box.height), thing))
+    thing, variance = thing[window], 0.0
     near = cv2.dilate(thing, square(5))
-    for segment, deviation in unsure:
+    for one, deviation in unsure:
+        segment = one[window]
         rest = thing & (1 - segment)
         # That there is a thing is decided already.
         if cv2.countNonZero(segment & near) and rest.any():
