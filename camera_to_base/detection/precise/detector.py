@@ -68,12 +68,19 @@ import numpy as np
 # or on which it differs by so many times that.
 _LEAST_STRONG, _LEAST_CLEAR, _CLEAR = 0.5, 0.05, 3.0
 
+# A thing in more doubt than this, by the square root of its area, is a sliver of one, or of light.
+_MOST_DOUBT = 0.45
+
 # A frame full of specks must not take long: only the largest objects get the full treatment.
 _MOST_EXACT, _MOST_GHOSTS = 100, 4
 
 
 def _largest_first(found: List[Detection]) -> List[Detection]:
     return sorted(found, key=lambda detection: -detection.area)
+
+
+def _is_lost(detection: Detection) -> bool:
+    return detection.doubt > _MOST_DOUBT * math.sqrt(detection.area)
 
 
 def _doubtful(detection: Detection) -> Detection:
@@ -191,8 +198,9 @@ class PreciseDifferenceDetector:
                 unclear += parts or unplaced(region.outline, frame)
             else:
                 for part in parts:
-                    is_light = is_soft_light(part, frame, self._reference, region.is_thing)
-                    (unclear if is_light else placed).append(part)
+                    is_unclear = _is_lost(part) or is_soft_light(
+                        part, frame, self._reference, region.is_thing)
+                    (unclear if is_unclear else placed).append(part)
         placed = _largest_first(placed)
         if len(placed) + len(unclear) > 1:
             # Most frames have no such shadow: only until an object is the first.
