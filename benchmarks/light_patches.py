@@ -266,7 +266,7 @@ def _tables(seed: int, folder: Optional[Path]) -> Iterator[Tuple[str, np.ndarray
     for name in TABLES:
         yield name, _rendered(name, seed)
     for scene in map(read_scene, sorted(LABELS.glob('*.txt')) if folder else []):
-        root = folder / scene.repository.split('/')[1]
+        root = folder / scene.clone
         if root.is_dir():
             yield scene.name, np.float32(read_background(root, scene.background))
         else:

@@ -24,7 +24,7 @@ from pathlib import Path
 import statistics
 import sys
 import time
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection import AbsoluteDifferenceDetector, PreciseDifferenceDetector
 import cv2
@@ -63,6 +63,11 @@ class Scene(NamedTuple):
     background: str
     frames: Dict[str, List[Label]]
 
+    @property
+    def clone(self) -> str:
+        """The name of the repository's clone: two owners may use one name."""
+        return self.repository.replace('/', '_')
+
 
 Method = Callable[[np.ndarray], List[np.ndarray]]
 
@@ -85,7 +90,7 @@ def read_scene(path: Path) -> Scene:
 
 def compare(scene: Scene, folder: Path, repeats: int) -> Iterator[Dict[str, Any]]:
     """Compare all methods on a scene: a row for each."""
-    root = folder / scene.repository.split('/')[1]
+    root = folder / scene.clone
     background = read_background(root, scene.background)
     frames = {name: _picture(root, name) for name in scene.frames}
     methods = _methods(background)
@@ -174,8 +179,8 @@ def _percentiles(times: List[float]) -> Tuple[float, float]:
 def read_background(root: Path, name: str) -> np.ndarray:
     """Read a scene's background: a still picture, the median of several, or that of a video."""
     if Path(name).suffix in ('.mp4', '.avi'):
-        pictures = _video(root / name)
-        pictures = pictures[::-(-len(pictures) // _MOST_FRAMES)]
+        count = sum(1 for _ in _grabbed(root / name))
+        pictures = _frames(root / name, range(0, count, -(-count // _MOST_FRAMES)))
     else:
         folder = root / Path(name).parent
         pictures = [_read(path) for path in sorted(folder.iterdir())
@@ -185,7 +190,7 @@ def read_background(root: Path, name: str) -> np.ndarray:
 
 def _picture(root: Path, name: str) -> np.ndarray:
     path, _, number = name.rpartition(' ')
-    return _video(root / path)[int(number)] if number.isdigit() else _read(root / name)
+    return _frames(root / path, [int(number)])[0] if number.isdigit() else _read(root / name)
 
 
 def _read(path: Path) -> np.ndarray:
@@ -195,18 +200,21 @@ def _read(path: Path) -> np.ndarray:
     return picture
 
 
-def _video(path: Path) -> List[np.ndarray]:
-    video, frames = cv2.VideoCapture(str(path)), []
-    while True:
-        is_frame, frame = video.read()
-        if not is_frame:
-            return frames
-        frames.append(frame)
+def _frames(path: Path, numbers: Sequence[int]) -> List[np.ndarray]:
+    """Read some frames of a video: all of them may be more than a machine has room for."""
+    return [video.retrieve()[1] for number, video in enumerate(_grabbed(path))
+            if number in numbers]
+
+
+def _grabbed(path: Path) -> Iterator[cv2.VideoCapture]:
+    video = cv2.VideoCapture(str(path))
+    while video.grab():
+        yield video
 
 
 def _how_to_get(scenes: List[Scene], folder: str) -> str:
-    lines = {f'git clone https://github.com/{one.repository} {folder}/'
-             f'{one.repository.split("/")[1]}  # commit {one.commit}' for one in scenes}
+    lines = {f'git clone https://github.com/{one.repository} {folder}/{one.clone}'
+             f'  # commit {one.commit}' for one in scenes}
     return '\n'.join(['The pictures are not part of this repository. Get them with',
                       *sorted(lines)])
 
@@ -223,7 +231,7 @@ def main() -> None:
               if options.name in (None, path.stem)]
     folder: Optional[str] = options.folder
     here = [scene for scene in scenes
-            if folder and (Path(folder) / scene.repository.split('/')[1]).is_dir()]
+            if folder and (Path(folder) / scene.clone).is_dir()]
     if len(here) < len(scenes):
         print(_how_to_get([one for one in scenes if one not in here], folder or 'FOLDER'))
     cv2.setNumThreads(1)
