@@ -60,22 +60,22 @@ def test_real_pictures_that_are_not_there_are_named_with_the_way_to_get_them(tmp
 
 
 def test_real_pictures_count_what_is_right_missed_merged_and_false(tmp_path):
-    scene = tmp_path / 'somebody' / 'coins'
-    scene.mkdir(parents=True)
+    scene = tmp_path / 'somebody_coins'
+    scene.mkdir()
     table = np.full((240, 320, 3), 120, np.uint8)
     frame = table.copy()
     for u, v in (60, 60), (160, 120), (250, 180):
         cv2.circle(frame, (u, v), 20, (30, 40, 200), -1)
     cv2.imwrite(str(scene / 'empty.png'), table)
-    cv2.imwrite(str(scene / 'coins.png'), frame)
+    cv2.imwrite(str(scene / 'three coins.png'), frame)
     labels = tmp_path / 'coins.txt'
     labels.write_text('repository somebody/coins\ncommit 0\nbackground empty.png\n'
-                      'frame coins.png\n60 60 20\n155 120 20\n165 120 20\n20 200 20\n')
+                      'frame three coins.png\n60 60 20\n155 120 20\n165 120 20\n20 200 20\n')
     code = ('import sys, pathlib; sys.path.insert(0, sys.argv[1]); import real_pictures as one; '
             'scene = one.read_scene(pathlib.Path(sys.argv[2])); '
             'print([*one.compare(scene, pathlib.Path(sys.argv[3]), 1)][0])')
     run = subprocess.run(
-        [sys.executable, '-c', code, BENCHMARKS, labels, tmp_path / 'somebody'],
+        [sys.executable, '-c', code, BENCHMARKS, labels, tmp_path],
         capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert "'right': 1, 'missed': 3, 'merged': 1, 'false': 1" in run.stdout
