@@ -20,6 +20,7 @@ false otherwise. CPU time of one thread; the methods take turns on each frame.
 
 import argparse
 import fnmatch
+from itertools import islice
 from pathlib import Path
 import statistics
 import sys
@@ -201,9 +202,9 @@ def _read(path: Path) -> np.ndarray:
 
 
 def _frames(path: Path, numbers: Sequence[int]) -> List[np.ndarray]:
-    """Read some frames of a video: all of them may be more than a machine has room for."""
-    return [video.retrieve()[1] for number, video in enumerate(_grabbed(path))
-            if number in numbers]
+    """Read some frames of a video, in order: a machine may not have room for all of them."""
+    upto = islice(_grabbed(path), numbers[-1] + 1)
+    return [video.retrieve()[1] for number, video in enumerate(upto) if number in numbers]
 
 
 def _grabbed(path: Path) -> Iterator[cv2.VideoCapture]:

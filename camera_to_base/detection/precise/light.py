@@ -347,8 +347,7 @@ def measure_noise(
 
 def _by_level(differences: np.ndarray, bins: np.ndarray) -> np.ndarray:
     # How often each difference occurs at each level.
-    counts = np.bincount(
-        np.int16(bins) * _DIFFERENCES + differences, minlength=_BINS * _DIFFERENCES)
+    counts = np.bincount(bins * _DIFFERENCES + differences, minlength=_BINS * _DIFFERENCES)
     counts = counts.reshape(_BINS, _DIFFERENCES)
     known = np.flatnonzero(counts.sum(axis=1) >= _LEAST_IN_BIN)
     medians = [_median(counts[number]) for number in known]

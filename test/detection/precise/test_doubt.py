@@ -48,6 +48,14 @@ def test_drift_of_the_noise_is_seen_on_a_print():
     assert reference.drift > 0.5
 
 
+def test_print_without_two_like_places_tells_no_drift():
+    stripes = 40 * (np.indices(SIZE)[1] // 3 % 5)
+    background = np.uint8(np.repeat(stripes[..., None], 3, axis=2))
+    reference = Reference(background, 13.0)
+    reference.follow(background + np.uint8(2))
+    assert reference.drift == 0
+
+
 def test_what_is_farther_away_than_a_thing_is_wide_is_no_face_of_it():
     ball, arm = np.zeros(SIZE, np.uint8), np.zeros(SIZE, np.uint8)
     ball[100:120, 40:60] = arm[105:115, 60:300] = 1
@@ -62,7 +70,8 @@ def grey_box_below_two_soft_lamps(seed):
     top = (160, 120) + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * sides @ along
 
     def swept(far, blur):
-        way = far * np.array([one(rng.uniform(0, 2 * np.pi)) for one in (np.cos, np.sin)])
+        to = rng.uniform(0, 2 * np.pi)
+        way = far * np.array([np.cos(to), np.sin(to)])
         return covered(*cv2.convexHull(np.float32([*top, *top + way]))[:, 0], blur=blur)
 
     light = table
@@ -74,7 +83,7 @@ def grey_box_below_two_soft_lamps(seed):
     return table, painted(light, covered(*top), colour)
 
 
-@pytest.mark.parametrize('seed', [3, 193, 680, 689])
+@pytest.mark.parametrize('seed', [718, 1322, 1788, 1854])
 def test_sliver_of_a_box_as_grey_as_its_shade_is_left_out(seed):
     table, light = grey_box_below_two_soft_lamps(seed)
     detector = PreciseDifferenceDetector(coded(table, 1, 85))
