@@ -44,6 +44,7 @@ frame gives the same result whatever came before.
 from dataclasses import replace
 from itertools import takewhile
 import math
+import operator
 from typing import Dict, List, Optional, Tuple
 
 from camera_to_base.checks import check_frame, check_same_size, finite_number
@@ -54,11 +55,13 @@ from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.light_alone import (
     is_soft_light, LIGHT_OR_THING, Told, told)
-from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices
+from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices, square
 from camera_to_base.detection.precise.placer import (
     hidden_doubt, notch_doubt, Placer, Placing, unplaced)
+from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)
+from camera_to_base.detection.precise.shade import change_of
 from camera_to_base.detection.precise.still import StillRegions
 from camera_to_base.errors import InvalidValueError
 import cv2
@@ -67,6 +70,9 @@ import numpy as np
 # On which part of an object it differs as much as one must,
 # or on which it differs by so many times that.
 _LEAST_STRONG, _LEAST_CLEAR, _CLEAR = 0.5, 0.05, 3.0
+# A thing is not faint, either, where its mean differs so much, with so much chroma, logarithm,
+# which light has not, and this part of it differs as much as one must.
+_COLOURED, _LEAST_COLOURED = 0.1, 0.03
 
 # A thing in more doubt than this, by the square root of its area, is a sliver of one, or of light.
 _MOST_DOUBT = 0.45
@@ -192,7 +198,7 @@ class PreciseDifferenceDetector:
             place = self._placer.place_region(frame, region, self._reference)
             places[region.box], parts = place, place.detections
             if not region.in_other_light:
-                parts, faint = self._without_faint(parts, frame, region.is_hiding)
+                parts, faint = self._without_faint(parts, frame, region)
                 unclear += faint
             if region.may_be_light:
                 unclear += parts or unplaced(region.outline, frame)
@@ -230,17 +236,33 @@ class PreciseDifferenceDetector:
         return published, left
 
     def _without_faint(
-        self, parts: List[Detection], frame: np.ndarray, is_hiding: bool
+        self, parts: List[Detection], frame: np.ndarray, region: Region
     ) -> Tuple[List[Detection], List[Detection]]:
         """Give the others, and the faint ones: but not the largest of what hides the table."""
         clear: List[Detection] = []
         faint: List[Detection] = []
-        largest = max(parts, key=lambda one: one.area, default=None) if is_hiding else None
+        largest = (max(parts, key=lambda one: one.area, default=None)
+                   if region.is_hiding else None)
         for part in parts:
-            is_faint = part is not largest and not part.cut_off and self._is_faint(
-                np.int32(part.outline)[:, None], part.box, frame)
+            outline = np.int32(part.outline)[:, None]
+            is_faint = (part is not largest and not part.cut_off
+                        and self._is_faint(outline, part.box, frame)
+                        and not (region.is_thing and self._is_coloured(outline, part.box, frame)))
             (faint if is_faint else clear).append(part)
         return clear, faint
+
+    def _is_coloured(self, outline: np.ndarray, box: Box, frame: np.ndarray) -> bool:
+        part, inside = slices(box), filled(outline, box)
+        strong = self._reference.limits.strong(frame, part) & inside
+        if cv2.countNonZero(strong) < _LEAST_COLOURED * cv2.countNonZero(inside):
+            return False
+        # Noise changes a mean less than each of its pixels. On the rim, the table is seen, too.
+        inside = cv2.erode(
+            inside, square(3), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+        seen, usual = (cv2.mean(picture[part], inside)[:3]
+                       for picture in (frame, self._reference.lit))
+        return (max(map(abs, map(operator.sub, seen, usual))) > self._faintest
+                and change_of(seen, usual)[0] > _COLOURED)
 
     def _is_faint(self, outline: np.ndarray, box: Box, frame: np.ndarray) -> bool:
         # A trace of light or of JPEG, with a speck in it.

@@ -268,9 +268,10 @@ def _light(
     windows = _windows(change, variance, size)
     means = windows.means
     shade = cv2.min(means[2], 0)
-    # Tint and gain are the same all over a window.
+    # Tint and gain are the same all over a window; and no light is brighter than the sun.
     known = count * (_LEAST_TINT ** 2 + (_TINT * shade) ** 2 + (
-        _COLOURED_TINT / _MOST_OF_CHROMA * colour * means[2]) ** 2)
+        _COLOURED_TINT / _MOST_OF_CHROMA * colour * cv2.min(
+            means[2], BRIGHTEST / LEVEL_SCALE)) ** 2)
     # The chroma may be any between none and the tint's.
     off = room.off_tints(means[:2], means[2])
     if dark is not None:

@@ -36,8 +36,8 @@ _OFFSETS = np.arange(0, 3.01, 0.25)
 # It is a thing's where this part of what is around it is surely one: around glass, none is.
 _OF_THING = 0.3
 # It is a part of a thing that is so far away at most, px, and then fills its convex hull by this
-# much more, and so far.
-_NEAR, _ROUNDER, _ROUND = 9, 0.02, 0.88
+# much more, and so far; and differs from the table by this part of what the thing does, or more.
+_NEAR, _ROUNDER, _ROUND, _AS_BRIGHT = 9, 0.02, 0.88, 0.4
 # What is no more than a highlight has so much of a thing around it, and is cut off on this part.
 _MOSTLY, _CUT_OFF = 0.6, 0.5
 
@@ -108,12 +108,13 @@ def is_on(thing: np.ndarray, highlight: np.ndarray, changed: np.ndarray) -> bool
 
 
 def with_highlights(
-    things: Sequence[np.ndarray], bright: np.ndarray, changed: np.ndarray
+    things: Sequence[np.ndarray], change: np.ndarray, bright: np.ndarray, changed: np.ndarray
 ) -> List[np.ndarray]:
     """
     Give things with the highlights that were taken for light, or for things of their own.
 
     :param things: Each of shape (h, w), uint8, 1 inside.
+    :param change: By how much the level has changed, of that shape, float32.
     :param bright: What is lighter than the table.
     :param changed: The region.
     """
@@ -128,7 +129,11 @@ def with_highlights(
         for outline in spots:
             box = Box(*cv2.boundingRect(outline))
             spot = filled(outline, box)
-            if cv2.countNonZero(spot & near[slices(box)]) and cv2.countNonZero(spot) < area:
+            # The glow around a bright thing is no highlight.
+            is_bright = (cv2.mean(change[slices(box)], spot)[0]
+                         > _AS_BRIGHT * cv2.mean(change, thing)[0])
+            if (is_bright and cv2.countNonZero(spot & near[slices(box)])
+                    and cv2.countNonZero(spot) < area):
                 joined = thing.copy()
                 joined[slices(box)] |= spot
                 joined = cv2.morphologyEx(joined, cv2.MORPH_CLOSE, square(_NEAR))

@@ -18,7 +18,7 @@ from camera_to_base.detection.precise.gloss import lighter, with_highlights
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, enlarged, filled, fullness, grown, make_piece, outline_of,
+    centre_of, channel_sum, enclosed, enlarged, filled, fullness, grown, make_piece, outline_of,
     outlines_in, Piece, reduced, slices, square)
 from camera_to_base.detection.precise.plain import Plain
 from camera_to_base.detection.precise.regions import Region
@@ -131,8 +131,11 @@ class Placer:
         thing = split_off_shade(coarse)
         if thing is None and region.may_be_light:
             return []
-        mask = window.mask if thing is None else enlarged(with_highlights(
-            [thing], lighter(coarse), coarse.mask)[0], scale, window.mask)
+        mask = window.mask
+        if thing is not None:
+            whole, = with_highlights(
+                [thing], channel_sum(coarse.frame - coarse.table), lighter(coarse), coarse.mask)
+            mask = enlarged(whole, scale, mask)
         outline = outline_of(mask, window.box)
         if outline is None:
             return []

@@ -19,7 +19,8 @@ import math
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.evidence import BRIGHTEST, Detail, detail_of, Evidence
+from camera_to_base.detection.precise.evidence import (
+    BRIGHTEST, Detail, detail_of, Evidence, PRIOR)
 from camera_to_base.detection.precise.faces import cut_by_chroma, Side, with_faces
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
@@ -130,9 +131,14 @@ class _Segment(NamedTuple):
     ridge: Optional[np.ndarray] = None
 
     @property
+    def may_be_light(self) -> bool:
+        """Whether its pixels hardly tell of a thing: by no more than there must be anyway."""
+        return self.nats < PRIOR
+
+    @property
     def may_be_shade(self) -> bool:
         """Whether it is as dark as shade, and has the table's chroma."""
-        return self.nats < 0 and DARKEST < self.ratio < FAINTEST
+        return self.may_be_light and DARKEST < self.ratio < FAINTEST
 
     @property
     def is_soft(self) -> Optional[bool]:
@@ -179,7 +185,7 @@ def parted(
     segments = _with_ridges([_look((labels == number).view(np.uint8), at_table, steps, found)
                              for number in np.unique(labels[changed > 0]) if number > 1], found)
     # Where the table goes on below it, light is seen; without a penumbra, it is a patch of sun.
-    on_table = [one for one in segments if one.nats < 0 and one.detail.is_table]
+    on_table = [one for one in segments if one.may_be_light and one.detail.is_table]
     shade = found.shade.with_levels([one.ratio for one in on_table])
     most_by_rim = _most_by_rim(segments, on_table)
     are_coloured = _are_coloured(segments)
@@ -194,7 +200,7 @@ def parted(
         # Compression may hide its edge to its shade.
         judged.append((one, _without(one.mask, light, is_cut_off, found), nats))
     result = _sorted(judged, changed)
-    result.unsure.extend(_unsure(judged))
+    result.unsure.extend(_unsure(judged, are_coloured))
     if cv2.countNonZero(result.light) < min_area:
         # Shade so soft that it has no segment went to the table.
         soft = light & changed & (labels == 1).view(np.uint8)
@@ -223,13 +229,16 @@ def _sorted(judged: Sequence[_Judged], changed: np.ndarray) -> Parted:
     return result
 
 
-def _unsure(judged: Sequence[_Judged]) -> Iterator[Unsure]:
+def _unsure(judged: Sequence[_Judged], are_coloured: bool) -> Iterator[Unsure]:
     """Give what may be light as well as a thing."""
     # Beside a thing of little chroma, shade without a penumbra may be its face.
     are_grey = all(one.chroma < COLOURED for one, _, nats in judged if nats > 0)
     for one, segment, nats in judged:
         deviation = 0.5 / math.cosh(nats / _NATS_OF_ODDS / 2)
         if are_grey and nats < 0 and not (one.is_soft or one.detail.is_table):
+            deviation = 0.5
+        if are_coloured and nats > 0 and one.may_be_shade:
+            # It has no colour of its own: another lamp may be harder than the one that is seen.
             deviation = 0.5
         if one.ridge is not None and nats > 0:
             # What is round is a thing; its shade may be joined to it.
@@ -242,7 +251,7 @@ def _are_coloured(segments: List[_Segment]) -> bool:
     """Tell whether a region has nothing but coloured or black faces, and what may be shade."""
     # Shade that is fainter than any known is no face: it may be the rim of a darker one.
     faces = [one for one in segments if one.ratio < BRIGHTEST and not (
-        one.nats < 0 and DARKEST < one.ratio < 0)]
+        one.may_be_light and DARKEST < one.ratio < 0)]
     return bool(faces) and all(
         one.chroma > COLOURED or one.ratio < _BLACK for one in faces)
 
@@ -356,7 +365,7 @@ def _nats(segment: _Segment, most_by_rim: float, shade: Shade, found: Evidence) 
         max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE)
     if segment.ridge is not None:
         nats += _ROUND
-    if segment.nats < 0:
+    if segment.may_be_light:
         # Its chroma is the table's.
         nats += shade.nats(segment.ratio) - segment.colour
     if segment.softness is None:

@@ -1,0 +1,81 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""Coloured things: faint ones, what the sensor has cut off, their glow, and their sharp shade."""
+
+from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
+from camera_to_base.detection.precise.evidence import evidence
+from camera_to_base.detection.precise.shade import Shade
+import cv2
+from lit_table import coded, covered, painted, SIZE
+import numpy as np
+import pytest
+
+PALE = 168.0, 179.0, 183.0
+
+
+def pale_disc(change, seed):
+    picture = np.full((240, 320, 3), PALE, np.float32)
+    cv2.circle(picture, (150, 120), 15, np.add(PALE, change).tolist(), -1, cv2.LINE_AA)
+    picture += np.random.default_rng(seed).normal(0, 1.45, picture.shape)
+    return np.uint8(np.rint(picture))
+
+
+def on_a_pale_table(change, seed):
+    frame = cv2.imencode('.jpg', pale_disc(change, seed), [cv2.IMWRITE_JPEG_QUALITY, 92])[1]
+    return PreciseDifferenceDetector(pale_disc((0, 0, 0), 1)).detect(cv2.imdecode(frame, 1))
+
+
+@pytest.mark.parametrize('seed', range(2, 8))
+def test_thing_of_a_colour_that_differs_by_the_least_in_the_mean_is_found(seed):
+    # By 10 deviations of the noise, which a pixel must differ by, few of its pixels do.
+    found, = on_a_pale_table((15, 0, -4), seed)
+    assert found.centre == pytest.approx((150, 120), abs=0.6) and found.doubt < 1
+
+
+@pytest.mark.parametrize('change', [(14.5, 14.5, 14.5), (8, 0, -6)])
+@pytest.mark.parametrize('seed', range(2, 5))
+def test_what_is_faint_and_has_no_colour_or_less_than_the_least_is_left_out(change, seed):
+    assert on_a_pale_table(change, seed) == []
+
+
+@pytest.mark.parametrize('seen, usual', [((255, 239, 150), (61, 128, 37)),
+                                         ((165, 255, 255), (93, 154, 74))])
+def test_bright_thing_of_a_colour_is_none_of_the_light_on_a_coloured_table(seen, usual):
+    noise = np.full((256, 3), 0.9, np.float32)
+    found, white, grey = (np.full((40, 40, 3), levels, np.uint8) for levels in (seen, 255, 128))
+    table = np.full((40, 40, 3), usual, np.uint8)
+    assert evidence(found, table, noise, 1.5, Shade()).nats[20, 20] > 20
+    assert evidence(white, grey, noise, 1.5, Shade()).nats[20, 20] < 0
+
+
+@pytest.mark.parametrize('seed', range(2, 7))
+def test_glow_around_a_bright_thing_is_no_highlight_on_it(seed):
+    background = np.full((*SIZE, 3), (0.05, 0.2, 0.05), np.float32)
+    light = painted(background, covered((120, 90), (185, 100), (180, 140), (115, 130)),
+                    np.float32((0.3, 0.5, 0.8)))
+    light = light + np.float32((0.03, 0.06, 0.03)) * covered(
+        (112, 80), (195, 90), (190, 150), (105, 140), blur=3)
+    found, = PreciseDifferenceDetector(coded(background, 1)).detect(coded(light, seed, 90))
+    assert found.area < 2900 and found.centre == pytest.approx((150, 115), abs=1)
+
+
+@pytest.mark.parametrize('seed', [0, 5, 7, 13, 18])
+def test_shade_of_a_harder_lamp_may_be_a_grey_part_of_a_coloured_thing(seed):
+    rng = np.random.default_rng(seed)
+    background = np.full((*SIZE, 3), (0.45, 0.5, 0.52), np.float32)
+    top, light = np.array([[130, 90], [175, 90], [175, 135], [130, 135]]), background
+    for _ in range(2):
+        turn = rng.uniform(0, 2 * np.pi)
+        way = rng.uniform(20, 45) * np.array([np.cos(turn), np.sin(turn)])
+        light = light * (1 - rng.uniform(0.2, 0.45) * covered(
+            *cv2.convexHull(np.float32([*top, *top + way]))[:, 0], blur=rng.uniform(0.8, 2.5)))
+    light = painted(light, covered(*top), np.float32((0.03, 0.25, 0.8)))
+    for one in PreciseDifferenceDetector(coded(background, 1)).detect(coded(light, seed, 90)):
+        assert np.hypot(*np.subtract(one.centre, (152.5, 112.5))) < 2.5 * one.doubt
