@@ -14,7 +14,7 @@ Smooth light and bands are taken out of the frame first. Where a region may be l
 that comes from outside of the picture, all is looked at once more, with that taken into account.
 """
 
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
@@ -23,7 +23,7 @@ from camera_to_base.detection.precise.other_light import (
     Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, thinned,
     without_bands, without_smooth_light)
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, filled, grown, outlines_in, slices)
+    centre_of, enclosed, filled, fullness, grown, outline_of, outlines_in, slices)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.regions import find_regions, is_much, Region
 from camera_to_base.detection.precise.shade import measure_shade, Shade
@@ -39,8 +39,9 @@ _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 # What is left over where light was taken out is an object where this part of it differs strongly.
 _MOSTLY = 0.4
 # What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
-# is wider than the edge of a shade, in px.
-_LEAST_HAND, _NARROW = 0.2, 8
+# is wider than the edge of a shade, in px. What fills less than this part of its hull may be some
+# things, or one and its shade: it is looked at alone, with what is so near, px.
+_LEAST_HAND, _NARROW, _CONVEX, _NEARBY = 0.2, 8, 0.85, 16
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
 _MOST_DROPPED = 100
@@ -272,7 +273,12 @@ def _things_of(
     frame: np.ndarray, region: Region, reference: Reference, shade: Shade, min_area: float,
     free: np.ndarray,
 ) -> List[Region]:
-    things = things_in(frame, region, reference, shade, min_area, free)
+    others = shade.beside(region.box)
+
+    def look(at: Region) -> List[Region]:
+        return things_in(frame, at, reference, others, min_area, free)
+
+    things = look(region)
     if not touches_edge(region.box, frame) or not any(thing.is_thing for thing in things):
         return things
     at_edge = [thing for thing in things if touches_edge(thing.box, frame)]
@@ -282,7 +288,33 @@ def _things_of(
     # shade; or it is light, and looked at once more without it.
     is_thing = (sum(thing.strong_area for thing in at_edge)
                 > _LEAST_HAND * cv2.contourArea(region.outline))
-    return [region._replace(is_thing=is_thing)] * bool(at_edge) + inside
+    return [region._replace(is_thing=is_thing)] * bool(at_edge) + [
+        one for thing in inside for one in _alone(thing, region, frame, look)]
+
+
+def _alone(
+    thing: Region, region: Region, frame: np.ndarray, look: Callable[[Region], List[Region]]
+) -> List[Region]:
+    """
+    Give the things in a part of a region that reaches the picture's edge.
+
+    All of the region is seen coarsely, and edges tell nothing in it: they do near the part alone.
+
+    :param thing: The part, as all of the region tells it.
+    :param look: Gives the things in a region.
+    """
+    if fullness(thing.outline) > _CONVEX:
+        return [thing]
+    box = grown(thing.box, _NEARBY, frame)
+    outline = outline_of(filled(region.outline, box), box)
+    if outline is None:
+        return [thing]
+    near = region._replace(outline=outline, box=Box(*cv2.boundingRect(outline)), strong=thing.box)
+    if touches_edge(near.box, frame):
+        return [thing]
+    known = np.zeros(frame.shape[:2], np.uint8)
+    cv2.drawContours(known, [thing.outline], 0, 1, cv2.FILLED)
+    return [one for one in look(near) if one.is_thing and _is_in(one, known)] or [thing]
 
 
 def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:

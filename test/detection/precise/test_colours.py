@@ -9,8 +9,11 @@
 
 """Coloured things: faint ones, what the sensor has cut off, their glow, and their sharp shade."""
 
+from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.evidence import evidence
+from camera_to_base.detection.precise.regions import Region
+from camera_to_base.detection.precise.search import _alone
 from camera_to_base.detection.precise.shade import Shade
 import cv2
 from lit_table import coded, covered, painted, SIZE
@@ -79,3 +82,28 @@ def test_shade_of_a_harder_lamp_may_be_a_grey_part_of_a_coloured_thing(seed):
     light = painted(light, covered(*top), np.float32((0.03, 0.25, 0.8)))
     for one in PreciseDifferenceDetector(coded(background, 1)).detect(coded(light, seed, 90)):
         assert np.hypot(*np.subtract(one.centre, (152.5, 112.5))) < 2.5 * one.doubt
+
+
+def region(*corners):
+    outline = np.int32(corners)[:, None]
+    box = Box(*cv2.boundingRect(outline))
+    return Region(outline, box, int(cv2.contourArea(outline)), box, is_thing=True)
+
+
+@pytest.mark.parametrize('part, count', [
+    (((60, 60), (160, 60), (160, 90), (90, 90), (90, 160), (60, 160)), 2),
+    (((60, 60), (160, 60), (160, 160), (60, 160)), 1)])
+def test_part_of_a_large_region_is_looked_at_alone_unless_it_is_convex(part, count):
+    frame = np.zeros((*SIZE, 3), np.uint8)
+    two = [region((60, 60), (160, 60), (160, 85), (95, 85)),
+           region((60, 90), (85, 90), (85, 160), (60, 160))]
+    light = region((170, 170), (190, 170), (190, 190), (170, 190))
+    whole, part = region((0, 40), (300, 40), (300, 200), (0, 200)), region(*part)
+
+    def look(near):
+        assert count == 2 and near.box.is_inside(Box(40, 40, 141, 141))
+        return [*two, light]
+
+    found = _alone(part, whole, frame, look)
+    assert len(found) == count and (found == [part]) == (count == 1)
+    assert _alone(part, whole, frame, lambda near: []) == [part]
