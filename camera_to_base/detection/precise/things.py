@@ -49,8 +49,6 @@ _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75
 _HARDLY = 0.4
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
-# Where what is narrow and touches no thing is so much of the things, edges tell nothing.
-_MOST_ALONE = 0.1
 # A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
 _PRINT, _JPEG = 0.1, 9
 # Light without an edge changes less per px; logarithm of the level.
@@ -358,8 +356,7 @@ def _by_segments(
     labels = cv2.connectedComponents(narrow)[1]
     joined = narrow & np.isin(labels, labels[near > 0]).view(np.uint8)
     things = result.things | cv2.dilate(joined, square(3)) & result.light
-    if cv2.countNonZero(narrow & (1 - joined)) > max(
-            min_area / 2, _MOST_ALONE * cv2.countNonZero(result.things)):
+    if cv2.countNonZero(narrow & (1 - joined)) > min_area / 2:
         return result._replace(is_light=False, is_untold=True)
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
