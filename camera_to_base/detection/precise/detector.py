@@ -55,7 +55,8 @@ from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.light_alone import (
     is_soft_light, LIGHT_OR_THING, Told, told)
-from camera_to_base.detection.precise.piece import filled, grown, outline_of, slices, square
+from camera_to_base.detection.precise.piece import (
+    filled, grown, outline_of, slices, square, without_rim)
 from camera_to_base.detection.precise.placer import (
     hidden_doubt, notch_doubt, Placer, Placing, unplaced)
 from camera_to_base.detection.precise.regions import Region
@@ -71,7 +72,7 @@ import numpy as np
 # or on which it differs by so many times that.
 _LEAST_STRONG, _LEAST_CLEAR, _CLEAR = 0.5, 0.05, 3.0
 # A thing is not faint, either, where its mean differs so much, with so much chroma, logarithm,
-# which light has not, and this part of it differs as much as one must.
+# which light does not have, and this part of it differs as much as one must.
 _COLOURED, _LEAST_COLOURED = 0.1, 0.03
 
 # A thing in more doubt than this, by the square root of its area, is a sliver of one, or of light.
@@ -257,8 +258,7 @@ class PreciseDifferenceDetector:
         if cv2.countNonZero(strong) < _LEAST_COLOURED * cv2.countNonZero(inside):
             return False
         # Noise changes a mean less than each of its pixels. On the rim, the table is seen, too.
-        inside = cv2.erode(
-            inside, square(3), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+        inside = without_rim(inside, square(3))
         seen, usual = (cv2.mean(picture[part], inside)[:3]
                        for picture in (frame, self._reference.lit))
         return (max(map(abs, map(operator.sub, seen, usual))) > self._faintest

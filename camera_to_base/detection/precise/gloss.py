@@ -130,10 +130,9 @@ def with_highlights(
             box = Box(*cv2.boundingRect(outline))
             spot = filled(outline, box)
             # The glow around a bright thing is no highlight.
-            is_bright = (cv2.mean(change[slices(box)], spot)[0]
-                         > _AS_BRIGHT * cv2.mean(change, thing)[0])
-            if (is_bright and cv2.countNonZero(spot & near[slices(box)])
-                    and cv2.countNonZero(spot) < area):
+            if (cv2.countNonZero(spot & near[slices(box)]) and cv2.countNonZero(spot) < area
+                    and cv2.mean(change[slices(box)], spot)[0]
+                    > _AS_BRIGHT * cv2.mean(change, thing)[0]):
                 joined = thing.copy()
                 joined[slices(box)] |= spot
                 joined = cv2.morphologyEx(joined, cv2.MORPH_CLOSE, square(_NEAR))

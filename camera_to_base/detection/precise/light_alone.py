@@ -30,7 +30,7 @@ from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.precise.evidence import BRIGHTEST
 from camera_to_base.detection.precise.light import LINEAR, log_light, Reference
 from camera_to_base.detection.precise.piece import (
-    channel_extremes, filled, fullness, grown, ratio_of, slices, square)
+    channel_extremes, filled, fullness, grown, ratio_of, slices, square, without_rim)
 from camera_to_base.detection.precise.shade import (
     change_of, DARKEST, is_neutral, like_light, SHADED)
 import cv2
@@ -106,7 +106,7 @@ def _has_edges_inside(piece: np.ndarray, table: np.ndarray, inside: np.ndarray) 
     near, far = (_steps(seen, size) for size in _WINDOWS)
     own = _steps(usual, _WINDOWS[1])
     sharp = (near > _SHARP * far) & (far > _LEAST_STEP) & (own < _SAME_STEP * far)
-    edges = _without_rim(inside, _WELL_INSIDE) & sharp.view(np.uint8)
+    edges = without_rim(inside, _WELL_INSIDE) & sharp.view(np.uint8)
     # Around an edge, a step is seen in as many px as the window has.
     length = cv2.countNonZero(edges) / _WINDOWS[0]
     return length > _LEAST_EDGES * math.sqrt(cv2.countNonZero(inside))
@@ -157,7 +157,7 @@ def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
     if not DARKEST < ratio < BRIGHTEST or not is_neutral(chroma, ratio):
         return Told.THING
     box, part = detection.box, slices(detection.box)
-    inside = _without_rim(filled(np.int32(detection.outline)[:, None], box), _WELL_INSIDE)
+    inside = without_rim(filled(np.int32(detection.outline)[:, None], box), _WELL_INSIDE)
     if _shows_unevenness(frame[part], reference.lit[part], inside):
         return Told.LIGHT if sum(levels.seen) > sum(levels.usual) else Told.SHADE
     return Told.NEITHER if levels.are_even else Told.THING
@@ -188,7 +188,7 @@ def _levels_in(
     some = np.zeros(pictures[0].shape[:2], np.uint8)
     outline = np.int32(detection.outline)[:, None]
     cv2.drawContours(some, [(outline - (box.x, box.y)) // _STEP], 0, 1, cv2.FILLED)
-    some = _without_rim(some, _INSIDE)
+    some = without_rim(some, _INSIDE)
     if cv2.countNonZero(some) < _LEAST_INSIDE:
         return None
     (level, spread), (usual, usual_spread) = (
@@ -196,11 +196,6 @@ def _levels_in(
     most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
     return _Levels(level[:, 0].tolist(), usual[:, 0].tolist(),
                    max(spread.max(), usual_spread.max()) <= most)
-
-
-def _without_rim(inside: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-    # By default, what is beyond the picture counts as inside.
-    return cv2.erode(inside, kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0)
 
 
 def _shows_unevenness(seen: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:

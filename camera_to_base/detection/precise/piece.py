@@ -183,6 +183,11 @@ def filled(outline: np.ndarray, box: Box, value: int = 1) -> np.ndarray:
     return cv2.drawContours(mask, [outline], 0, value, cv2.FILLED, offset=(-box.x, -box.y))
 
 
+def without_rim(inside: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """Erode a mask: by default, what is beyond the picture counts as inside."""
+    return cv2.erode(inside, kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0)
+
+
 def slices(box: Box) -> tuple:
     """Give a box as indices of a picture."""
     return slice(box.y, box.y + box.height), slice(box.x, box.x + box.width)

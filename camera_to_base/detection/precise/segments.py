@@ -132,7 +132,7 @@ class _Segment(NamedTuple):
 
     @property
     def may_be_light(self) -> bool:
-        """Whether its pixels hardly tell of a thing: by no more than there must be anyway."""
+        """Whether its pixels tell of a thing by less than the prior: light may look like that."""
         return self.nats < PRIOR
 
     @property
