@@ -87,7 +87,8 @@ class Evidence(NamedTuple):
     What speaks for a thing, pixel by pixel, each of shape (h, w), float32.
 
     :param nats: How much more likely a thing is than light, but for `is_dark`.
-    :param is_dark: Whether it is darker than any shade, uint8.
+    :param is_dark: Whether it is darker than shade is, unless the room is dark, uint8.
+    :param is_black: Whether it is darker than any shade in this room, uint8.
     :param light: Chi-square of the light, by its degrees of freedom.
     :param usual: The background's level.
     :param seen: The frame's.
@@ -102,6 +103,7 @@ class Evidence(NamedTuple):
 
     nats: np.ndarray
     is_dark: np.ndarray
+    is_black: np.ndarray
     light: np.ndarray
     usual: np.ndarray
     seen: np.ndarray
@@ -115,7 +117,7 @@ class Evidence(NamedTuple):
     @property
     def is_light(self) -> np.ndarray:
         """What light explains better than a thing: shape (h, w), uint8, 1 there."""
-        return (self.nats < 0).view(np.uint8) & (1 - self.is_dark)
+        return (self.nats < 0).view(np.uint8) & (1 - self.is_black)
 
     @property
     def is_lighter(self) -> np.ndarray:
@@ -172,9 +174,12 @@ def evidence(
         light[(narrow < WORST_LIGHT * 3 * _NARROW ** 2) & (light > limit)] = limit
     nats = (light - cv2.min(thing, limit)) / 2 - PRIOR
     ratio = cv2.blur(change[2], (3, 3)) * LEVEL_SCALE
-    is_dark = (ratio < DARKEST).view(np.uint8) | _sharp_bright(ratio)
-    return Evidence(nats, is_dark, light / (3 * _SIZE ** 2), usual[2], seen[2], noise_alone,
-                    colour, shade, _products(usual[2], seen[2], usual_variance[2], noise_alone),
+    bright = _sharp_bright(ratio)
+    is_dark, is_black = ((ratio < least).view(np.uint8) | bright
+                         for least in (DARKEST, shade.darkest))
+    return Evidence(nats, is_dark, is_black, light / (3 * _SIZE ** 2), usual[2], seen[2],
+                    noise_alone, colour, shade,
+                    _products(usual[2], seen[2], usual_variance[2], noise_alone),
                     change[:2], change[2])
 
 

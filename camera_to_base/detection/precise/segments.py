@@ -117,6 +117,7 @@ class _Segment(NamedTuple):
     :param ratio: The median logarithm of its level / the table's.
     :param tone: The median changes of both axes of the chroma, logarithms.
     :param chroma: How far that is off what the tint of shade may do.
+    :param is_black: Whether it is darker than any shade.
     :param ridge: If it may be shade and is round: its middle, of the mask's shape.
     """
 
@@ -128,6 +129,7 @@ class _Segment(NamedTuple):
     ratio: float
     tone: Tuple[float, float]
     chroma: float
+    is_black: bool
     ridge: Optional[np.ndarray] = None
 
     @property
@@ -138,7 +140,12 @@ class _Segment(NamedTuple):
     @property
     def may_be_shade(self) -> bool:
         """Whether it is as dark as shade, and has the table's chroma."""
-        return self.may_be_light and DARKEST < self.ratio < FAINTEST
+        return self.may_be_light and not self.is_black and self.ratio < FAINTEST
+
+    @property
+    def is_deep(self) -> bool:
+        """Whether it may be shade only below one lamp in a dark room: or it is a black thing."""
+        return self.may_be_shade and self.ratio < DARKEST
 
     @property
     def is_soft(self) -> Optional[bool]:
@@ -195,7 +202,7 @@ def parted(
     for one in segments:
         # Beside soft shade, a sharp rim is that of a grey part of the thing.
         is_shade = are_coloured and one.may_be_shade and (
-            one.is_soft is not False or not is_lamp_soft)
+            one.is_soft is not False or not is_lamp_soft) and (one.is_soft or not one.is_deep)
         nats = _MOST_LIGHT if is_shade else _nats(one, most_by_rim, shade, found)
         # Compression may hide its edge to its shade.
         judged.append((one, _without(one.mask, light, is_cut_off, found), nats))
@@ -237,7 +244,7 @@ def _unsure(judged: Sequence[_Judged], are_coloured: bool) -> Iterator[Unsure]:
         deviation = 0.5 / math.cosh(nats / _NATS_OF_ODDS / 2)
         if are_grey and nats < 0 and not (one.is_soft or one.detail.is_table):
             deviation = 0.5
-        if are_coloured and nats > 0 and one.may_be_shade:
+        if (are_coloured or one.is_deep) and nats > 0 and one.may_be_shade:
             # It has no colour of its own: another lamp may be harder than the one that is seen.
             deviation = 0.5
         if one.ridge is not None and nats > 0:
@@ -251,7 +258,7 @@ def _are_coloured(segments: List[_Segment]) -> bool:
     """Tell whether a region has nothing but coloured or black faces, and what may be shade."""
     # Shade that is fainter than any known is no face: it may be the rim of a darker one.
     faces = [one for one in segments if one.ratio < BRIGHTEST and not (
-        one.may_be_light and DARKEST < one.ratio < 0)]
+        one.may_be_light and not one.is_black and one.ratio < 0)]
     return bool(faces) and all(
         one.chroma > COLOURED or one.ratio < _BLACK for one in faces)
 
@@ -317,7 +324,8 @@ def _look(
         found.nats, found.colour, found.level, *found.chroma))
     chroma = math.hypot(*found.shade.off_tints(tone, ratio))
     return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
-                    LEVEL_SCALE * ratio, tuple(tone), chroma)
+                    LEVEL_SCALE * ratio, tuple(tone), chroma,
+                    LEVEL_SCALE * ratio < found.shade.darkest)
 
 
 def _with_ridges(segments: List[_Segment], found: Evidence) -> List[_Segment]:
@@ -359,7 +367,8 @@ def _nats(segment: _Segment, most_by_rim: float, shade: Shade, found: Evidence) 
     :param most_by_rim: What a rim tells at most, nats.
     :param shade: What the frame's other shade is like.
     """
-    if 2 * cv2.countNonZero(found.is_dark & segment.mask) > cv2.countNonZero(segment.mask):
+    dark = found.is_black if segment.is_soft else found.is_dark
+    if 2 * cv2.countNonZero(dark & segment.mask) > cv2.countNonZero(segment.mask):
         return _MOST_THING
     nats = min(max(segment.nats, _MOST_LIGHT), _MOST_THING) + min(
         max(segment.detail.nats, -_MOST_TEXTURE), _MOST_TEXTURE)

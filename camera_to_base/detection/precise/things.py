@@ -252,6 +252,12 @@ def _masks(
         return []
     by_edges = untold(changed) if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
+    deep = changed & found.is_dark & (1 - found.is_black)
+    if (do_edges_tell and not has_highlight and deep.any()
+            and by_edges.is_untold and not by_edges.things.any()):
+        # There is no step: a black thing's rim has one, and is no umbra's.
+        return _masks(frame, background, changed, found._replace(is_dark=found.is_black),
+                      min_area, False)
     if 2 * cv2.countNonZero(sure & by_edges.things) < cv2.countNonZero(sure):
         # Most of it has no segment of its own.
         by_edges = by_edges._replace(is_light=False, is_untold=True)
@@ -290,6 +296,8 @@ def _masks(
         # No edge tells what of the rest is a darker face.
         rest = changed & (1 - things)
         rest &= ((found.nats > -_CLEAR) | (hiding_nats(rest, found) > 0)).view(np.uint8)
+        if not by_edges.things.any():
+            rest |= deep
         by_edges.unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
@@ -351,7 +359,7 @@ def _by_segments(
         return result
     # What is narrow has no segment of its own; what touches things is a part of them.
     narrow = cv2.erode(by_pixels, square(3)) & result.light & (
-        found.is_dark | (found.nats > _CLEAR).view(np.uint8))
+        found.is_black | (found.nats > _CLEAR).view(np.uint8))
     near = cv2.dilate(result.things, square(_SIZE))
     labels = cv2.connectedComponents(narrow)[1]
     joined = narrow & np.isin(labels, labels[near > 0]).view(np.uint8)

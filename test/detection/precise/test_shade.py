@@ -14,7 +14,7 @@ import math
 from camera_to_base.detection import Box, PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.regions import Region
-from camera_to_base.detection.precise.shade import measure_shade
+from camera_to_base.detection.precise.shade import DARKEST, measure_shade
 import cv2
 from lit_table import coded, covered, SIZE
 import numpy as np
@@ -103,3 +103,67 @@ def test_colour_of_a_grey_thing_is_no_tint_of_its_shade(colour, gains, has_tint)
     corners = [(108, 78), (202, 78), (224, 88), (224, 174), (118, 174), (108, 152)]
     region = Region(np.int32(corners)[:, None], box, 6000, box)
     assert bool(measure_shade(frame, [region], reference).tints) == has_tint
+
+
+BLUE, GREEN, PLACES = (0.5, 0.15, 0.05), (0.05, 0.4, 0.1), [(70, 60), (230, 70), (90, 170)]
+
+
+def in_a_dark_room(light, place, colour, soft, umbra=0.1):
+    """Lay a square down below one lamp, and hardly any other light."""
+    return thing_in_two_lamps(light, *place, colour, gains=[(umbra,) * 3], soft=soft)
+
+
+@pytest.mark.parametrize('texture', [0.0, 0.06])
+@pytest.mark.parametrize('umbra', [0.07, 0.12])
+@pytest.mark.parametrize('soft', [1.5, 3.0])
+def test_umbra_in_a_dark_room_is_no_part_of_its_thing(texture, umbra, soft):
+    light = empty = table(texture)
+    for place, colour in zip(PLACES, (RED, BLUE, GREEN)):
+        light = in_a_dark_room(light, place, colour, soft, umbra)
+    found = PreciseDifferenceDetector(coded(empty, 1)).detect(coded(light, 2))
+    assert len(found) == 3
+    for one in found:
+        away = min(math.dist(one.centre, np.subtract(place, 0.5)) for place in PLACES)
+        assert away < max(0.6, 1.5 * one.doubt)
+
+
+def with_handles(light, shade=1.0):
+    """Lay three tools down: coloured ones with black handles, without or with usual shade."""
+    for (u, v), colour in zip(PLACES, (RED, BLUE, GREEN)):
+        shares = covered((u - 30, v - 4), (u + 36, v - 4), (u + 36, v + 18), (u - 30, v + 18),
+                         blur=3)
+        light = light * (1 - shares * (1 - shade))
+        for left, right, tone in ((u - 30, u, colour), (u, u + 30, (0.045,) * 3)):
+            part = covered((left, v - 9), (right, v - 9), (right, v + 9), (left, v + 9))
+            light = light * (1 - part) + part * np.float32(tone)
+    return light
+
+
+def test_black_handles_are_a_part_of_their_tools_in_any_room():
+    for shade in (1.0, 0.5):
+        found = PreciseDifferenceDetector(coded(table(), 1)).detect(
+            coded(with_handles(table(), shade), 2))
+        assert len(found) == 3
+        for place in PLACES:
+            assert min(math.dist(one.centre, np.subtract(place, 0.5)) for one in found) < 1
+
+
+def darkest_of(light):
+    frame, empty = coded(light, 2), coded(table(), 1)
+    reference = Reference(empty, 13.0)
+    reference.follow(frame)
+    changed = cv2.absdiff(frame, empty).max(axis=2) > 12
+    outlines = cv2.findContours(changed.astype(np.uint8), cv2.RETR_EXTERNAL,
+                                cv2.CHAIN_APPROX_NONE)[0]
+    boxes = [Box(*cv2.boundingRect(one)) for one in outlines]
+    return measure_shade(frame, [Region(one, box, 0, box) for one, box in zip(outlines, boxes)
+                                 if box.height > 10], reference).darkest
+
+
+def test_darkest_shade_is_measured_beside_two_things_or_more_where_lighter_shade_is_rare():
+    light = table()
+    for place, colour in zip(PLACES, (RED, BLUE, GREEN)):
+        light = in_a_dark_room(light, place, colour, soft=3)
+    assert -3 < darkest_of(light) < -2.3
+    assert darkest_of(in_a_dark_room(table(), PLACES[0], RED, soft=3)) == DARKEST
+    assert darkest_of(with_handles(table(), 0.5)) == DARKEST
