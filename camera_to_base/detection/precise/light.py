@@ -117,21 +117,32 @@ class Gain(NamedTuple):
     @property
     def linear_levels(self) -> np.ndarray:
         """Light of the background's levels at this gain, shape (256, 1, 3), float32."""
-        return LINEAR[:, None, None] * self.factors
+        light = LINEAR[:, None, None] * self.factors
+        # What the sensor has cut off may have been as bright as this.
+        light[SATURATED:] = np.maximum(light[SATURATED:], LINEAR[SATURATED:, None, None])
+        return light
 
     @property
     def coded_levels(self) -> np.ndarray:
         """Grey levels that the background's levels have at this gain, shape (256, 3)."""
         return _coded(self.linear_levels[:, 0])
 
-    def lit(self, picture: np.ndarray) -> np.ndarray:
-        """Give a picture, shape (h, w, 3), uint8, BGR, as it looks at this gain."""
+    def lit(self, picture: np.ndarray, darkest: bool = False) -> np.ndarray:
+        """
+        Give a picture, shape (h, w, 3), uint8, BGR, as it looks at this gain.
+
+        :param darkest: Whether what the sensor has cut off is taken for as dark as it may be; or
+            as bright.
+        """
         if self == NO_GAIN:
             return picture
         # Above its first ten levels, the curve is a power: there a gain is a straight line.
         slopes = self.factors ** (1 / 2.4)
         line = np.column_stack([np.diag(slopes), 255 * 0.055 * (slopes - 1)])
-        return cv2.transform(picture, line.astype(np.float32))
+        dimmed = cv2.transform(picture, line.astype(np.float32))
+        if darkest or min(self) >= 0:
+            return dimmed
+        return cv2.max(dimmed, cv2.threshold(picture, SATURATED - 1, 0, cv2.THRESH_TOZERO)[1])
 
 
 NO_GAIN = Gain(0, 0, 0)
@@ -301,8 +312,9 @@ class LevelLimits:
         self, part: tuple, margin: np.ndarray,
         into: Sequence[Optional[np.ndarray]] = (None, None)
     ) -> Range:
-        return Range(*(change(self._gain.lit(bound[part]), margin, dst=old)
-                       for bound, change, old in zip(self._usual, (cv2.subtract, cv2.add), into)))
+        darkest, lightest = (bound[part] for bound in self._usual)
+        return Range(cv2.subtract(self._gain.lit(darkest, darkest=True), margin, dst=into[0]),
+                     cv2.add(self._gain.lit(lightest), margin, dst=into[1]))
 
     def _margin(self, part: tuple, which: int) -> np.ndarray:
         known = self._wide_margins[which]

@@ -1,0 +1,49 @@
+# Copyright 2026 The camera_to_base authors
+# Licensed under the Apache License, Version 2.0 (the "License"); you may not use this file except
+# in compliance with the License. You may obtain a copy of the License at
+# http://www.apache.org/licenses/LICENSE-2.0
+# Unless required by applicable law or agreed to in writing, software distributed under the License
+# is distributed on an "AS IS" BASIS, WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express
+# or implied. See the License for the specific language governing permissions and limitations under
+# the License.
+
+"""What the sensor has cut off: a white table in less light."""
+
+from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection.precise.light import Gain, Reference
+from lit_table import coded, covered, painted, SIZE
+import numpy as np
+import pytest
+
+ALL = slice(None), slice(None)
+
+
+def white_table(light):
+    """A sheet that is cut off, on a grey table that tells the frame's light."""
+    table = np.full((*SIZE, 3), 0.35, np.float32)
+    return light * painted(table, covered((80, 40), (300, 40), (300, 220), (80, 220)), (1.5,) * 3)
+
+
+@pytest.mark.parametrize('light', [0.75, 0.85, 1.0, 1.2])
+def test_white_table_that_is_cut_off_has_not_changed_in_less_light(light):
+    detector = PreciseDifferenceDetector(coded(white_table(1), 1, noise=0.7))
+    box = covered((150, 90), (200, 90), (200, 140), (150, 140))
+    frame = painted(white_table(light), box, (0.1, 0.1, 0.4))
+    found, = detector.detect(coded(frame, 2, noise=0.7))
+    assert found.centre == pytest.approx((174.5, 114.5), abs=0.3) and found.doubt < 1
+    assert sum(one.area for one in detector.dropped) < 100
+
+
+@pytest.mark.parametrize('gain, lightest', [((-30, -15, 0), 255), ((10, 10, 10), 255)])
+def test_cut_off_level_may_be_anything_from_its_own_in_less_light_to_the_lightest(gain, lightest):
+    picture = np.full((40, 40, 3), 255, np.uint8)
+    reference = Reference(picture, 13.0)
+    reference.follow(picture)
+    reference.limits.set_light(Gain(*gain), reference.noise)
+    least = Gain(*gain).lit(picture[:1, :1], darkest=True)[0, 0]
+    assert Gain(*gain).lit(picture).min() == lightest
+    for levels, is_outside in ((least, False), ([255] * 3, False), (np.int32(least) - 20, True)):
+        frame = np.full_like(picture, np.uint8(levels))
+        assert reference.limits.strong(frame, ALL).any() == is_outside
+    lit = Gain(*gain).lit(np.full((1, 1, 3), 200, np.uint8))[0, 0]
+    assert np.sign(np.int32(lit) - 200).tolist() == np.sign(gain).tolist()
