@@ -204,7 +204,7 @@ def _same_colour(
 ) -> np.ndarray:
     # The mean colour of what differs nearby, without its rim.
     core, places = cv2.erode(mask, _CLOSE), np.flatnonzero(gaps)
-    count, total = (cv2.boxFilter(values, cv2.CV_32F, (_NEARBY, _NEARBY), normalize=False)
+    count, total = (cv2.boxFilter(values, cv2.CV_16U, (_NEARBY, _NEARBY), normalize=False)
                     for values in (core & 1, cv2.copyTo(levels, core)))
     count = count.ravel()[places]
     near = total.reshape(-1, 3)[places] / np.maximum(count, 1)[:, None]

@@ -46,7 +46,7 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # surrounds; and how much of it is lighter than the table where there is no shade.
 _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75, 0.35, 0.9
 # Where this part of a region is surely a thing, one highlight does not tell of all of it.
-_HARDLY = 0.4
+_HARDLY, _LEAST_COLOUR = 0.4, 0.15
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
 # A print's edge changes the logarithm of the level by more, per px; JPEG is seen so far, px.
@@ -246,7 +246,8 @@ def _masks(
     wide, is_cluttered = _wide(things, found, min_area)
     sure = _no_light(wide, found)
     is_cut_off = cut_off(frame)
-    has_highlight = bool(is_cut_off.any()) and _has_highlight(frame, background, changed, sure)
+    has_highlight = bool(is_cut_off.any()) and _has_highlight(
+        frame, background, changed, sure, found)
     if not (is_cluttered or has_highlight or wide.any()) and _is_clear(
             wide, changed, found, has_highlight):
         return []
@@ -305,14 +306,23 @@ def _masks(
 
 
 def _has_highlight(
-    frame: np.ndarray, background: np.ndarray, changed: np.ndarray, sure: np.ndarray
+    frame: np.ndarray, background: np.ndarray, changed: np.ndarray, sure: np.ndarray,
+    found: Evidence,
 ) -> bool:
     """Tell whether a region has a highlight on glass, or is a lamp's mirror image."""
     # Of either, hardly anything is surely a thing.
     if cv2.countNonZero(sure) >= _HARDLY * cv2.countNonZero(changed):
         return False
     highlight = find_highlight(make_piece(frame, cv2.LUT(background, LINEAR), changed))
-    return highlight is not None and not is_on(sure, highlight, changed)
+    if highlight is None:
+        return False
+    # Around either there is no colour.
+    around = highlight & changed & (1 - found.is_lighter)
+    off = np.hypot(*found.shade.off_tints(found.chroma, found.level))
+    coloured = around & (off > COLOURED).view(np.uint8)
+    if cv2.countNonZero(coloured) > _LEAST_COLOUR * cv2.countNonZero(around):
+        return False
+    return not is_on(sure, highlight, changed)
 
 
 def _is_shade_beside(things: np.ndarray, changed: np.ndarray, found: Evidence) -> bool:

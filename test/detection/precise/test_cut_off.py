@@ -7,11 +7,14 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""What the sensor has cut off: a white table in less light."""
+"""What the sensor has cut off: a white table in less light, and the tops of pale boxes."""
+
+import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import Gain, Reference
-from lit_table import coded, covered, painted, SIZE
+import cv2
+from lit_table import coded, covered, painted, shaded, SIZE
 import numpy as np
 import pytest
 
@@ -47,3 +50,29 @@ def test_cut_off_level_may_be_anything_from_its_own_in_less_light_to_the_lightes
         assert reference.limits.strong(frame, ALL).any() == is_outside
     lit = Gain(*gain).lit(np.full((1, 1, 3), 200, np.uint8))[0, 0]
     assert np.sign(np.int32(lit) - 200).tolist() == np.sign(gain).tolist()
+
+
+def pale_box(light, u, v):
+    """Lay a box with yellow walls down: its top is brighter than the sensor tells."""
+    walls = covered((u - 16, v - 16), (u + 18, v - 16), (u + 18, v + 18), (u - 16, v + 18))
+    top = covered((u - 14, v - 14), (u + 14, v - 14), (u + 14, v + 14), (u - 14, v + 14))
+    return painted(painted(light, walls, (0.05, 0.45, 0.5)), top, (1.1, 1.4, 1.4))
+
+
+@pytest.mark.parametrize('seed', range(2, 6))
+def test_pale_boxes_in_one_shade_are_no_highlights_on_it(seed):
+    background = np.full((*SIZE, 3), 0.75, np.float32)
+    places = (90, 110), (150, 120), (210, 100)
+    shade = np.zeros(SIZE, np.float32)
+    for u, v in places:
+        shade = np.maximum(shade, cv2.GaussianBlur(covered(
+            (u - 30, v - 30), (u + 42, v - 30), (u + 42, v + 42), (u - 30, v + 42))[..., 0],
+            (0, 0), 9))
+    light = shaded(background, shade, 0.3)
+    for place in places:
+        light = pale_box(light, *place)
+    found = PreciseDifferenceDetector(coded(background, 1)).detect(coded(light, seed, 90))
+    assert len(found) == 3
+    for one in found:
+        away = min(math.dist(one.centre, (u + 0.5, v + 0.5)) for u, v in places)
+        assert away < max(2, 1.5 * one.doubt)
