@@ -22,7 +22,7 @@ ALL = slice(None), slice(None)
 
 
 def white_table(light):
-    """A sheet that is cut off, on a grey table that tells the frame's light."""
+    """Give a sheet that is cut off, on a grey table that tells the frame's light."""
     table = np.full((*SIZE, 3), 0.35, np.float32)
     return light * painted(table, covered((80, 40), (300, 40), (300, 220), (80, 220)), (1.5,) * 3)
 
