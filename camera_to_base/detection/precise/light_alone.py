@@ -28,7 +28,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.precise.evidence import BRIGHTEST
-from camera_to_base.detection.precise.light import LINEAR, log_light, Reference
+from camera_to_base.detection.precise.light import LINEAR, log_light, Reference, SATURATED
 from camera_to_base.detection.precise.piece import (
     channel_extremes, filled, fullness, grown, ratio_of, slices, square, without_rim)
 from camera_to_base.detection.precise.shade import (
@@ -50,8 +50,9 @@ _SHARP, _LEAST_RIM, _WINDOWS, _HARDLY_SHARP = 0.6, 0.5, (5, 11), 0.12
 # The least step between two faces in grey levels; the table has less than this part of it; how
 # long such edges are, by the square root of the area.
 _LEAST_STEP, _SAME_STEP, _LEAST_EDGES = 13.0, 0.4, 0.5
-# What is of one colour: its deviation in grey levels, and by that of the noise.
-_EVEN_LEVELS, _EVEN_DEVIATIONS = 2.0, 2.5
+# What is of one colour: its deviation in grey levels, and by that of the noise; and how much more
+# a table may deviate where the frame is cut off.
+_EVEN_LEVELS, _EVEN_DEVIATIONS, _GRADIENT = 2.0, 2.5, 3.0
 # Every so many px are asked, this far from the rim, and at least so many.
 _STEP, _INSIDE, _WELL_INSIDE, _LEAST_INSIDE = 2, square(5), square(7), 20
 # Stains are wider, px. How alike the frame's and the table's are, by how many deviations of
@@ -169,7 +170,7 @@ class _Levels(NamedTuple):
 
     :param seen: The frame's means.
     :param usual: The table's.
-    :param are_even: Whether both have one level, but for noise.
+    :param are_even: Whether both have one level, but for noise and what light keeps of the table.
     """
 
     seen: List[float]
@@ -194,8 +195,15 @@ def _levels_in(
     (level, spread), (usual, usual_spread) = (
         cv2.meanStdDev(picture, mask=some) for picture in pictures)
     most = max(_EVEN_LEVELS, _EVEN_DEVIATIONS * reference.mean_noise)
-    return _Levels(level[:, 0].tolist(), usual[:, 0].tolist(),
-                   max(spread.max(), usual_spread.max()) <= most)
+    are_even = max(spread.max(), usual_spread.max()) <= most
+    if not are_even:
+        # Light of one level keeps the table's gradients; what is cut off has lost them.
+        gain = level / np.maximum(usual, 1)
+        change = np.float32(pictures[0]) - np.float32(pictures[1]) * np.float32(gain[:, 0])
+        off = cv2.meanStdDev(change, mask=some)[1]
+        is_lost = (level >= SATURATED) & (spread <= most) & (usual_spread <= _GRADIENT * most)
+        are_even = bool((is_lost | (off <= most * np.sqrt(1 + gain ** 2))).all())
+    return _Levels(level[:, 0].tolist(), usual[:, 0].tolist(), are_even)
 
 
 def _shows_unevenness(seen: np.ndarray, table: np.ndarray, inside: np.ndarray) -> bool:

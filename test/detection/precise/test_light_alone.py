@@ -65,6 +65,24 @@ def test_patch_with_straight_sides_may_be_light():
     assert found.may_be_light
 
 
+def graded():
+    across = np.linspace(0.6, 1.4, SIZE[1], dtype=np.float32)[None, :, None]
+    return table((0.4, 0.4, 0.4)) * across
+
+
+@pytest.mark.parametrize('gain', [0.5, 1.6, 2.4])
+def test_light_on_a_surface_that_gets_darker_to_one_side_may_be_light(gain):
+    for shares in (disc(PATCH), disc((160, 120), 80)):
+        (found,), _ = detected(graded(), graded() * (1 + (gain - 1) * shares))
+        assert found.may_be_light
+
+
+def test_grey_thing_on_a_surface_that_gets_darker_to_one_side_is_a_thing():
+    for colour in (0.15, 0.62):
+        (found,), _ = detected(graded(), painted_by(graded(), disc((160, 120), 80), (colour,) * 3))
+        assert not found.may_be_light
+
+
 NEARLY_BLACK = (0.008, 0.009, 0.008)
 
 
