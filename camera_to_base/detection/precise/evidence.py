@@ -120,6 +120,11 @@ class Evidence(NamedTuple):
         return (self.nats < 0).view(np.uint8) & (1 - self.is_black)
 
     @property
+    def is_deep(self) -> np.ndarray:
+        """What may be an umbra of a dark room, or black: shape (h, w), uint8, 1 there."""
+        return self.is_dark & (1 - self.is_black)
+
+    @property
     def is_lighter(self) -> np.ndarray:
         """What is lighter than the table, and so no shade: shape (h, w), uint8, 1 there."""
         return (self.level * LEVEL_SCALE > -FAINTEST).view(np.uint8)

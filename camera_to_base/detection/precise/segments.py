@@ -99,6 +99,11 @@ class Parted(NamedTuple):
     is_light: bool = False
     is_untold: bool = False
 
+    @property
+    def is_blind(self) -> bool:
+        """Whether there was no edge to look at."""
+        return self.is_untold and not self.things.any()
+
 
 def untold(changed: np.ndarray) -> Parted:
     """Give a region of which edges tell nothing."""

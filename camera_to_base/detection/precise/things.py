@@ -253,10 +253,9 @@ def _masks(
         return []
     by_edges = untold(changed) if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
-    deep = changed & found.is_dark & (1 - found.is_black)
-    if (do_edges_tell and not has_highlight and deep.any()
-            and by_edges.is_untold and not by_edges.things.any()):
-        # There is no step: a black thing's rim has one, and is no umbra's.
+    deep = changed & found.is_deep
+    if do_edges_tell and not has_highlight and by_edges.is_blind and deep.any():
+        # A black thing's rim has edges, an umbra may have none.
         return _masks(frame, background, changed, found._replace(is_dark=found.is_black),
                       min_area, False)
     if 2 * cv2.countNonZero(sure & by_edges.things) < cv2.countNonZero(sure):
@@ -297,7 +296,7 @@ def _masks(
         # No edge tells what of the rest is a darker face.
         rest = changed & (1 - things)
         rest &= ((found.nats > -_CLEAR) | (hiding_nats(rest, found) > 0)).view(np.uint8)
-        if not by_edges.things.any():
+        if by_edges.is_blind:
             rest |= deep
         by_edges.unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
