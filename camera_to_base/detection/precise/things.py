@@ -45,7 +45,8 @@ _MOST_EVIDENCE, _CLEAR = 15.0, 20.0
 # clear by its texture; on which part it may be none; how much of the region a thing is that shade
 # surrounds; and how much of it is lighter than the table where there is no shade.
 _LEAST_REST, _MOSTLY, _MOST_BAD, _SURE, _LEAST_SHARE, _ALL = 0.1, 0.6, 0.3, 0.75, 0.35, 0.9
-# Where this part of a region is surely a thing, one highlight does not tell of all of it.
+# Where this part of a region is surely a thing, one highlight does not tell of all of it; nor
+# where this part of what is around it has a colour.
 _HARDLY, _LEAST_COLOUR = 0.4, 0.15
 # A thing is wide enough for a window on this part of it; the others are few.
 _LEAST_CORE, _MOST_THIN = 0.15, 0.15
