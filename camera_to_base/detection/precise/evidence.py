@@ -125,6 +125,11 @@ class Evidence(NamedTuple):
         return self.is_dark & (1 - self.is_black)
 
     @property
+    def off_tints(self) -> np.ndarray:
+        """How far the chroma is off what the tints of shade may do: logarithm, shape (h, w)."""
+        return np.hypot(*self.shade.off_tints(self.chroma, self.level))
+
+    @property
     def is_lighter(self) -> np.ndarray:
         """What is lighter than the table, and so no shade: shape (h, w), uint8, 1 there."""
         return (self.level * LEVEL_SCALE > -FAINTEST).view(np.uint8)

@@ -146,7 +146,7 @@ def told(detection: Detection, frame: np.ndarray, reference: Reference) -> Told:
     Tell whether a detection is light.
 
     It is where the table's unevenness is seen in it. Neither is told where light of one level
-    would make the table's one colour that of the detection.
+    would make the table's one colour, or its gradient, what the detection shows.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param reference: The background at the frame's light.

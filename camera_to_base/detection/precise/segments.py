@@ -122,7 +122,7 @@ class _Segment(NamedTuple):
     :param ratio: The median logarithm of its level / the table's.
     :param tone: The median changes of both axes of the chroma, logarithms.
     :param chroma: How far that is off what the tint of shade may do.
-    :param is_black: Whether it is darker than any shade.
+    :param is_black: Whether it is darker than any shade in this room.
     :param ridge: If it may be shade and is round: its middle, of the mask's shape.
     """
 
@@ -205,7 +205,8 @@ def parted(
     judged: List[_Judged] = []
     is_cut_off = cut_off(frame)
     for one in segments:
-        # Beside soft shade, a sharp rim is that of a grey part of the thing.
+        # Beside soft shade, a sharp rim is that of a grey part of the thing; and that of what is
+        # as dark as an umbra in a dark room may be a black part's.
         is_shade = are_coloured and one.may_be_shade and (
             one.is_soft is not False or not is_lamp_soft) and (one.is_soft or not one.is_deep)
         nats = _MOST_LIGHT if is_shade else _nats(one, most_by_rim, shade, found)

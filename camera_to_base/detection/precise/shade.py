@@ -64,10 +64,10 @@ FAINTEST, _STEP, _LEVELS = -0.1, 0.05, 40
 # How many regions' shade is of any level, besides those that are seen; how many nats one of the
 # odds counts. Chosen on 164 rendered things in a hard lamp's light, and right on 485 others.
 _ANY, _WEIGHT = 0.3, 8.0
-# An umbra that is darker than usual: the bins of its logarithm; which part of a region shows
-# another thing, and which part of so many regions, or of one and more, is umbra; how much more
-# common it is than lighter shade; and how far below it shade still lies. None of 44 sets of real
-# pictures, with black chessmen, tiles, letters and cables, has that.
+# An umbra that is darker than usual: the bins of its logarithm; which part of a region is lit or
+# coloured, which part of it is umbra, and in how many regions. The sum of these parts; how much
+# more common it is than lighter shade; how far below it shade still lies. None of 44 sets of real
+# pictures has one, with black chessmen, tiles, letters and cables.
 _DEPTHS, _LEAST_LIT, _LEAST_IN, _LEAST_UMBRAS = np.arange(-3.4, -0.29, 0.1), 0.25, 0.04, 2
 _LEAST_UMBRA, _CLEARLY, _BELOW = 0.1, 2.0, 0.3
 _NOTHING = 1e-9

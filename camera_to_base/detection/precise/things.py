@@ -254,8 +254,8 @@ def _masks(
         return []
     by_edges = untold(changed) if has_highlight or not do_edges_tell else _by_segments(
         frame, background, changed, things, found, min_area)
-    deep = changed & found.is_deep
-    if do_edges_tell and not has_highlight and by_edges.is_blind and deep.any():
+    if (do_edges_tell and not has_highlight and by_edges.is_blind
+            and (changed & found.is_deep).any()):
         # A black thing's rim has edges, an umbra may have none.
         return _masks(frame, background, changed, found._replace(is_dark=found.is_black),
                       min_area, False)
@@ -294,12 +294,7 @@ def _masks(
                 return _Unclear(doubt=doubt_of(changed, unsure))
             if not things.any():
                 return []
-        # No edge tells what of the rest is a darker face.
-        rest = changed & (1 - things)
-        rest &= ((found.nats > -_CLEAR) | (hiding_nats(rest, found) > 0)).view(np.uint8)
-        if by_edges.is_blind:
-            rest |= deep
-        by_edges.unsure.append(Unsure(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)), 0.5))
+        by_edges.unsure.append(Unsure(_may_be_either(things, changed, found, by_edges), 0.5))
     parts = cut_at_gaps(with_stripes(things, frame, background), frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
     return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
@@ -318,8 +313,7 @@ def _has_highlight(
         return False
     # Around either there is no colour.
     around = highlight & changed & (1 - found.is_lighter)
-    off = np.hypot(*found.shade.off_tints(found.chroma, found.level))
-    coloured = around & (off > COLOURED).view(np.uint8)
+    coloured = around & (found.off_tints > COLOURED).view(np.uint8)
     if cv2.countNonZero(coloured) > _LEAST_COLOUR * cv2.countNonZero(around):
         return False
     return not is_on(sure, highlight, changed)
@@ -330,7 +324,7 @@ def _is_shade_beside(things: np.ndarray, changed: np.ndarray, found: Evidence) -
     rest = changed & (1 - cv2.dilate(things, square(_SIZE)))
     if not (things.any() and rest.any()):
         return False
-    off = np.hypot(*found.shade.off_tints(found.chroma, found.level))
+    off = found.off_tints
     ratio = LEVEL_SCALE * float(quantile(found.level[rest > 0]))
     return bool(quantile(off[things > 0], 0.2) > COLOURED and ratio < FAINTEST
                 and is_neutral(quantile(off[rest > 0]), ratio))
@@ -378,6 +372,17 @@ def _by_segments(
         return result._replace(is_light=False, is_untold=True)
     # Segments touch at their common border.
     return result._replace(things=cv2.morphologyEx(things, cv2.MORPH_CLOSE, square(3)))
+
+
+def _may_be_either(
+    things: np.ndarray, changed: np.ndarray, found: Evidence, by_edges: Parted
+) -> np.ndarray:
+    """Give what may be a darker face or shade, as no edge tells which."""
+    rest = changed & (1 - things)
+    rest &= ((found.nats > -_CLEAR) | (hiding_nats(rest, found) > 0)).view(np.uint8)
+    if by_edges.is_blind:
+        rest |= changed & found.is_deep
+    return cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3))
 
 
 def _may_be_shade(changed: np.ndarray, found: Evidence) -> np.ndarray:

@@ -7,12 +7,13 @@
 # or implied. See the License for the specific language governing permissions and limitations under
 # the License.
 
-"""Below lamps of two colours, each shade has its own tint, measured beside coloured things."""
+"""A room's shade, measured beside things: tints below lamps of two colours, and dark umbras."""
 
 import math
 
 from camera_to_base.detection import Box, PreciseDifferenceDetector
 from camera_to_base.detection.precise.light import Reference
+from camera_to_base.detection.precise.piece import outlines_in
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.shade import DARKEST, measure_shade
 import cv2
@@ -153,8 +154,7 @@ def darkest_of(light):
     reference = Reference(empty, 13.0)
     reference.follow(frame)
     changed = cv2.absdiff(frame, empty).max(axis=2) > 12
-    outlines = cv2.findContours(changed.astype(np.uint8), cv2.RETR_EXTERNAL,
-                                cv2.CHAIN_APPROX_NONE)[0]
+    outlines = outlines_in(changed.astype(np.uint8))
     boxes = [Box(*cv2.boundingRect(one)) for one in outlines]
     return measure_shade(frame, [Region(one, box, 0, box) for one, box in zip(outlines, boxes)
                                  if box.height > 10], reference).darkest
