@@ -207,23 +207,24 @@ def _same_colour(
     count, total = (cv2.boxFilter(values, cv2.CV_16U, (_NEARBY, _NEARBY), normalize=False)
                     for values in (core & 1, cv2.copyTo(levels, core)))
     count = count.ravel()[places]
-    near = total.reshape(-1, 3)[places] / np.maximum(count, 1)[:, None]
-    contrast = np.abs(near - table).max(axis=1, initial=0)
-    off = np.abs(levels.reshape(-1, 3)[places] - near).max(axis=1, initial=0)
+    near = np.float32(total.reshape(-1, 3)[places].T / np.maximum(count, 1))
+    contrast, off = (np.abs(near - others).max(axis=0, initial=0) for others in (
+        table[:, None], levels.reshape(-1, 3)[places].T))
     chosen = (off < _SAME_COLOUR * contrast) & (contrast > least) & (count > 0)
     is_same = np.zeros_like(mask)
     if not chosen.any():
         return is_same
-    is_same.ravel()[places[chosen]] = 1
-    depths = cv2.distanceTransform((mask == 0).view(np.uint8), cv2.DIST_L2, 3)
+    places = places[chosen]
+    is_same.ravel()[places] = 255
+    depths = cv2.distanceTransform(cv2.bitwise_not(mask), cv2.DIST_L2, 3).ravel()[places]
     # A line that leads from one object to the next is no wider than they are apart.
-    for outline in outlines_in(is_same):
-        box = Box(*cv2.boundingRect(outline))
-        inside = filled(outline, box) & is_same[slices(box)]
-        deepest = cv2.minMaxLoc(depths[slices(box)], inside)[1]
-        if cv2.countNonZero(inside) <= _LONG_GAP * deepest ** 2:
-            is_same[slices(box)] &= 1 - inside
-    return 255 * is_same
+    lines, numbers = cv2.connectedComponents(is_same)
+    numbers = numbers.ravel()[places]
+    deepest = np.zeros(lines, np.float32)
+    np.maximum.at(deepest, numbers, depths)
+    is_line = np.bincount(numbers, minlength=lines) > _LONG_GAP * deepest ** 2
+    is_same.ravel()[places[~is_line[numbers]]] = 0
+    return is_same
 
 
 def _is_solid(outline: np.ndarray, weak: np.ndarray, area: int, min_area: float) -> bool:
