@@ -15,8 +15,8 @@ from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Protocol,
 from camera_to_base.detection.detection import Detection, NoObject
 from camera_to_base.detection.left_out import SPECK_CM2
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.precise.light import STRONG_DEVIATIONS
 from camera_to_base.detection.precise.light_alone import LIGHT_OR_THING
+from camera_to_base.detection.precise.reference import STRONG_DEVIATIONS
 from camera_to_base.detection.tutorial import AbsoluteDifferenceDetector
 from camera_to_base.errors import InvalidValueError
 from camera_to_base.parameters import default_values, grouped, ParameterSpec

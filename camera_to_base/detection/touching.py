@@ -23,10 +23,11 @@ import math
 from typing import Iterator, List, Optional, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LINEAR, WEAK_LEVELS
+from camera_to_base.detection.precise.light import LINEAR
 from camera_to_base.detection.precise.piece import (
     channel_extremes, chosen, enclosed, filled, grown, largest_part, outline_of, outlines_in,
     quantile, slices, solidity, square)
+from camera_to_base.detection.precise.reference import WEAK_LEVELS
 from camera_to_base.detection.precise.shade import DARKEST
 import cv2
 import numpy as np

@@ -21,7 +21,7 @@ from itertools import groupby
 from typing import Iterable, List, Sequence, Set, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LevelLimits
+from camera_to_base.detection.precise.reference import LevelLimits
 import cv2
 import numpy as np
 

@@ -16,8 +16,8 @@ if it is published, it comes last, and its centre is in doubt.
 
 Each step is a module of its own:
 
-- `light`: the background at the frame's light, and from which levels on a pixel
-  shows something else, in any colour.
+- `reference`: the background at the frame's `light`, its `noise`, and from which levels on a
+  pixel shows something else, in any colour.
 - `changes`: where on the frame there are such pixels at all, in bytes.
 - `plain`: the short way for most objects; it says what decides between the ways.
 - `shade`: how dark and of which tint the shade of this frame is.
@@ -52,13 +52,13 @@ from camera_to_base.detection.detection import Box, Detection, NoObject, touches
 from camera_to_base.detection.precise.changes import (
     changed_parts, frame_outline, is_all_changed, Strips)
 from camera_to_base.detection.precise.ghosts import find_ghost, Ghost
-from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.light_alone import (
     is_soft_light, LIGHT_OR_THING, Told, told)
 from camera_to_base.detection.precise.piece import (
     filled, grown, outline_of, slices, square, without_rim)
 from camera_to_base.detection.precise.placer import (
     hidden_doubt, notch_doubt, Placer, Placing, unplaced)
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.search import (
     Budget, Candidates, left_over, parts_of, search)

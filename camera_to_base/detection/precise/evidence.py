@@ -28,6 +28,7 @@ from typing import List, NamedTuple, Optional, Sequence
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.light import (
     AXES, LEVEL_SCALE, LINEAR, log_levels, SATURATED, UNSEEN)
+from camera_to_base.detection.precise.noise import Noise
 from camera_to_base.detection.precise.piece import grown, slices, square
 from camera_to_base.detection.precise.shade import (
     DARKEST, FAINTEST, GREY, Shade, without)
@@ -41,8 +42,6 @@ _BLEED = 0.1
 # What JPEG leaves of a step beside it, on both axes of chroma and on the level: as a part of the
 # step, and in a window of so many px: its blocks. Chosen on 1349 things in 20 rendered cells.
 _BLOCKS = (0.02, 17), (0.02, 17), (0.0075, 9)
-# A mean of levels is known no better, in grey levels²; the compression and the rounding.
-_LEAST_VARIANCE = 0.3
 # How much chroma light may change for each change of the level, and anyway (steps of the gain,
 # rounding); how far a camera trembles, in px.
 _TINT, _LEAST_TINT, _TREMBLE = 0.02, 0.008, 0.12
@@ -136,28 +135,25 @@ class Evidence(NamedTuple):
 
 
 def evidence(
-    frame: np.ndarray, background: np.ndarray, noise: np.ndarray, drift: float, shade: Shade,
-    compression: float = 0.0,
+    frame: np.ndarray, background: np.ndarray, noise: Noise, shade: Shade
 ) -> Evidence:
     """
     Compare both explanations of a part of a frame.
 
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param background: Of the same shape, at the frame's light.
-    :param noise: Shape (256, 3): the deviation of the grey levels, see `light.measure_noise`.
-    :param drift: The variance that all of a window has in common, by that of the noise.
+    :param noise: That of the frame, at its scale.
     :param shade: What shade does on the frame.
-    :param compression: How much of a step is seen beside it: 0 in a raw picture, up to 1.
     """
-    variances = _variances(noise, log_levels())
+    variances, drift = noise.variances(log_levels()), noise.drift
     variances[SATURATED:] = _UNKNOWN
     seen, seen_variance, usual, usual_variance, change, variance = _compared(
         frame, background, log_levels(), variances)
     noise_alone = variance[2]
-    if compression:
+    if noise.compression:
         for axis, (part, reach) in enumerate(_BLOCKS):
             step = cv2.morphologyEx(seen[axis], cv2.MORPH_GRADIENT, square(reach))
-            beside = compression * (part * step) ** 2
+            beside = noise.compression * (part * step) ** 2
             seen_variance[axis] = seen_variance[axis] + beside
             variance[axis] = variance[axis] + beside
     chroma = cv2.magnitude(*usual[:2])
@@ -171,7 +167,7 @@ def evidence(
             box_mean(gradient(usual[2]), _SIZE) > _TEXTURE * usual_variance[2])
     if lighter.any():
         light = cv2.min(light, _reflection(
-            frame, background, _variances(noise, LINEAR), drift, lighter))
+            frame, background, noise.variances(LINEAR), drift, lighter))
     thing = _off_constant(seen, seen_variance, _SIZE)
     limit = 2 * _OWN * 3 * _SIZE ** 2
     if cv2.minMaxLoc(thing)[1] > limit:
@@ -222,12 +218,6 @@ def _sharp_bright(ratio: np.ndarray) -> np.ndarray:
 def _on_axes(picture: np.ndarray, table: np.ndarray, axes: np.ndarray) -> List[np.ndarray]:
     values = cv2.LUT(picture, table)
     return [cv2.transform(values, axis[None]) for axis in axes]
-
-
-def _variances(noise: np.ndarray, curve: np.ndarray) -> np.ndarray:
-    """Give the variance of each grey level on a curve: shape (256,) to (256, 1, 3)."""
-    slopes = np.gradient(curve)[:, None]
-    return np.float32((noise ** 2 + _LEAST_VARIANCE) * slopes ** 2)[:, None]
 
 
 class _Compared(NamedTuple):

@@ -28,9 +28,10 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from camera_to_base.detection.detection import Box, Detection
 from camera_to_base.detection.precise.evidence import BRIGHTEST
-from camera_to_base.detection.precise.light import LINEAR, log_light, Reference, SATURATED
+from camera_to_base.detection.precise.light import LINEAR, log_light, SATURATED
 from camera_to_base.detection.precise.piece import (
     channel_extremes, filled, fullness, grown, ratio_of, slices, square, without_rim)
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.shade import (
     change_of, DARKEST, is_neutral, like_light, SHADED)
 import cv2

@@ -21,9 +21,10 @@ from typing import NamedTuple, Optional, Sequence
 
 from camera_to_base.detection.detection import Box, NoObject, Pixel
 from camera_to_base.detection.precise.light import (
-    grey_factors, LEAST_LIGHT, LINEAR, log_light, POWER, Range)
+    grey_factors, LEAST_LIGHT, LINEAR, log_light, POWER)
 from camera_to_base.detection.precise.piece import (
     channel_extremes, padded, ratio_of, shrunk, slices, square)
+from camera_to_base.detection.precise.reference import Range
 from camera_to_base.detection.precise.shade import like_light
 import cv2
 import numpy as np

@@ -15,12 +15,12 @@ from typing import List, NamedTuple, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, Pixel, touches_edge
 from camera_to_base.detection.precise.gloss import lighter, with_highlights
-from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.own_shadow import split_off_shade
 from camera_to_base.detection.precise.piece import (
     centre_of, channel_sum, enclosed, enlarged, filled, fullness, grown, make_piece, outline_of,
     outlines_in, Piece, reduced, slices, square)
 from camera_to_base.detection.precise.plain import Plain
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.segments import COLOURED
 from camera_to_base.detection.precise.shade import change_of

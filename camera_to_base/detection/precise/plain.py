@@ -32,9 +32,10 @@ import operator
 from typing import Iterable, List, NamedTuple, Optional
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LINEAR, Reference
+from camera_to_base.detection.precise.light import LINEAR
 from camera_to_base.detection.precise.piece import (
     filled, grown, has_holes, outlines_in, slices, square)
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import SHORTEST_OUTLINE
 from camera_to_base.detection.precise.shade import is_of_its_colour
 from camera_to_base.detection.precise.shares import Placed

@@ -21,9 +21,9 @@ one region without a hole; there a few steps are enough, and the others are left
 from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import LevelLimits
 from camera_to_base.detection.precise.piece import (
     enclosed, filled, grown, has_holes, outline_of, outlines_in, slices, square)
+from camera_to_base.detection.precise.reference import LevelLimits
 import cv2
 import numpy as np
 

@@ -18,15 +18,19 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
-from camera_to_base.detection.precise.light import LevelLimits, Range, Reference
+from camera_to_base.detection.precise.evidence import BRIGHTEST
 from camera_to_base.detection.precise.other_light import (
     Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, thinned,
     without_bands, without_smooth_light)
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, filled, fullness, grown, outline_of, outlines_in, slices)
+    centre_of, enclosed, filled, fullness, grown, outline_of, outlines_in, slices, square,
+    without_rim)
 from camera_to_base.detection.precise.plain import find_plain, Plain
+from camera_to_base.detection.precise.reference import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.regions import find_regions, is_much, Region
-from camera_to_base.detection.precise.shade import measure_shade, Shade
+from camera_to_base.detection.precise.segments import COLOURED
+from camera_to_base.detection.precise.shade import (
+    change_of, DARKEST, measure_shade, Shade)
 from camera_to_base.detection.precise.still import Still
 from camera_to_base.detection.precise.things import seen_closely, things_in, work
 import cv2
@@ -448,8 +452,14 @@ def _dropped(
         mask = filled(outline, box) & left[near]
         area = float(cv2.countNonZero(mask))
         if area >= min_area:
-            levels = [sum(cv2.mean(picture[near], mask)) for picture in (frame, lit)]
-            kind = 'light' if levels[0] > levels[1] else 'shade'
+            inside = without_rim(mask, square(5))
+            seen, usual = (cv2.mean(picture[near], inside if inside.any() else mask)[:3]
+                           for picture in (frame, lit))
+            kind = 'light' if sum(seen) > sum(usual) else 'shade'
+            chroma, ratio = change_of(seen, usual)
+            if cv2.countNonZero(inside) >= min_area and (
+                    chroma > COLOURED or not DARKEST < ratio < BRIGHTEST):
+                kind = 'light_or_thing'
         u, v = centre_of(mask)
         found.append(NoObject(kind, Pixel(u + box.x, v + box.y), area))
     return found

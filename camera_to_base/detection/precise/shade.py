@@ -23,9 +23,9 @@ import operator
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box
-from camera_to_base.detection.precise.light import (
-    AXES, LEVEL_SCALE, log_levels, Reference, SATURATED, UNSEEN)
+from camera_to_base.detection.precise.light import AXES, LEVEL_SCALE, log_levels, SATURATED, UNSEEN
 from camera_to_base.detection.precise.piece import channel_extremes, filled, slices
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import Region
 import cv2
 import numpy as np

@@ -21,9 +21,10 @@ now and then the region that was told the longest ago is told again.
 from typing import List, Mapping, NamedTuple, Sequence, Tuple
 
 from camera_to_base.detection.detection import Box, NoObject
-from camera_to_base.detection.precise.light import Gain, Reference
+from camera_to_base.detection.precise.light import Gain
 from camera_to_base.detection.precise.piece import filled, grown, slices, square
 from camera_to_base.detection.precise.placer import Placing
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import Region
 import cv2
 import numpy as np

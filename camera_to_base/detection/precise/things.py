@@ -25,10 +25,11 @@ from camera_to_base.detection.precise.evidence import (
 from camera_to_base.detection.precise.faces import hidden_beside, hiding_nats
 from camera_to_base.detection.precise.gloss import (
     find_highlight, is_on, may_be_highlight, with_highlights)
-from camera_to_base.detection.precise.light import LEVEL_SCALE, LINEAR, log_levels, Reference
+from camera_to_base.detection.precise.light import LEVEL_SCALE, LINEAR, log_levels
 from camera_to_base.detection.precise.piece import (
     chosen, cut_off, enclosed, enlarged, filled, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import goes_beyond, Region
 from camera_to_base.detection.precise.segments import (
     COLOURED, doubt_of, Parted, parted, Unsure, untold)
@@ -184,8 +185,7 @@ def _look_at(
                    for picture in (frame, reference.lit))
     changed, beside = (np.ascontiguousarray(mask[::scale, ::scale]) for mask in (
         filled(region.outline, window), free[slices(window)]))
-    found = evidence(seen, usual, reference.noise / scale, reference.drift,
-                     shade.beside(region.box), reference.compression if scale == 1 else 0.0)
+    found = evidence(seen, usual, reference.noise[scale], shade.beside(region.box))
     hidden = hidden_beside(changed, beside, found)
     return _Looked(window, scale, seen, usual, changed | hidden, hidden, found)
 

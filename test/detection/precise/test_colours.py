@@ -12,6 +12,7 @@
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.evidence import evidence
+from camera_to_base.detection.precise.noise import Noise
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.search import _alone
 from camera_to_base.detection.precise.shade import Shade
@@ -51,11 +52,11 @@ def test_what_is_faint_and_has_no_colour_or_less_than_the_least_is_left_out(chan
 @pytest.mark.parametrize('seen, usual', [((255, 239, 150), (61, 128, 37)),
                                          ((165, 255, 255), (93, 154, 74))])
 def test_bright_thing_of_a_colour_is_none_of_the_light_on_a_coloured_table(seen, usual):
-    noise = np.full((256, 3), 0.9, np.float32)
+    noise = Noise(np.full((256, 3), 0.9, np.float32), 1.5)
     found, white, grey = (np.full((40, 40, 3), levels, np.uint8) for levels in (seen, 255, 128))
     table = np.full((40, 40, 3), usual, np.uint8)
-    assert evidence(found, table, noise, 1.5, Shade()).nats[20, 20] > 20
-    assert evidence(white, grey, noise, 1.5, Shade()).nats[20, 20] < 0
+    assert evidence(found, table, noise, Shade()).nats[20, 20] > 20
+    assert evidence(white, grey, noise, Shade()).nats[20, 20] < 0
 
 
 @pytest.mark.parametrize('seed', range(2, 7))

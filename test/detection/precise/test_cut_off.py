@@ -12,7 +12,8 @@
 import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
-from camera_to_base.detection.precise.light import Gain, Reference
+from camera_to_base.detection.precise.light import Gain
+from camera_to_base.detection.precise.reference import Reference
 import cv2
 from lit_table import coded, covered, painted, shaded, SIZE
 import numpy as np
@@ -42,7 +43,7 @@ def test_cut_off_level_may_be_anything_from_its_own_in_less_light_to_the_lightes
     picture = np.full((40, 40, 3), 255, np.uint8)
     reference = Reference(picture, 13.0)
     reference.follow(picture)
-    reference.limits.set_light(Gain(*gain), reference.noise)
+    reference.limits.set_light(Gain(*gain), reference.noise[1].levels)
     least = Gain(*gain).lit(picture[:1, :1], darkest=True)[0, 0]
     assert Gain(*gain).lit(picture).min() == 255
     for levels, is_outside in ((least, False), ([255] * 3, False), (np.int32(least) - 20, True)):

@@ -10,7 +10,7 @@
 """Doubt in a place: no farther than its thing is wide; what is all in doubt is left out."""
 
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.precise.light import Reference
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.segments import doubt_of, Unsure
 import cv2
 from lit_table import coded, covered, painted, SIZE
@@ -34,7 +34,7 @@ def test_another_tone_curve_shows_where_a_print_does_and_is_no_drift_of_the_nois
     frame = printed_squares(2, 0.8, (0.9, 0.9, 0.98), has_disc=True)
     reference = Reference(background, 13.0)
     reference.follow(frame)
-    assert reference.drift == 0
+    assert reference.noise[1].drift == 0
     found, = PreciseDifferenceDetector(background).detect(frame)
     assert found.centre == pytest.approx((140, 100), abs=0.3) and found.doubt < 1
 
@@ -45,7 +45,7 @@ def test_drift_of_the_noise_is_seen_on_a_print():
     drift = cv2.resize(np.float32(blocks), SIZE[::-1], interpolation=cv2.INTER_NEAREST)
     reference = Reference(background, 13.0)
     reference.follow(np.uint8(np.clip(frame + drift, 0, 255)))
-    assert reference.drift > 0.5
+    assert reference.noise[1].drift > 0.5
 
 
 def test_print_without_two_like_places_tells_no_drift():
@@ -53,7 +53,7 @@ def test_print_without_two_like_places_tells_no_drift():
     background = np.uint8(np.repeat(stripes[..., None], 3, axis=2))
     reference = Reference(background, 13.0)
     reference.follow(background + np.uint8(2))
-    assert reference.drift == 0
+    assert reference.noise[1].drift == 0
 
 
 def test_what_is_farther_away_than_a_thing_is_wide_is_no_face_of_it():

@@ -11,7 +11,7 @@
 
 from camera_to_base.detection.precise.evidence import evidence
 from camera_to_base.detection.precise.faces import hidden_beside
-from camera_to_base.detection.precise.light import Reference
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.shade import Shade
 import cv2
 from lit_table import (
@@ -117,7 +117,7 @@ def hidden(light, background, thing):
     reference.follow(frame)
     changed = cv2.dilate(silhouette(thing), np.ones((5, 5), np.uint8))
     return hidden_beside(changed, 1 - changed, evidence(
-        frame, reference.lit, reference.noise, reference.drift, Shade()))
+        frame, reference.lit, reference.noise[1], Shade()))
 
 
 def hook(u, v):

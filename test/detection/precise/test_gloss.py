@@ -13,6 +13,7 @@ import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
 from camera_to_base.detection.precise.evidence import evidence
+from camera_to_base.detection.precise.noise import Noise
 from camera_to_base.detection.precise.shade import Shade
 import cv2
 from lit_table import coded, covered, SIZE, TABLE
@@ -83,5 +84,5 @@ def test_what_the_sensor_has_cut_off_hides_no_colour_beside_it():
     frame[8:32, 8:32] = 215, 150, 60
     cut_off = np.arange(8, 32) % 5 < 3
     frame[8:32, 8:32][:, cut_off] = 255
-    found = evidence(frame, background, np.ones((256, 3), np.float32), 10.0, Shade())
+    found = evidence(frame, background, Noise(np.ones((256, 3), np.float32), 10.0), Shade())
     assert found.nats[14:26, 14:26][:, ~cut_off[6:18]].min() > 100

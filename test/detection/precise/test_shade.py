@@ -12,8 +12,8 @@
 import math
 
 from camera_to_base.detection import Box, PreciseDifferenceDetector
-from camera_to_base.detection.precise.light import Reference
 from camera_to_base.detection.precise.piece import outlines_in
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import Region
 from camera_to_base.detection.precise.shade import DARKEST, measure_shade
 import cv2

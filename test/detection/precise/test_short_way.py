@@ -12,8 +12,9 @@
 
 from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
-from camera_to_base.detection.precise.light import Gain, GainMeter, Reference
+from camera_to_base.detection.precise.light import Gain, GainMeter
 from camera_to_base.detection.precise.plain import find_plain
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.search import parts_of
 import cv2
 import numpy as np
