@@ -25,7 +25,7 @@ from camera_to_base.detection.precise.evidence import (
     box_mean, detail_nats, detail_of, Evidence, PRIOR)
 from camera_to_base.detection.precise.light import LEVEL_SCALE
 from camera_to_base.detection.precise.piece import (
-    filled, outlines_in, quantile, slices, square, two_means)
+    filled, grown, outlines_in, quantile, slices, square, two_means)
 from camera_to_base.detection.precise.shade import is_neutral, NEUTRAL
 import cv2
 import numpy as np
@@ -91,17 +91,19 @@ def cut_by_chroma(
     cut = labels.copy()
     for number in mixed:
         segment = changed & (labels == number).view(np.uint8)
-        limit = _chroma_between(off[segment > 0])
+        near = slices(grown(Box(*cv2.boundingRect(segment)), 1, segment))
+        segment = segment[near]
+        limit = _chroma_between(off[near][segment > 0])
         if limit is None:
             continue
         other = cv2.morphologyEx(
-            segment & (off > limit).view(np.uint8), cv2.MORPH_OPEN, square(3))
+            segment & (off[near] > limit).view(np.uint8), cv2.MORPH_OPEN, square(3))
         parts = other > 0, (segment & (1 - other)) > 0
         if min(map(np.count_nonzero, parts)) < min_area:
             continue
-        thing, light = (quantile(nats[part]) for part in parts)
+        thing, light = (quantile(nats[near][part]) for part in parts)
         if thing > -PRIOR > light:
-            cut[parts[0]] = count
+            cut[near][parts[0]] = count
             count += 1
     return cut
 

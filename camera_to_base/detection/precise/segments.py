@@ -310,26 +310,34 @@ def _without(
 
     Light and a thing that the sensor has cut off have no edge between them.
     """
-    if not cv2.countNonZero(segment & light):
+    near = slices(grown(Box(*cv2.boundingRect(segment)), 1, segment))
+    whole = segment[near]
+    rest = whole & (1 - light[near])
+    count, left = cv2.countNonZero(whole), cv2.countNonZero(rest)
+    if left == count:
         return segment
-    rest = segment & (1 - light)
-    if min(cv2.countNonZero(segment & cut_off),
-           cv2.countNonZero(rest)) > _MUCH * cv2.countNonZero(segment):
-        return rest
-    kept = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
-    is_coloured = (cv2.countNonZero(kept) > _SINGLE * cv2.countNonZero(rest)
-                   and quantile(found.nats[kept > 0]) > _COLOURED)
-    return kept if is_coloured else segment
+    kept = rest
+    if min(cv2.countNonZero(whole & cut_off[near]), left) <= _MUCH * count:
+        kept = largest_part(cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3)))
+        if (cv2.countNonZero(kept) <= _SINGLE * left
+                or quantile(found.nats[near][kept > 0]) <= _COLOURED):
+            return segment
+    result = np.zeros_like(segment)
+    result[near] = kept
+    return result
 
 
 def _look(
     mask: np.ndarray, at_table: np.ndarray, steps: _Steps, found: Evidence
 ) -> _Segment:
-    inside = mask > 0
-    nats, colour, ratio, *tone = (float(quantile(one[inside])) for one in (
+    # What is around it counts for its rim.
+    near = slices(grown(Box(*cv2.boundingRect(mask)), 1, mask))
+    inside = mask[near] > 0
+    nats, colour, ratio, *tone = (float(quantile(one[near][inside])) for one in (
         found.nats, found.colour, found.level, *found.chroma))
     chroma = math.hypot(*found.shade.off_tints(tone, ratio))
-    return _Segment(mask, nats, _softness(mask, at_table, steps), detail_of(found, mask), colour,
+    softness = _softness(mask[near], at_table[near], _Steps(*(one[near] for one in steps)))
+    return _Segment(mask, nats, softness, detail_of(found, mask), colour,
                     LEVEL_SCALE * ratio, tuple(tone), chroma,
                     LEVEL_SCALE * ratio < found.shade.darkest)
 
