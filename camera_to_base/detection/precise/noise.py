@@ -28,8 +28,9 @@ _PLACES, _APART, _NEXT = 9000, 3, 1
 # The same for what neighbours have in common, in px of the whole frame, how much larger its
 # deviation is at least, and by less than how many levels the two places differ on the background.
 _FAR_APART, _LEAST_DRIFT, _SAME_PRINT = 24, 1.3, 32
-# The blocks whose chroma is compared: their edge, px. The median of a squared normal value.
-_BLOCK, _MEDIAN_SQUARE = 5, 0.455
+# The blocks whose chroma is compared: their edge, px, and about how many. The median of a squared
+# normal value.
+_BLOCK, _BLOCKS, _MEDIAN_SQUARE = 5, 2000, 0.455
 _BIN, _LEAST_IN_BIN = 16, 60
 _BINS, _DIFFERENCES = 256 // _BIN, 2 * 255 + 1
 # A difference of whole numbers has a median of 0 on a quiet picture.
@@ -79,12 +80,12 @@ def measure_noise(frame: np.ndarray, background: np.ndarray, level: int) -> Dict
     :param level: A usual grey level.
     :returns: The noise at each of :data:`SCALES`.
     """
-    result = {}
+    result, pictures = {}, (frame, background)
     for scale in SCALES:
-        size = [max(length // scale, 1) for length in frame.shape[1::-1]]
-        pictures = [cv2.resize(one, size, interpolation=cv2.INTER_AREA)
-                    for one in (frame, background)] if scale > 1 else [frame, background]
         result[scale] = _measured(*pictures, level, _FAR_APART // scale)
+        height, width = (max(length // 2, 1) for length in pictures[0].shape[:2])
+        pictures = tuple(cv2.resize(one, (width, height), interpolation=cv2.INTER_AREA)
+                         for one in pictures)
     # Each camera has noise: where there is none, it was compressed away.
     own, near = (one.at(level) for one in (
         result[1], Noise(_of_pairs(frame, background, _NEXT))))
@@ -132,10 +133,10 @@ def _drift_of_chroma(
     """Measure the drift by how much more the chroma of blocks differs than single pixels tell."""
     height, width = (length // _BLOCK for length in frame.shape[:2])
     apart = -(-apart // _BLOCK)
-    step = max(height * width // _PLACES, 1)
+    # Of so many rows of blocks, one.
+    step = max(height * width // _BLOCKS, 1)
     if height <= step // 2 or width <= apart:
         return 0.0
-    # Rows of blocks.
     pictures = [np.ascontiguousarray(picture[:height * _BLOCK, :width * _BLOCK].reshape(
         height, _BLOCK, -1)[step // 2::step]).reshape(-1, width * _BLOCK, 3)
         for picture in (frame, background)]
