@@ -11,9 +11,10 @@
 
 import math
 
-from camera_to_base.detection import PreciseDifferenceDetector
+from camera_to_base.detection import Box, PreciseDifferenceDetector
 from camera_to_base.detection.precise.evidence import Detail
 from camera_to_base.detection.precise.reference import Reference
+from camera_to_base.detection.precise.search import _dropped
 import cv2
 from lit_table import (
     coded, covered, detect, disc, overlap, painted, ring, shaded, SIZE, TABLE)
@@ -232,6 +233,22 @@ def test_what_is_no_object_is_named():
     assert found[0].position == pytest.approx((219.5, 119.5), abs=3)
     assert found[1].position == pytest.approx((79.5, 119.5), abs=3)
     assert found[1].area == pytest.approx(60 * 60, rel=0.2)
+
+
+@pytest.mark.parametrize('colour, kind', [
+    (0.5 * TABLE, 'shade'), (1.5 * TABLE, 'light'),
+    ((0.05, 0.05, 0.4), 'light_or_thing'), ((0.02, 0.02, 0.02), 'light_or_thing')])
+def test_what_is_left_over_and_is_no_light_is_not_said_to_be_light(colour, kind):
+    lit = coded(table(0), 1)
+    frame = coded(painted(table(0), square(150, 120, 20), colour), 2)
+    left = np.zeros(SIZE, np.uint8)
+    left[96:145, 126:175] = 255
+    one, = _dropped(frame, lit, left, Box(100, 70, 120, 120), 30)
+    assert one.kind == kind and one.area == 49 * 49
+    # A rim that compression has coloured tells nothing.
+    left[99:142, 129:172] = 0
+    one, = _dropped(frame, lit, left, Box(100, 70, 120, 120), 30)
+    assert one.kind != 'light_or_thing'
 
 
 def test_nothing_is_dropped_from_an_object_without_shade():
