@@ -19,18 +19,18 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 from camera_to_base.detection.detection import Box, Detection, NoObject, Pixel, touches_edge
 from camera_to_base.detection.precise.changes import changed_parts, Strips
 from camera_to_base.detection.precise.evidence import BRIGHTEST
+from camera_to_base.detection.precise.light import log_light
 from camera_to_base.detection.precise.other_light import (
     Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, thinned,
     without_bands, without_smooth_light)
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, filled, fullness, grown, outline_of, outlines_in, slices, square,
-    without_rim)
+    centre_of, enclosed, filled, fullness, grown, outline_of, outlines_in, quantile, shrunk,
+    slices, square, without_rim)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import LevelLimits, Range, Reference
 from camera_to_base.detection.precise.regions import find_regions, is_much, Region
 from camera_to_base.detection.precise.segments import COLOURED
-from camera_to_base.detection.precise.shade import (
-    change_of, DARKEST, measure_shade, Shade)
+from camera_to_base.detection.precise.shade import change_of, DARKEST, measure_shade, Shade
 from camera_to_base.detection.precise.still import Still
 from camera_to_base.detection.precise.things import seen_closely, things_in, work
 import cv2
@@ -44,8 +44,9 @@ _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 _MOSTLY = 0.4
 # What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
 # is wider than the edge of a shade, in px. What fills less than this part of its hull may be some
-# things, or one and its shade: it is looked at alone, with what is so near, px.
-_LEAST_HAND, _NARROW, _CONVEX, _NEARBY = 0.2, 8, 0.85, 16
+# things, or one and its shade: it is looked at alone, with what is so near, px. So is what is
+# darker by this logarithm than most of a region that is light.
+_LEAST_HAND, _NARROW, _CONVEX, _NEARBY, _DARKER = 0.2, 8, 0.85, 16, 0.5
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
 _MOST_DROPPED = 100
@@ -283,6 +284,8 @@ def _things_of(
         return things_in(frame, at, reference, others, min_area, free)
 
     things = look(region)
+    if touches_edge(region.box, frame) and not things:
+        return _in_light(frame, region, reference, look)
     if not touches_edge(region.box, frame) or not any(thing.is_thing for thing in things):
         return things
     at_edge = [thing for thing in things if touches_edge(thing.box, frame)]
@@ -309,16 +312,40 @@ def _alone(
     """
     if fullness(thing.outline) > _CONVEX:
         return [thing]
-    box = grown(thing.box, _NEARBY, frame)
+    return _near(thing.outline, region, frame, look) or [thing]
+
+
+def _in_light(
+    frame: np.ndarray, region: Region, reference: Reference, look: Callable[[Region], List[Region]]
+) -> List[Region]:
+    """Give the things in a region that is light as a whole, but for darker parts: see `_alone`."""
+    scale = work(region.box).scale
+    seen, usual = (log_light(shrunk(picture[slices(region.box)], scale))
+                   for picture in (frame, reference.lit))
+    ratio = seen - usual
+    inside = np.ascontiguousarray(filled(region.outline, region.box)[::scale, ::scale])
+    darker = ratio < quantile(ratio[inside > 0]) - _DARKER
+    outlines = outlines_in(cv2.morphologyEx(
+        inside & darker.view(np.uint8), cv2.MORPH_OPEN, square(3)))
+    places = [scale * one + np.int32(region.box[:2]) for one in outlines]
+    return [thing for place in places for thing in _near(place, region, frame, look)]
+
+
+def _near(
+    part: np.ndarray, region: Region, frame: np.ndarray, look: Callable[[Region], List[Region]]
+) -> List[Region]:
+    """Give the things in a part of a region, looked at without the rest; part: its outline."""
+    around = Box(*cv2.boundingRect(part))
+    box = grown(around, _NEARBY, frame)
     outline = outline_of(filled(region.outline, box), box)
     if outline is None:
-        return [thing]
-    near = region._replace(outline=outline, box=Box(*cv2.boundingRect(outline)), strong=thing.box)
+        return []
+    near = region._replace(outline=outline, box=Box(*cv2.boundingRect(outline)), strong=around)
     if touches_edge(near.box, frame):
-        return [thing]
+        return []
     known = np.zeros(frame.shape[:2], np.uint8)
-    cv2.drawContours(known, [thing.outline], 0, 1, cv2.FILLED)
-    return [one for one in look(near) if one.is_thing and _is_in(one, known)] or [thing]
+    cv2.drawContours(known, [part], 0, 1, cv2.FILLED)
+    return [one for one in look(near) if one.is_thing and _is_in(one, known)]
 
 
 def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:

@@ -13,8 +13,9 @@ from camera_to_base.detection.detection import Box
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.evidence import evidence
 from camera_to_base.detection.precise.noise import Noise
+from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import Region
-from camera_to_base.detection.precise.search import _alone
+from camera_to_base.detection.precise.search import _alone, _in_light
 from camera_to_base.detection.precise.shade import Shade
 import cv2
 from lit_table import coded, covered, painted, SIZE
@@ -108,3 +109,20 @@ def test_part_of_a_large_region_is_looked_at_alone_unless_it_is_convex(part, cou
     found = _alone(part, whole, frame, look)
     assert len(found) == count and (found == [part]) == (count == 1)
     assert _alone(part, whole, frame, lambda near: []) == [part]
+
+
+@pytest.mark.parametrize('level, count', [(40, 1), (85, 0)])
+def test_what_is_darker_than_the_shade_that_it_lies_in_is_looked_at_alone(level, count):
+    table = np.full((*SIZE, 3), 120, np.uint8)
+    frame, corners = table.copy(), ((0, 0), (290, 0), (290, 200), (0, 200))
+    cv2.fillPoly(frame, [np.int32(corners)], (100, 100, 100))
+    cv2.circle(frame, (150, 110), 16, (level,) * 3, cv2.FILLED)
+    disc, looked = region((137, 97), (163, 97), (163, 123), (137, 123)), []
+
+    def look(near):
+        looked.append(near)
+        return [disc, region((60, 60), (160, 60), (160, 85))]
+
+    found = _in_light(frame, region(*corners), Reference(table, 13.0), look)
+    assert found == [disc] * count and len(looked) == count
+    assert all(one.box.is_inside(Box(110, 70, 81, 81)) for one in looked)
