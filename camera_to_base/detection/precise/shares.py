@@ -32,7 +32,7 @@ import cv2
 import numpy as np
 
 # Turns at most, and which part of an object may still change in the last one.
-_TURNS, _SETTLED = 3, 0.01
+_TURNS, _SETTLED = 3, 0.005
 # Where less than this part of a right mask is left, its colours have misled.
 _LEAST_KEPT = 0.9
 # How far a shadow's light changes on the way from where it is seen to the rim, at most; and
