@@ -21,7 +21,7 @@ from camera_to_base.detection.precise.light import AXES, log_levels
 import cv2
 import numpy as np
 
-# By how much a frame is reduced to be looked at, along each axis.
+# By how much a frame is reduced to be looked at, along each axis: each is twice the last one.
 SCALES = 1, 2, 4
 # Places that are compared, about, and how far apart the two of a pair are, in px.
 _PLACES, _APART, _NEXT = 9000, 3, 1
@@ -82,10 +82,11 @@ def measure_noise(frame: np.ndarray, background: np.ndarray, level: int) -> Dict
     """
     result, pictures = {}, (frame, background)
     for scale in SCALES:
+        if result:
+            height, width = (max(length // 2, 1) for length in pictures[0].shape[:2])
+            pictures = tuple(cv2.resize(one, (width, height), interpolation=cv2.INTER_AREA)
+                             for one in pictures)
         result[scale] = _measured(*pictures, level, _FAR_APART // scale)
-        height, width = (max(length // 2, 1) for length in pictures[0].shape[:2])
-        pictures = tuple(cv2.resize(one, (width, height), interpolation=cv2.INTER_AREA)
-                         for one in pictures)
     # Each camera has noise: where there is none, it was compressed away.
     own, near = (one.at(level) for one in (
         result[1], Noise(_of_pairs(frame, background, _NEXT))))

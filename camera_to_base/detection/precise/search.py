@@ -284,9 +284,11 @@ def _things_of(
         return things_in(frame, at, reference, others, min_area, free)
 
     things = look(region)
-    if touches_edge(region.box, frame) and not things:
+    if not touches_edge(region.box, frame):
+        return things
+    if not things:
         return _in_light(frame, region, reference, look)
-    if not touches_edge(region.box, frame) or not any(thing.is_thing for thing in things):
+    if not any(thing.is_thing for thing in things):
         return things
     at_edge = [thing for thing in things if touches_edge(thing.box, frame)]
     inside = [thing for thing in things if not touches_edge(thing.box, frame)

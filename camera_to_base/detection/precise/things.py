@@ -26,6 +26,7 @@ from camera_to_base.detection.precise.faces import hidden_beside, hiding_nats
 from camera_to_base.detection.precise.gloss import (
     find_highlight, is_on, may_be_highlight, with_highlights)
 from camera_to_base.detection.precise.light import LEVEL_SCALE, LINEAR, log_levels
+from camera_to_base.detection.precise.noise import SCALES
 from camera_to_base.detection.precise.piece import (
     chosen, cut_off, enclosed, enlarged, filled, grown, make_piece, outline_of, outlines_in,
     quantile, shrunk, slices, square)
@@ -70,7 +71,6 @@ _RING, _LEAST_AROUND = 4, 0.75
 # How far around what is strong, px.
 _FAINT = 16
 # A larger window is looked at reduced, in px; not so much that things in it vanish.
-_COARSEST = 4
 _MOST_AT_FULL_SIZE = 30_000
 
 
@@ -230,7 +230,7 @@ def seen_closely(region: Region, frame: np.ndarray) -> Box:
 def work(box: Box) -> Work:
     """Give the work that a region of a frame makes: large ones are looked at reduced."""
     area, scale = box.width * box.height, 1
-    while area > _MOST_AT_FULL_SIZE * scale ** 2 and scale < _COARSEST:
+    while area > _MOST_AT_FULL_SIZE * scale ** 2 and scale < SCALES[-1]:
         scale *= 2
     return Work(scale, area // scale ** 2)
 
