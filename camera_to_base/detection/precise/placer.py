@@ -92,13 +92,8 @@ class Placer:
         box = grown(region.box, _SURROUNDINGS, frame)
         window = _Window(frame, reference, box, filled(region.outline, box))
         if is_at_edge and window.mask.size > _MOST_AT_EDGE:
-            found = unplaced(region.outline, frame)
-        else:
-            found = self._long_way(window, is_at_edge, region)
-        if found and found[0].cut_off:
-            found += [one for thing in region.in_its_shade
-                      for one in self._thing(frame, thing, reference).detections]
-        return found
+            return unplaced(region.outline, frame)
+        return self._long_way(window, is_at_edge, region)
 
     def _thing(
         self, frame: np.ndarray, region: Region, reference: Reference

@@ -24,7 +24,7 @@ from camera_to_base.detection.precise.other_light import (
     Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, thinned,
     without_bands, without_smooth_light)
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, filled, fullness, grown, outline_of, outlines_in, quantile, shrunk,
+    centre_of, enclosed, filled, grown, outline_of, outlines_in, quantile, shrunk,
     slices, square, without_rim)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import LevelLimits, Range, Reference
@@ -40,13 +40,10 @@ import numpy as np
 _LEAST_BANDS = 0.05
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
-# What is left over where light was taken out is an object where this part of it differs strongly.
-_MOSTLY = 0.4
 # What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
-# is wider than the edge of a shade, in px. What fills less than this part of its hull may be some
-# things, or one and its shade: it is looked at alone, with what is so near, px. So is what is
-# darker by this logarithm than most of a region that is light.
-_LEAST_HAND, _NARROW, _CONVEX, _NEARBY, _DARKER = 0.2, 8, 0.85, 16, 0.5
+# is wider than the edge of a shade, in px: it is looked at alone, with what is so near, px. So is
+# what is darker by this logarithm than most of a region that is light.
+_LEAST_HAND, _NARROW, _NEARBY, _DARKER = 0.2, 8, 16, 0.5
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
 _MOST_DROPPED = 100
@@ -287,40 +284,54 @@ def _things_of(
     if not touches_edge(region.box, frame):
         return things
     if not things:
-        return _in_light(frame, region, reference, look)
-    if not any(thing.is_thing for thing in things):
+        return [one for part in _darker(frame, region, reference)
+                for one in _alone(part, region, frame, look) or ()]
+    if len(things) == 1 and not things[0].is_thing:
         return things
     at_edge = [thing for thing in things if touches_edge(thing.box, frame)]
-    inside = [thing for thing in things if not touches_edge(thing.box, frame)
-              and min(thing.box.width, thing.box.height) > _NARROW]
     # What reaches in may be a hand, and all of its region is, but for what lies apart in its
     # shade; or it is light, and looked at once more without it.
     is_thing = (sum(thing.strong_area for thing in at_edge)
                 > _LEAST_HAND * cv2.contourArea(region.outline))
-    return [region._replace(is_thing=is_thing)] * bool(at_edge) + [
-        one for thing in inside for one in _alone(thing, region, frame, look)]
+    result = [region._replace(is_thing=is_thing)] * bool(at_edge)
+    for thing in things:
+        if touches_edge(thing.box, frame) or min(thing.box.width, thing.box.height) <= _NARROW:
+            continue
+        alone = _alone(thing.outline, region, frame, look)
+        if alone is None:
+            # What else is told of it stands, unless that is no more than its pixels.
+            alone = [thing] * all(one.is_thing for one in things)
+        result += alone
+    return result
 
 
 def _alone(
-    thing: Region, region: Region, frame: np.ndarray, look: Callable[[Region], List[Region]]
-) -> List[Region]:
+    part: np.ndarray, region: Region, frame: np.ndarray, look: Callable[[Region], List[Region]]
+) -> Optional[List[Region]]:
     """
-    Give the things in a part of a region that reaches the picture's edge.
+    Give the things in a part of a region that reaches the picture's edge, looked at alone.
 
     All of the region is seen coarsely, and edges tell nothing in it: they do near the part alone.
 
-    :param thing: The part, as all of the region tells it.
+    :param part: Its outline.
     :param look: Gives the things in a region.
+    :returns: None where the part is near the picture's edge, too.
     """
-    if fullness(thing.outline) > _CONVEX:
-        return [thing]
-    return _near(thing.outline, region, frame, look) or [thing]
+    around = Box(*cv2.boundingRect(part))
+    box = grown(around, _NEARBY, frame)
+    outline = outline_of(filled(region.outline, box), box)
+    if outline is None:
+        return None
+    near = region._replace(outline=outline, box=Box(*cv2.boundingRect(outline)), strong=around)
+    if touches_edge(near.box, frame):
+        return None
+    known = np.zeros(frame.shape[:2], np.uint8)
+    cv2.drawContours(known, [part], 0, 1, cv2.FILLED)
+    return [one for one in look(near) if one.is_thing and _is_in(one, known)]
 
 
-def _in_light(
-    frame: np.ndarray, region: Region, reference: Reference, look: Callable[[Region], List[Region]]
-) -> List[Region]:
-    """Give the things in a region that is light as a whole, but for darker parts: see `_alone`."""
+def _darker(frame: np.ndarray, region: Region, reference: Reference) -> List[np.ndarray]:
+    """Give the outlines of what is darker than most of a region that is light as a whole."""
     scale = work(region.box).scale
     seen, usual = (log_light(shrunk(picture[slices(region.box)], scale))
                    for picture in (frame, reference.lit))
@@ -329,25 +340,7 @@ def _in_light(
     darker = ratio < quantile(ratio[inside > 0]) - _DARKER
     outlines = outlines_in(cv2.morphologyEx(
         inside & darker.view(np.uint8), cv2.MORPH_OPEN, square(3)))
-    places = [scale * one + np.int32(region.box[:2]) for one in outlines]
-    return [thing for place in places for thing in _near(place, region, frame, look)]
-
-
-def _near(
-    part: np.ndarray, region: Region, frame: np.ndarray, look: Callable[[Region], List[Region]]
-) -> List[Region]:
-    """Give the things in a part of a region, looked at without the rest; part: its outline."""
-    around = Box(*cv2.boundingRect(part))
-    box = grown(around, _NEARBY, frame)
-    outline = outline_of(filled(region.outline, box), box)
-    if outline is None:
-        return []
-    near = region._replace(outline=outline, box=Box(*cv2.boundingRect(outline)), strong=around)
-    if touches_edge(near.box, frame):
-        return []
-    known = np.zeros(frame.shape[:2], np.uint8)
-    cv2.drawContours(known, [part], 0, 1, cv2.FILLED)
-    return [one for one in look(near) if one.is_thing and _is_in(one, known)]
+    return [scale * one + np.int32(region.box[:2]) for one in outlines]
 
 
 def _are_bands_likely(frame: np.ndarray, parts: List[Box]) -> bool:
@@ -391,7 +384,7 @@ def _without_foreign_light(found: Candidates, reference: Reference, min_area: fl
     others = [region._replace(in_other_light=has_light(field, region.box)) for region in regions
               if _is_in(region, unclear) and (touches_edge(region.box, frame) or (
                   not any(box.is_mostly_inside(region.box) for box in boxes)
-                  and region.strong_area > _MOSTLY * cv2.contourArea(region.outline)))]
+                  and region.is_strong))]
     return found._replace(regions=known + others)
 
 

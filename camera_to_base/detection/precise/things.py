@@ -153,17 +153,17 @@ def things_in(
     masks = _masks(seen, usual, changed, found, min_area / scale ** 2, not is_at_edge)
     if isinstance(masks, _Unclear):
         # Where the table has a texture or a print, that tells better than edges.
-        may_be_light = masks.may_be_light and not reference.has_edges(slices(window))
-        in_shade = _in_a_shade(found, changed, min_area / scale ** 2) if is_at_edge else []
-        things = _regions_of([(mask, 0.0) for mask in in_shade], scale, window)
+        may_be_light = not region.is_strong or (
+            masks.may_be_light and not reference.has_edges(slices(window)))
         doubt = masks.doubt
+        in_shade = _in_a_shade(found, changed, min_area / scale ** 2) if is_at_edge else []
         if hidden.any():
             # It may be a thing as a whole.
             doubt = _with_hidden(doubt, hidden, changed)
             region = region.united(*_regions_of([(changed, 0.0)], scale, window))
         return [region._replace(
-            may_be_light=may_be_light, doubt=scale * doubt, is_hiding=bool(hidden.any()),
-            in_its_shade=[one for one in things if not touches_edge(one.box, frame)])]
+            may_be_light=may_be_light, doubt=scale * doubt, is_hiding=bool(hidden.any()))
+            ] + _regions_of([(mask, 0.0) for mask in in_shade], scale, window)
     doubtful = [(mask, _with_hidden(doubt, hidden, mask)) for mask, doubt in masks]
     return [thing._replace(is_hiding=bool((hidden & mask).any()))
             for thing, (mask, _) in zip(_regions_of(doubtful, scale, window), masks)]

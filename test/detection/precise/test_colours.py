@@ -10,12 +10,12 @@
 """Coloured things: faint ones, what the sensor has cut off, their glow, and their sharp shade."""
 
 from camera_to_base.detection.detection import Box
+from camera_to_base.detection.precise import search
 from camera_to_base.detection.precise.detector import PreciseDifferenceDetector
 from camera_to_base.detection.precise.evidence import evidence
 from camera_to_base.detection.precise.noise import Noise
 from camera_to_base.detection.precise.reference import Reference
 from camera_to_base.detection.precise.regions import Region
-from camera_to_base.detection.precise.search import _alone, _in_light
 from camera_to_base.detection.precise.shade import Shade
 import cv2
 from lit_table import coded, covered, painted, SIZE
@@ -92,23 +92,40 @@ def region(*corners):
     return Region(outline, box, int(cv2.contourArea(outline)), box, is_thing=True)
 
 
-@pytest.mark.parametrize('part, count', [
-    (((60, 60), (160, 60), (160, 90), (90, 90), (90, 160), (60, 160)), 2),
-    (((60, 60), (160, 60), (160, 160), (60, 160)), 1)])
-def test_part_of_a_large_region_is_looked_at_alone_unless_it_is_convex(part, count):
+def test_part_of_a_large_region_is_looked_at_alone():
     frame = np.zeros((*SIZE, 3), np.uint8)
     two = [region((60, 60), (160, 60), (160, 85), (95, 85)),
            region((60, 90), (85, 90), (85, 160), (60, 160))]
     light = region((170, 170), (190, 170), (190, 190), (170, 190))
-    whole, part = region((0, 40), (300, 40), (300, 200), (0, 200)), region(*part)
+    whole = region((0, 40), (300, 40), (300, 200), (0, 200))
+    part = region((60, 60), (160, 60), (160, 90), (90, 90), (90, 160), (60, 160)).outline
 
     def look(near):
-        assert count == 2 and near.box.is_inside(Box(40, 40, 141, 141))
+        assert near.box.is_inside(Box(40, 40, 141, 141))
         return [*two, light]
 
-    found = _alone(part, whole, frame, look)
-    assert len(found) == count and (found == [part]) == (count == 1)
-    assert _alone(part, whole, frame, lambda near: []) == [part]
+    assert search._alone(part, whole, frame, look) == two
+    assert search._alone(part, whole, frame, lambda near: []) == []
+    assert search._alone(part - (55, 0), whole, frame, look) is None
+
+
+def test_part_in_an_arms_shade_is_no_thing_unless_it_is_one_alone(monkeypatch):
+    frame = np.zeros((*SIZE, 3), np.uint8)
+    arm = region((0, 40), (300, 40), (300, 200), (0, 200))._replace(is_thing=False)
+    part = region((60, 60), (160, 60), (160, 90), (60, 90))
+    for alone in [], [part]:
+        monkeypatch.setattr(search, 'things_in', lambda frame, at, *_: (
+            [arm, part] if at is arm else alone))
+        found = search._things_of(
+            frame, arm, Reference(frame, 13.0), Shade(), 100.0, np.zeros(SIZE, np.uint8))
+        assert found == [arm._replace(is_thing=True), *alone]
+
+
+def test_what_hardly_differs_strongly_is_light_or_a_thing():
+    faint = region((60, 60), (160, 60), (160, 90), (60, 90))
+    area = cv2.contourArea(faint.outline)
+    assert not faint._replace(strong_area=int(0.45 * area)).is_strong
+    assert faint._replace(strong_area=int(0.55 * area)).is_strong
 
 
 @pytest.mark.parametrize('level, count', [(40, 1), (85, 0)])
@@ -117,12 +134,6 @@ def test_what_is_darker_than_the_shade_that_it_lies_in_is_looked_at_alone(level,
     frame, corners = table.copy(), ((0, 0), (290, 0), (290, 200), (0, 200))
     cv2.fillPoly(frame, [np.int32(corners)], (100, 100, 100))
     cv2.circle(frame, (150, 110), 16, (level,) * 3, cv2.FILLED)
-    disc, looked = region((137, 97), (163, 97), (163, 123), (137, 123)), []
-
-    def look(near):
-        looked.append(near)
-        return [disc, region((60, 60), (160, 60), (160, 85))]
-
-    found = _in_light(frame, region(*corners), Reference(table, 13.0), look)
-    assert found == [disc] * count and len(looked) == count
-    assert all(one.box.is_inside(Box(110, 70, 81, 81)) for one in looked)
+    found = search._darker(frame, region(*corners), Reference(table, 13.0))
+    assert len(found) == count
+    assert all(Box(*cv2.boundingRect(one)).is_inside(Box(130, 90, 41, 41)) for one in found)
