@@ -44,7 +44,6 @@ frame gives the same result whatever came before.
 from dataclasses import replace
 from itertools import takewhile
 import math
-import operator
 from typing import Dict, List, Optional, Tuple
 
 from camera_to_base.checks import check_frame, check_same_size, finite_number
@@ -68,12 +67,10 @@ from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
 
-# On which part of an object it differs as much as one must,
-# or on which it differs by so many times that.
-_LEAST_STRONG, _LEAST_CLEAR, _CLEAR = 0.5, 0.05, 3.0
-# A thing is not faint, either, where its mean differs so much, with so much chroma, logarithm,
-# which light does not have, and this part of it differs as much as one must.
-_COLOURED, _LEAST_COLOURED = 0.1, 0.03
+# An object differs as much as one must on this part of it, a thing on that part; one that has more
+# chroma, logarithm, than light gives it, need not. Of 1,940 reports on 67 sets of real pictures 76
+# do less: 63 of these are no object, 2 are right.
+_LEAST_STRONG, _OF_A_THING, _COLOURED = 0.5, 0.25, 0.12
 
 # A thing in more doubt than this, by the square root of its area, is a sliver of one, or of light.
 _MOST_DOUBT = 0.45
@@ -244,37 +241,27 @@ class PreciseDifferenceDetector:
         faint: List[Detection] = []
         largest = (max(parts, key=lambda one: one.area, default=None)
                    if region.is_hiding else None)
+        least = _OF_A_THING if region.is_thing else _LEAST_STRONG
         for part in parts:
             outline = np.int32(part.outline)[:, None]
             is_faint = (part is not largest and not part.cut_off
-                        and self._is_faint(outline, part.box, frame)
-                        and not (region.is_thing and self._is_coloured(outline, part.box, frame)))
+                        and self._is_faint(outline, part.box, frame, least)
+                        and not self._is_coloured(outline, part.box, frame))
             (faint if is_faint else clear).append(part)
         return clear, faint
 
     def _is_coloured(self, outline: np.ndarray, box: Box, frame: np.ndarray) -> bool:
-        part, inside = slices(box), filled(outline, box)
-        strong = self._reference.limits.strong(frame, part) & inside
-        if cv2.countNonZero(strong) < _LEAST_COLOURED * cv2.countNonZero(inside):
-            return False
         # Noise changes a mean less than each of its pixels. On the rim, the table is seen, too.
-        inside = without_rim(inside, square(3))
-        seen, usual = (cv2.mean(picture[part], inside)[:3]
-                       for picture in (frame, self._reference.lit))
-        return (max(map(abs, map(operator.sub, seen, usual))) > self._faintest
-                and change_of(seen, usual)[0] > _COLOURED)
+        inside = without_rim(filled(outline, box), square(3))
+        return change_of(*(cv2.mean(picture[slices(box)], inside)[:3]
+                           for picture in (frame, self._reference.lit)))[0] > _COLOURED
 
-    def _is_faint(self, outline: np.ndarray, box: Box, frame: np.ndarray) -> bool:
-        # A trace of light or of JPEG, with a speck in it.
-        part, limits = slices(box), self._reference.limits
+    def _is_faint(
+        self, outline: np.ndarray, box: Box, frame: np.ndarray, least: float = _LEAST_STRONG
+    ) -> bool:
         inside = filled(outline, box)
-        area = cv2.countNonZero(inside)
-        if cv2.countNonZero(limits.strong(frame, part) & inside) >= _LEAST_STRONG * area:
-            return False
-        # A part of it may look like the table.
-        faint = cv2.inRange(cv2.absdiff(frame[part], self._reference.lit[part]), 0,
-                            (_CLEAR * limits.least,) * 3)
-        return cv2.countNonZero(inside & ~faint) < _LEAST_CLEAR * area
+        strong = self._reference.limits.strong(frame, slices(box)) & inside
+        return cv2.countNonZero(strong) < least * cv2.countNonZero(inside)
 
     @property
     def taken_away(self) -> List[Detection]:
