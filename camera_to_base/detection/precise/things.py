@@ -259,9 +259,6 @@ def _masks(
         # A black thing's rim has edges, an umbra may have none.
         return _masks(frame, background, changed, found._replace(is_dark=found.is_black),
                       min_area, False)
-    if 2 * cv2.countNonZero(sure & by_edges.things) < cv2.countNonZero(sure):
-        # Most of it has no segment of its own.
-        by_edges = by_edges._replace(is_light=False, is_untold=True)
     if by_edges.is_light:
         return []
     if not (by_edges.is_untold or by_edges.things.any()):
