@@ -24,11 +24,11 @@ from camera_to_base.detection.precise.other_light import (
     Even, find_bands, find_field, has_light, in_usual_light, looks_like_light, thinned,
     without_bands, without_smooth_light)
 from camera_to_base.detection.precise.piece import (
-    centre_of, enclosed, filled, grown, outline_of, outlines_in, quantile, shrunk,
+    centre_of, enclosed, filled, fullness, grown, outline_of, outlines_in, quantile, shrunk,
     slices, square, without_rim)
 from camera_to_base.detection.precise.plain import find_plain, Plain
 from camera_to_base.detection.precise.reference import LevelLimits, Range, Reference
-from camera_to_base.detection.precise.regions import find_regions, is_much, Region
+from camera_to_base.detection.precise.regions import find_regions, goes_beyond, is_much, Region
 from camera_to_base.detection.precise.segments import COLOURED
 from camera_to_base.detection.precise.shade import change_of, DARKEST, measure_shade, Shade
 from camera_to_base.detection.precise.still import Still
@@ -41,9 +41,10 @@ _LEAST_BANDS = 0.05
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 # What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
-# is wider than the edge of a shade, in px: it is looked at alone, with what is so near, px. So is
-# what is darker by this logarithm than most of a region that is light.
-_LEAST_HAND, _NARROW, _NEARBY, _DARKER = 0.2, 8, 16, 0.5
+# is wider than the edge of a shade, in px: it is looked at alone, with what is so near, px, and
+# farther if it goes on there. It may be the core of what is so convex. So is looked at what is
+# darker by this logarithm than most of a region that is light.
+_LEAST_HAND, _NARROW, _NEARBY, _CONVEX, _DARKER = 0.2, 8, (16, 48), 0.85, 0.5
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
 _MOST_DROPPED = 100
@@ -318,16 +319,22 @@ def _alone(
     :returns: None where the part is near the picture's edge, too.
     """
     around = Box(*cv2.boundingRect(part))
-    box = grown(around, _NEARBY, frame)
-    outline = outline_of(filled(region.outline, box), box)
-    if outline is None:
-        return None
-    near = region._replace(outline=outline, box=Box(*cv2.boundingRect(outline)), strong=around)
-    if touches_edge(near.box, frame):
-        return None
-    known = np.zeros(frame.shape[:2], np.uint8)
-    cv2.drawContours(known, [part], 0, 1, cv2.FILLED)
-    return [one for one in look(near) if one.is_thing and _is_in(one, known)]
+    things: List[Region] = []
+    for margin in _NEARBY:
+        box = grown(around, margin, frame)
+        outline = outline_of(filled(region.outline, box), box)
+        if outline is None:
+            return None
+        near = region._replace(
+            outline=outline, box=Box(*cv2.boundingRect(outline)), strong=around)
+        if touches_edge(near.box, frame):
+            return things or None
+        known = filled(part, box)
+        things = [one for one in look(near) if one.is_thing and _is_same(
+            one, known, box)] or things
+        if not any(goes_beyond(one.box, box, frame) for one in things):
+            break
+    return things
 
 
 def _darker(frame: np.ndarray, region: Region, reference: Reference) -> List[np.ndarray]:
@@ -384,8 +391,16 @@ def _without_foreign_light(found: Candidates, reference: Reference, min_area: fl
     others = [region._replace(in_other_light=has_light(field, region.box)) for region in regions
               if _is_in(region, unclear) and (touches_edge(region.box, frame) or (
                   not any(box.is_mostly_inside(region.box) for box in boxes)
-                  and region.is_strong))]
+                  and region.is_clear))]
     return found._replace(regions=known + others)
+
+
+def _is_same(thing: Region, part: np.ndarray, box: Box) -> bool:
+    """Tell whether a thing is most of a part of a box, or is convex and goes around that."""
+    inside = filled(thing.outline, box)
+    both, area = cv2.countNonZero(inside & part), cv2.countNonZero(inside)
+    return 2 * both > area or (
+        2 * both > cv2.countNonZero(part) and fullness(thing.outline) > _CONVEX)
 
 
 def _is_in(region: Region, mask: np.ndarray) -> bool:

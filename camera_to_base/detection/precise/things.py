@@ -153,7 +153,7 @@ def things_in(
     masks = _masks(seen, usual, changed, found, min_area / scale ** 2, not is_at_edge)
     if isinstance(masks, _Unclear):
         # Where the table has a texture or a print, that tells better than edges.
-        may_be_light = not region.is_strong or (
+        may_be_light = not region.is_clear or (
             masks.may_be_light and not reference.has_edges(slices(window)))
         doubt = masks.doubt
         in_shade = _in_a_shade(found, changed, min_area / scale ** 2) if is_at_edge else []

@@ -121,11 +121,13 @@ def test_part_in_an_arms_shade_is_no_thing_unless_it_is_one_alone(monkeypatch):
         assert found == [arm._replace(is_thing=True), *alone]
 
 
-def test_what_hardly_differs_strongly_is_light_or_a_thing():
-    faint = region((60, 60), (160, 60), (160, 90), (60, 90))
-    area = cv2.contourArea(faint.outline)
-    assert not faint._replace(strong_area=int(0.45 * area)).is_strong
-    assert faint._replace(strong_area=int(0.55 * area)).is_strong
+def test_ragged_region_that_hardly_differs_strongly_may_be_light():
+    ragged = region((60, 60), (160, 60), (160, 70), (70, 70), (70, 160), (60, 160))
+    convex = region((60, 60), (160, 60), (160, 90), (60, 90))
+    for one, least in ((ragged, 0.5), (convex, 0.0)):
+        area = cv2.contourArea(one.outline)
+        assert one._replace(strong_area=round((least + 0.05) * area)).is_clear
+        assert one._replace(strong_area=round((least - 0.05) * area)).is_clear == (one is convex)
 
 
 @pytest.mark.parametrize('level, count', [(40, 1), (85, 0)])
