@@ -68,9 +68,8 @@ import cv2
 import numpy as np
 
 # On which part of it an object differs as much as one must, and on which a thing does: unless it
-# has more chroma, logarithm, than light gives it. What is convex may look like the table in part,
-# where this part of it differs by so many times that. Of some 1,900 reports on 67 sets of real
-# pictures, 50 that do less are no object, and 2 are.
+# has more chroma, logarithm, than light gives it. What is not told to be a ragged thing may look
+# like the table in part, where this part of it differs by so many times that.
 _LEAST_STRONG, _OF_A_THING, _COLOURED = 0.5, 0.25, 0.12
 _LEAST_CLEAR, _CLEAR = 0.05, 3.0
 
@@ -243,11 +242,10 @@ class PreciseDifferenceDetector:
         faint: List[Detection] = []
         largest = (max(parts, key=lambda one: one.area, default=None)
                    if region.is_hiding else None)
-        least = _OF_A_THING if region.is_thing else _LEAST_STRONG
         for part in parts:
             outline = np.int32(part.outline)[:, None]
             is_faint = (part is not largest and not part.cut_off
-                        and self._is_faint(outline, part.box, frame, least)
+                        and self._is_faint(outline, part.box, frame, region.is_thing)
                         and not self._is_coloured(outline, part.box, frame))
             (faint if is_faint else clear).append(part)
         return clear, faint
@@ -259,17 +257,20 @@ class PreciseDifferenceDetector:
                            for picture in (frame, self._reference.lit)))[0] > _COLOURED
 
     def _is_faint(
-        self, outline: np.ndarray, box: Box, frame: np.ndarray, least: float = _LEAST_STRONG
+        self, outline: np.ndarray, box: Box, frame: np.ndarray, is_thing: bool = False
     ) -> bool:
         part, limits = slices(box), self._reference.limits
         inside = filled(outline, box)
         area = cv2.countNonZero(inside)
-        if cv2.countNonZero(limits.strong(frame, part) & inside) >= least * area:
+        strong = cv2.countNonZero(limits.strong(frame, part) & inside)
+        if strong >= (_OF_A_THING if is_thing else _LEAST_STRONG) * area:
             return False
-        faint = cv2.inRange(cv2.absdiff(frame[part], self._reference.lit[part]), 0,
-                            (_CLEAR * limits.least,) * 3)
-        return (fullness(outline) <= CONVEX
-                or cv2.countNonZero(inside & ~faint) < _LEAST_CLEAR * area)
+        if is_thing and fullness(outline) <= CONVEX:
+            return True
+        # A part of it may look like the table.
+        near = cv2.inRange(cv2.absdiff(frame[part], self._reference.lit[part]), 0,
+                           (_CLEAR * limits.least,) * 3)
+        return cv2.countNonZero(inside & ~near) < _LEAST_CLEAR * area
 
     @property
     def taken_away(self) -> List[Detection]:

@@ -13,7 +13,7 @@ Tells things from shade, sun and lamps, before anything is connected; see `evide
 Where neither is clear (glass, a grey face on a grey table, a lamp's mirror image), nothing is said
 and the long way decides, see `own_shadow`. Where the frame's detail follows the table's, and where
 the light changes without an edge, it is light. An arm, its shade and what lies in the shade are
-one region: where that is not clear, what is surrounded by shade is still a thing of its own.
+one region: where that is not clear, what is surrounded by shade may be a thing, see `search`.
 """
 
 import math
@@ -140,7 +140,7 @@ def things_in(
     :param min_area: Of a thing, in px².
     :param free: What is in no region, shape (h, w), uint8, 1 there.
     :returns: One region for each thing, none where all is light; the region itself, which is no
-        thing then, where it is not clear.
+        thing then, where it is not clear, and what may be things in its shade, if it is an arm.
     """
     looked = _look_at(frame, region, reference, shade, free, _MARGINS[0])
     for margin in _MARGINS[1:]:
@@ -203,7 +203,7 @@ def _regions_of(
 
 
 def _in_a_shade(found: Evidence, changed: np.ndarray, min_area: float) -> List[np.ndarray]:
-    """Give what is clearly a thing, and surrounded by shade or the table: it lies in an arm's."""
+    """Give what may be a thing, and is surrounded by shade or the table: it lies in an arm's."""
     clear = cv2.morphologyEx(changed & (
         found.is_dark | (found.nats > _CLEAR).view(np.uint8)), cv2.MORPH_OPEN, square(3))
     table = found.is_light
