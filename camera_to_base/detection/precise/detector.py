@@ -67,10 +67,11 @@ from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
 
-# On which part of it an object differs as much as one must, and on which a thing does: unless it
-# has more chroma, logarithm, than light gives it. What is not told to be a ragged thing may look
-# like the table in part, where this part of it differs by so many times that.
+# An object differs as much as one must on this part of it; what is told to be a thing, on that;
+# but one that has more chroma than light gives it, a logarithm, may be fainter.
 _LEAST_STRONG, _OF_A_THING, _COLOURED = 0.5, 0.25, 0.12
+# Unless it is a thing with a ragged outline, it may look like the table in part: it is no trace of
+# light where this part of it differs by so many times that.
 _LEAST_CLEAR, _CLEAR = 0.05, 3.0
 
 # A thing in more doubt than this, by the square root of its area, is a sliver of one, or of light.

@@ -40,10 +40,10 @@ import numpy as np
 _LEAST_BANDS = 0.05
 # Light that reaches into the picture covers at least this part of it, and hardly more than half.
 _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
-# What reaches in is a hand with its shade where this part of it is a thing; a thing in the shade
-# is wider than the edge of a shade, in px: it is looked at alone, with what is so near, px, and
-# farther if it goes on there. It may be the core of what is so convex. So is looked at what is
-# darker by this logarithm than most of a region that is light.
+# What reaches in is a hand with its shade where this part of it is a thing. A part of it that is
+# wider than the edge of a shade, px, is looked at alone, with what is so near, px, and farther
+# where a thing goes on there. A thing goes around such a part where it fills so much of its hull.
+# What is darker by this logarithm than most of a region that is light is looked at alone, too.
 _LEAST_HAND, _NARROW, _NEARBY, _CONVEX, _DARKER = 0.2, 8, (16, 48), 0.85, 0.5
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
@@ -295,14 +295,16 @@ def _things_of(
     is_thing = (sum(thing.strong_area for thing in at_edge)
                 > _LEAST_HAND * cv2.contourArea(region.outline))
     result = [region._replace(is_thing=is_thing)] * bool(at_edge)
+    # Of what lies in an arm's shade, no more than its pixels is known.
+    are_told = all(thing.is_thing for thing in things)
     for thing in things:
         if touches_edge(thing.box, frame) or min(thing.box.width, thing.box.height) <= _NARROW:
             continue
         alone = _alone(thing.outline, region, frame, look)
-        if alone is None:
-            # What else is told of it stands, unless that is no more than its pixels.
-            alone = [thing] * all(one.is_thing for one in things)
-        result += alone
+        if alone is not None:
+            result += alone
+        elif are_told:
+            result.append(thing)
     return result
 
 
@@ -316,7 +318,7 @@ def _alone(
 
     :param part: Its outline.
     :param look: Gives the things in a region.
-    :returns: None where the part is near the picture's edge, too.
+    :returns: None where the part cannot be looked at alone: it is near the picture's edge, too.
     """
     around = Box(*cv2.boundingRect(part))
     things: List[Region] = []
@@ -396,16 +398,18 @@ def _without_foreign_light(found: Candidates, reference: Reference, min_area: fl
 
 
 def _is_same(thing: Region, part: np.ndarray, box: Box) -> bool:
-    """Tell whether a thing is most of a part of a box, or is convex and goes around that."""
+    """Tell whether a thing lies in a part of a box, or is convex and goes around that."""
     inside = filled(thing.outline, box)
-    both, area = cv2.countNonZero(inside & part), cv2.countNonZero(inside)
-    return 2 * both > area or (
-        2 * both > cv2.countNonZero(part) and fullness(thing.outline) > _CONVEX)
+    return _is_mostly_in(inside, part) or (
+        _is_mostly_in(part, inside) and fullness(thing.outline) > _CONVEX)
 
 
 def _is_in(region: Region, mask: np.ndarray) -> bool:
-    inside = filled(region.outline, region.box)
-    return 2 * cv2.countNonZero(inside & mask[slices(region.box)]) > cv2.countNonZero(inside)
+    return _is_mostly_in(filled(region.outline, region.box), mask[slices(region.box)])
+
+
+def _is_mostly_in(one: np.ndarray, other: np.ndarray) -> bool:
+    return 2 * cv2.countNonZero(one & other) > cv2.countNonZero(one)
 
 
 def _is_speck(frame: np.ndarray, part: Box, limits: LevelLimits, min_area: float) -> bool:

@@ -109,6 +109,20 @@ def test_part_of_a_large_region_is_looked_at_alone():
     assert search._alone(part - (55, 0), whole, frame, look) is None
 
 
+def test_part_is_looked_at_farther_where_a_thing_goes_on_beyond_what_was_looked_at():
+    whole = region((0, 40), (300, 40), (300, 200), (0, 200))
+    disc = region((100, 100), (140, 100), (140, 140), (100, 140))
+    boxes = []
+
+    def look(near):
+        boxes.append(near.box)
+        return [whole._replace(outline=near.outline, box=near.box) if len(boxes) == 1 else disc]
+
+    core = region((115, 115), (125, 115), (125, 125), (115, 125)).outline
+    assert search._alone(core, whole, np.zeros((*SIZE, 3), np.uint8), look) == [disc]
+    assert len(boxes) == 2 and boxes[0].is_inside(boxes[1])
+
+
 def test_part_in_an_arms_shade_is_no_thing_unless_it_is_one_alone(monkeypatch):
     frame = np.zeros((*SIZE, 3), np.uint8)
     arm = region((0, 40), (300, 40), (300, 200), (0, 200))._replace(is_thing=False)
@@ -128,6 +142,17 @@ def test_ragged_region_that_hardly_differs_strongly_may_be_light():
         area = cv2.contourArea(one.outline)
         assert one._replace(strong_area=round((least + 0.05) * area)).is_clear
         assert one._replace(strong_area=round((least - 0.05) * area)).is_clear == (one is convex)
+
+
+@pytest.mark.parametrize('strong, is_faint', [(0.15, True), (0.35, False)])
+def test_ragged_thing_is_faint_where_too_little_of_it_differs_strongly(strong, is_faint):
+    table = np.full((*SIZE, 3), 120, np.uint8)
+    detector, frame = PreciseDifferenceDetector(table), table.copy()
+    detector.detect(table)
+    ragged = region((60, 60), (160, 60), (160, 70), (70, 70), (70, 160), (60, 160))
+    cv2.drawContours(frame, [ragged.outline], 0, (112,) * 3, cv2.FILLED)
+    cv2.rectangle(frame, (60, 60), (round(60 + 200 * strong), 70), (60,) * 3, cv2.FILLED)
+    assert detector._is_faint(ragged.outline, ragged.box, frame, is_thing=True) == is_faint
 
 
 @pytest.mark.parametrize('level, count', [(40, 1), (85, 0)])
