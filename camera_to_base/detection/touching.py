@@ -15,7 +15,8 @@ closer together than either object is wide. A screw has two notches, too, but it
 as its shaft; an L has one notch. An outline is split only if all of its parts are convex then.
 
 Things with a narrow gap are apart where the table is seen between them, `cut_at_gaps`, also where
-their shade or compression has joined them by a neck: `without_necks`.
+their shade or compression has joined them by a neck: `without_necks`. Wider ones are apart where
+light explains what is between them: `cut_at_light`.
 """
 
 from itertools import combinations
@@ -41,7 +42,7 @@ _LEAST_SOLIDITY, _SMALLEST = 0.9, 30
 _MOST_NOTCHES, _MOST_PARTS = 12, 12
 # How far two things may be apart that are taken for one at first, in px; how much nearer to the
 # table's colour it is there; how large a part each is; how far the frame goes towards the table.
-_WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.1, 0.25
+_WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.2, 0.25
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
 _ALIKE, _THIRD_COLOUR = 0.15, 0.1
@@ -187,6 +188,27 @@ def cut_at_gaps(
     return found
 
 
+def cut_at_light(things: np.ndarray, light: np.ndarray, min_area: float) -> np.ndarray:
+    """
+    Cut things where light explains what joins them: shade joins no two things.
+
+    :param things: Shape (h, w), uint8, 1 inside.
+    :param light: What light explains better than a thing, of that shape.
+    :param min_area: Smaller things do not count, in px².
+    """
+    sure = cv2.morphologyEx(things & (1 - light), cv2.MORPH_CLOSE, square(3))
+    wide = cv2.morphologyEx(sure, cv2.MORPH_OPEN, square(3))
+    whole, cut = Box(0, 0, *things.shape[::-1]), things
+    for outline in outlines_in(things):
+        inside = filled(outline, whole)
+        cores = _lumps(wide & inside, max(min_area / 2, _LEAST_PART * enclosed(outline)))
+        if len(cores) > 1:
+            middle = inside & _half_way(cores)[0] & (1 - sure)
+            if 2 * cv2.countNonZero(middle & light) > cv2.countNonZero(middle):
+                cut = cut & (1 - middle)
+    return cut
+
+
 def without_necks(
     mask: np.ndarray, frame: np.ndarray, table: np.ndarray, min_area: float
 ) -> np.ndarray:
@@ -208,9 +230,8 @@ def without_necks(
             break
     else:
         return mask
-    nearest, next_one = np.sort(
-        [cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores], axis=0)[:2]
-    middle = mask & (next_one - nearest < 2).view(np.uint8)
+    middle, nearest = _half_way(cores)
+    middle &= mask
     if not (middle.any() and _is_over_table(middle, cores, frame, table)):
         return mask
     return mask & (nearest <= width).view(np.uint8) & (1 - middle)
@@ -221,6 +242,13 @@ def _lumps(mask: np.ndarray, least: float) -> List[np.ndarray]:
     whole = Box(0, 0, *mask.shape[::-1])
     lumps = (filled(outline, whole) & mask for outline in outlines_in(mask))
     return [lump for lump in lumps if cv2.countNonZero(lump) >= least]
+
+
+def _half_way(cores: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
+    """Give what is half-way between cores, uint8, 1 there; and how far the nearest is, px."""
+    nearest, next_one = np.sort(
+        [cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores], axis=0)[:2]
+    return (next_one - nearest < 2).view(np.uint8), nearest
 
 
 def _is_over_table(

@@ -283,7 +283,7 @@ def _things_of(
 
     things = look(region)
     if not touches_edge(region.box, frame):
-        return things
+        return _closer(things, region, frame, look)
     if not things:
         return [one for part in _darker(frame, region, reference)
                 for one in _alone(part, region, frame, look) or ()]
@@ -308,13 +308,28 @@ def _things_of(
     return result
 
 
+def _closer(
+    things: List[Region], region: Region, frame: np.ndarray,
+    look: Callable[[Region], List[Region]],
+) -> List[Region]:
+    """Look at the things that were seen reduced again, each alone: one may be several."""
+    scale = work(seen_closely(region, frame)).scale
+    result: List[Region] = []
+    for thing in things:
+        is_closer = thing.is_thing and work(grown(thing.box, _NEARBY[0], frame)).scale < scale
+        several = _alone(thing.outline, region, frame, look) if is_closer else None
+        # Of one thing, compression hides less where it is seen reduced.
+        result += several if several and len(several) > 1 else [thing]
+    return result
+
+
 def _alone(
     part: np.ndarray, region: Region, frame: np.ndarray, look: Callable[[Region], List[Region]]
 ) -> Optional[List[Region]]:
     """
-    Give the things in a part of a region that reaches the picture's edge, looked at alone.
+    Give the things in a part of a region, looked at alone: it is seen less reduced.
 
-    All of the region is seen coarsely, and edges tell nothing in it: they do near the part alone.
+    Where the region reaches the picture's edge, edges tell nothing in it: they do near the part.
 
     :param part: Its outline.
     :param look: Gives the things in a region.
