@@ -41,8 +41,11 @@ _WIDEST_NECK = 0.6
 _LEAST_SOLIDITY, _SMALLEST = 0.9, 30
 _MOST_NOTCHES, _MOST_PARTS = 12, 12
 # How far two things may be apart that are taken for one at first, in px; how much nearer to the
-# table's colour it is there; how large a part each is; how far the frame goes towards the table.
-_WIDEST_GAP, _VALLEY, _LEAST_PART, _LEAST_GAP = 9, 0.6, 0.2, 0.25
+# table's colour it is there; how far the frame goes towards the table.
+_WIDEST_GAP, _VALLEY, _LEAST_GAP = 9, 0.6, 0.25
+# Of what comes apart, each lump is at least this part of the largest, and all are at least this
+# part of the whole: ragged things are not cut up.
+_LEAST_LUMP, _MOSTLY = 0.25, 0.5
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
 _ALIKE, _THIRD_COLOUR = 0.15, 0.1
@@ -176,9 +179,7 @@ def cut_at_gaps(
     found: List[np.ndarray] = []
     for outline in outlines_in(things):
         inside = filled(outline, whole)
-        least = max(min_area / 2, _LEAST_PART * enclosed(outline))
-        cores = [filled(one, whole) for one in outlines_in(rest & inside)
-                 if enclosed(one) >= least]
+        cores = _lumps(rest & inside, min_area, enclosed(outline))
         if len(cores) > 1 and _is_gap(cores, gap & inside, frame, background):
             nearest = nearest_part(cores)
             found += [largest_part(inside & (1 - gap) & (nearest == index).view(np.uint8))
@@ -198,14 +199,15 @@ def cut_at_light(things: np.ndarray, light: np.ndarray, min_area: float) -> np.n
     """
     sure = cv2.morphologyEx(things & (1 - light), cv2.MORPH_CLOSE, square(3))
     wide = cv2.morphologyEx(sure, cv2.MORPH_OPEN, square(3))
-    whole, cut = Box(0, 0, *things.shape[::-1]), things
+    cut = things.copy()
     for outline in outlines_in(things):
-        inside = filled(outline, whole)
-        cores = _lumps(wide & inside, max(min_area / 2, _LEAST_PART * enclosed(outline)))
+        box = Box(*cv2.boundingRect(outline))
+        near, inside = slices(box), filled(outline, box)
+        cores = _lumps(wide[near] & inside, min_area, enclosed(outline))
         if len(cores) > 1:
-            middle = inside & _half_way(cores)[0] & (1 - sure)
-            if 2 * cv2.countNonZero(middle & light) > cv2.countNonZero(middle):
-                cut = cut & (1 - middle)
+            middle = inside & _half_way(cores)[0] & (1 - sure[near])
+            if 2 * cv2.countNonZero(middle & light[near]) > cv2.countNonZero(middle):
+                cut[near] &= 1 - middle
     return cut
 
 
@@ -223,9 +225,8 @@ def without_necks(
     """
     if solidity(mask) > _NOTCHED:
         return mask
-    least = max(min_area, _LEAST_PART * cv2.countNonZero(mask)) / 2
     for width in _NECKS:
-        cores = _lumps(cv2.erode(mask, square(width)), least)
+        cores = _lumps(cv2.erode(mask, square(width)), min_area)
         if len(cores) > 1:
             break
     else:
@@ -237,11 +238,20 @@ def without_necks(
     return mask & (nearest <= width).view(np.uint8) & (1 - middle)
 
 
-def _lumps(mask: np.ndarray, least: float) -> List[np.ndarray]:
-    """Give the parts of a mask that are large enough, each of its shape."""
-    whole = Box(0, 0, *mask.shape[::-1])
-    lumps = (filled(outline, whole) & mask for outline in outlines_in(mask))
-    return [lump for lump in lumps if cv2.countNonZero(lump) >= least]
+def _lumps(mask: np.ndarray, min_area: float, whole: float = 0.0) -> List[np.ndarray]:
+    """
+    Give the large parts of a mask, each of its shape; none where they are little of a whole.
+
+    :param min_area: Half of that is large enough, in px².
+    :param whole: The area of the whole, in px².
+    """
+    outlines = outlines_in(mask)
+    least = max(min_area / 2, _LEAST_LUMP * max(map(enclosed, outlines), default=0))
+    outlines = [one for one in outlines if enclosed(one) >= least]
+    if sum(map(enclosed, outlines)) < _MOSTLY * whole:
+        return []
+    box = Box(0, 0, *mask.shape[::-1])
+    return [filled(one, box) & mask for one in outlines]
 
 
 def _half_way(cores: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:

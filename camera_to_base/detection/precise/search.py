@@ -45,6 +45,8 @@ _LEAST_LIGHT, _MOST_LIGHT = 0.015, 0.65
 # where a thing goes on there. A thing goes around such a part where it fills so much of its hull.
 # What is darker by this logarithm than most of a region that is light is looked at alone, too.
 _LEAST_HAND, _NARROW, _NEARBY, _CONVEX, _DARKER = 0.2, 8, (16, 48), 0.85, 0.5
+# A region's things are looked at again for at most so many times the work of the first look.
+_AGAIN = 4
 # Beyond an outline, pixels still show a share of the object: the outline's width, in px.
 _RIM = 7
 _MOST_DROPPED = 100
@@ -313,11 +315,14 @@ def _closer(
     look: Callable[[Region], List[Region]],
 ) -> List[Region]:
     """Look at the things that were seen reduced again, each alone: one may be several."""
-    scale = work(seen_closely(region, frame)).scale
+    scale, area = work(seen_closely(region, frame))
+    left = _AGAIN * area
     result: List[Region] = []
     for thing in things:
-        is_closer = thing.is_thing and work(grown(thing.box, _NEARBY[0], frame)).scale < scale
-        several = _alone(thing.outline, region, frame, look) if is_closer else None
+        again = work(grown(thing.box, _NEARBY[0], frame))
+        several = None
+        if thing.is_thing and again.scale < scale and again.area <= left:
+            several, left = _alone(thing.outline, region, frame, look), left - again.area
         # Of one thing, compression hides less where it is seen reduced.
         result += several if several and len(several) > 1 else [thing]
     return result
