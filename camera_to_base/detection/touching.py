@@ -15,8 +15,7 @@ closer together than either object is wide. A screw has two notches, too, but it
 as its shaft; an L has one notch. An outline is split only if all of its parts are convex then.
 
 Things with a narrow gap are apart where the table is seen between them, `cut_at_gaps`, also where
-their shade or compression has joined them by a neck: `without_necks`. Wider ones are apart where
-light explains what is between them: `cut_at_light`.
+their shade or compression has joined them by a neck: `without_necks`.
 """
 
 from itertools import combinations
@@ -189,28 +188,6 @@ def cut_at_gaps(
     return found
 
 
-def cut_at_light(things: np.ndarray, light: np.ndarray, min_area: float) -> np.ndarray:
-    """
-    Cut things where light explains what joins them: shade joins no two things.
-
-    :param things: Shape (h, w), uint8, 1 inside.
-    :param light: What light explains better than a thing, of that shape.
-    :param min_area: Smaller things do not count, in px².
-    """
-    sure = cv2.morphologyEx(things & (1 - light), cv2.MORPH_CLOSE, square(3))
-    wide = cv2.morphologyEx(sure, cv2.MORPH_OPEN, square(3))
-    cut = things.copy()
-    for outline in outlines_in(things):
-        box = Box(*cv2.boundingRect(outline))
-        near, inside = slices(box), filled(outline, box)
-        cores = _lumps(wide[near] & inside, min_area, enclosed(outline))
-        if len(cores) > 1:
-            middle = inside & _half_way(cores)[0] & (1 - sure[near])
-            if 2 * cv2.countNonZero(middle & light[near]) > cv2.countNonZero(middle):
-                cut[near] &= 1 - middle
-    return cut
-
-
 def without_necks(
     mask: np.ndarray, frame: np.ndarray, table: np.ndarray, min_area: float
 ) -> np.ndarray:
@@ -231,8 +208,9 @@ def without_necks(
             break
     else:
         return mask
-    middle, nearest = _half_way(cores)
-    middle &= mask
+    nearest, next_one = np.sort(
+        [cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores], axis=0)[:2]
+    middle = mask & (next_one - nearest < 2).view(np.uint8)
     if not (middle.any() and _is_over_table(middle, cores, frame, table)):
         return mask
     return mask & (nearest <= width).view(np.uint8) & (1 - middle)
@@ -252,13 +230,6 @@ def _lumps(mask: np.ndarray, min_area: float, whole: float = 0.0) -> List[np.nda
         return []
     box = Box(0, 0, *mask.shape[::-1])
     return [filled(one, box) & mask for one in outlines]
-
-
-def _half_way(cores: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
-    """Give what is half-way between cores, uint8, 1 there; and how far the nearest is, px."""
-    nearest, next_one = np.sort(
-        [cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores], axis=0)[:2]
-    return (next_one - nearest < 2).view(np.uint8), nearest
 
 
 def _is_over_table(

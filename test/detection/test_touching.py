@@ -12,7 +12,7 @@
 import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
-from camera_to_base.detection.touching import cut_at_light, without_necks
+from camera_to_base.detection.touching import without_necks
 import cv2
 from lit_table import coded, covered
 import numpy as np
@@ -125,23 +125,6 @@ def test_neck_that_is_a_mixture_of_its_sides_is_a_thing_of_two_colours(right, pa
     light[:, :44], light[:, 52:] = 0.8, right
     apart = without_necks(mask, light, np.full_like(light, 0.4), 30)
     assert cv2.connectedComponents(apart)[0] - 1 == parts
-
-
-@pytest.mark.parametrize('shade, parts', [(0, 1), (1, 2)])
-def test_shade_joins_no_two_things(shade, parts):
-    things, light = np.zeros((2, 60, 100), np.uint8)
-    cv2.circle(things, (25, 30), 14, 1, cv2.FILLED)
-    cv2.circle(things, (71, 30), 16, 1, cv2.FILLED)
-    things[18:42, 38:58] = 1
-    light[:, 40:56] = shade
-    assert cv2.connectedComponents(cut_at_light(things, light, 30))[0] - 1 == parts
-
-
-def test_light_on_a_thing_does_not_cut_it():
-    things, light = np.zeros((2, 60, 100), np.uint8)
-    things[20:40, 20:80] = 1
-    light[:, 68:72] = 1
-    assert np.array_equal(cut_at_light(things, light, 30), things)
 
 
 @pytest.mark.parametrize('half, seed', [(14, 2), (15, 3), (16, 4)])
