@@ -43,8 +43,8 @@ _MOST_NOTCHES, _MOST_PARTS = 12, 12
 # table's colour it is there; how far the frame goes towards the table.
 _WIDEST_GAP, _VALLEY, _LEAST_GAP = 9, 0.6, 0.25
 # Of what comes apart, each lump is at least this part of the largest, and all are at least this
-# part of the whole: ragged things are not cut up.
-_LEAST_LUMP, _MOSTLY = 0.25, 0.5
+# part of what an erosion alone leaves of the whole: ragged things are not cut up.
+_LEAST_LUMP, _MOSTLY = 0.25, 0.6
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
 _ALIKE, _THIRD_COLOUR = 0.15, 0.1
@@ -178,7 +178,8 @@ def cut_at_gaps(
     found: List[np.ndarray] = []
     for outline in outlines_in(things):
         inside = filled(outline, whole)
-        cores = _lumps(rest & inside, min_area, enclosed(outline))
+        whole_core = cv2.countNonZero(cv2.erode(inside, square(3)))
+        cores = _lumps(rest & inside, min_area, whole_core)
         if len(cores) > 1 and _is_gap(cores, gap & inside, frame, background):
             nearest = nearest_part(cores)
             found += [largest_part(inside & (1 - gap) & (nearest == index).view(np.uint8))
@@ -221,7 +222,7 @@ def _lumps(mask: np.ndarray, min_area: float, whole: float = 0.0) -> List[np.nda
     Give the large parts of a mask, each of its shape; none where they are little of a whole.
 
     :param min_area: Half of that is large enough, in px².
-    :param whole: The area of the whole, in px².
+    :param whole: The area of the whole, eroded like the mask, in px².
     """
     outlines = outlines_in(mask)
     least = max(min_area / 2, _LEAST_LUMP * max(map(enclosed, outlines), default=0))
