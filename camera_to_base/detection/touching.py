@@ -15,7 +15,8 @@ closer together than either object is wide. A screw has two notches, too, but it
 as its shaft; an L has one notch. An outline is split only if all of its parts are convex then.
 
 Things with a narrow gap are apart where the table is seen between them, `cut_at_gaps`, also where
-their shade or compression has joined them by a neck: `without_necks`.
+their shade or compression has joined them by a neck: `without_necks`. Wider ones are apart where
+light explains what is between them: `cut_at_light`.
 """
 
 from itertools import combinations
@@ -189,6 +190,34 @@ def cut_at_gaps(
     return found
 
 
+def cut_at_light(
+    things: np.ndarray, light: np.ndarray, frame: np.ndarray, background: np.ndarray,
+    min_area: float,
+) -> np.ndarray:
+    """
+    Cut things where light explains what joins them: shade joins no two things.
+
+    :param things: Shape (h, w), uint8, 1 inside.
+    :param light: What light explains better than a thing, of that shape.
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :param min_area: Smaller things do not count, in px².
+    """
+    sure = cv2.morphologyEx(things & (1 - light), cv2.MORPH_CLOSE, square(3))
+    wide = cv2.morphologyEx(sure, cv2.MORPH_OPEN, square(3))
+    cut = things.copy()
+    for outline in outlines_in(things):
+        box = Box(*cv2.boundingRect(outline))
+        near, inside = slices(box), filled(outline, box)
+        cores = _lumps(wide[near] & inside, min_area, enclosed(outline))
+        if len(cores) > 1:
+            middle = inside & _half_way(cores)[0] & (1 - sure[near])
+            if _is_over_table(middle, cores, *(
+                    cv2.LUT(picture[near], LINEAR) for picture in (frame, background))):
+                cut[near] &= 1 - middle
+    return cut
+
+
 def without_necks(
     mask: np.ndarray, frame: np.ndarray, table: np.ndarray, min_area: float
 ) -> np.ndarray:
@@ -209,10 +238,9 @@ def without_necks(
             break
     else:
         return mask
-    nearest, next_one = np.sort(
-        [cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores], axis=0)[:2]
-    middle = mask & (next_one - nearest < 2).view(np.uint8)
-    if not (middle.any() and _is_over_table(middle, cores, frame, table)):
+    middle, nearest = _half_way(cores)
+    middle &= mask
+    if not _is_over_table(middle, cores, frame, table):
         return mask
     return mask & (nearest <= width).view(np.uint8) & (1 - middle)
 
@@ -222,7 +250,7 @@ def _lumps(mask: np.ndarray, min_area: float, whole: float = 0.0) -> List[np.nda
     Give the large parts of a mask, each of its shape; none where they are little of a whole.
 
     :param min_area: Half of that is large enough, in px².
-    :param whole: The area of the whole, eroded like the mask, in px².
+    :param whole: The area that they are most of, in px².
     """
     outlines = outlines_in(mask)
     least = max(min_area / 2, _LEAST_LUMP * max(map(enclosed, outlines), default=0))
@@ -233,10 +261,19 @@ def _lumps(mask: np.ndarray, min_area: float, whole: float = 0.0) -> List[np.nda
     return [filled(one, box) & mask for one in outlines]
 
 
+def _half_way(cores: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
+    """Give what is half-way between cores, uint8, 1 there; and how far the nearest is, px."""
+    nearest, next_one = np.sort(
+        [cv2.distanceTransform(1 - core, cv2.DIST_L2, 5) for core in cores], axis=0)[:2]
+    return (next_one - nearest < 2).view(np.uint8), nearest
+
+
 def _is_over_table(
     middle: np.ndarray, cores: List[np.ndarray], frame: np.ndarray, table: np.ndarray
 ) -> bool:
-    """Tell whether the middle of a neck is much nearer to the table than to its sides."""
+    """Tell whether what is half-way is much nearer to the table in some light than to its sides."""
+    if not middle.any():
+        return False
     seen, usual = (quantile(chosen(light, middle)) for light in (frame, table))
     factor = float(np.clip(seen @ usual / (usual @ usual), math.exp(DARKEST), _BRIGHTER))
     # An edge between two colours of a thing is a mixture of both.

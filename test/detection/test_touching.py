@@ -12,7 +12,7 @@
 import math
 
 from camera_to_base.detection import PreciseDifferenceDetector
-from camera_to_base.detection.touching import without_necks
+from camera_to_base.detection.touching import cut_at_light, without_necks
 import cv2
 from lit_table import coded, covered
 import numpy as np
@@ -124,6 +124,25 @@ def test_neck_that_is_a_mixture_of_its_sides_is_a_thing_of_two_colours(right, pa
     light = np.full((60, 100, 3), 0.4, np.float32)
     light[:, :44], light[:, 52:] = 0.8, right
     apart = without_necks(mask, light, np.full_like(light, 0.4), 30)
+    assert cv2.connectedComponents(apart)[0] - 1 == parts
+
+
+# What joins two dark things, and whether light explains it.
+@pytest.mark.parametrize('joint, is_light, parts', [
+    (110, True, 2), (110, False, 1),
+    # The table had its own edges there; what lies on them is as dark as the things.
+    (40, True, 1),
+])
+def test_shade_joins_no_two_things(joint, is_light, parts):
+    things, light = np.zeros((2, 60, 100), np.uint8)
+    cv2.circle(things, (25, 30), 14, 1, cv2.FILLED)
+    cv2.circle(things, (71, 30), 16, 1, cv2.FILLED)
+    table = np.full((60, 100, 3), 180, np.uint8)
+    frame = np.where(things[..., None] > 0, np.uint8(40), table)
+    frame[18:42, 40:56] = joint
+    things[18:42, 38:58] = 1
+    light[:, 40:56] = is_light
+    apart = cut_at_light(things, light, frame, table, 30)
     assert cv2.connectedComponents(apart)[0] - 1 == parts
 
 
