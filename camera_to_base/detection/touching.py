@@ -271,7 +271,7 @@ def _half_way(cores: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
 def _is_over_table(
     middle: np.ndarray, cores: List[np.ndarray], frame: np.ndarray, table: np.ndarray
 ) -> bool:
-    """Tell whether what is half-way is much nearer to the table in some light than to its sides."""
+    """Tell whether what is half-way is the table in some light, and not of its sides' colour."""
     if not middle.any():
         return False
     seen, usual = (quantile(chosen(light, middle)) for light in (frame, table))

@@ -67,9 +67,9 @@ from camera_to_base.errors import InvalidValueError
 import cv2
 import numpy as np
 
-# An object differs as much as one must on this part of it; what is told to be a thing, on that;
-# but one that has more chroma than light gives it, a logarithm, may be fainter.
-_LEAST_STRONG, _OF_A_THING, _COLOURED = 0.5, 0.25, 0.12
+# An object differs as much as one must on this part of it; but one that has more chroma than light
+# gives it, a logarithm, may be fainter.
+_LEAST_STRONG, _COLOURED = 0.5, 0.12
 # Unless it is a thing with a ragged outline, it may look like the table in part: it is no trace of
 # light where this part of it differs by so many times that.
 _LEAST_CLEAR, _CLEAR = 0.05, 3.0
@@ -264,7 +264,7 @@ class PreciseDifferenceDetector:
         inside = filled(outline, box)
         area = cv2.countNonZero(inside)
         strong = cv2.countNonZero(limits.strong(frame, part) & inside)
-        if strong >= (_OF_A_THING if is_thing else _LEAST_STRONG) * area:
+        if strong >= _LEAST_STRONG * area:
             return False
         if is_thing and fullness(outline) <= CONVEX:
             return True
