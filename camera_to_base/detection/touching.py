@@ -43,9 +43,10 @@ _MOST_NOTCHES, _MOST_PARTS = 12, 12
 # How far two things may be apart that are taken for one at first, in px; how much nearer to the
 # table's colour it is there; how far the frame goes towards the table.
 _WIDEST_GAP, _VALLEY, _LEAST_GAP = 9, 0.6, 0.25
-# Of what comes apart, each lump is at least this part of the largest, and all are at least this
-# part of what an erosion alone leaves of the whole: ragged things are not cut up.
-_LEAST_LUMP, _MOSTLY = 0.25, 0.6
+# Of what comes apart, each lump is at least this part of the largest, or the second where the
+# table's colour tells; all are at least the third of what an erosion alone leaves of the whole.
+# Ragged things are not cut up.
+_LEAST_LUMP, _LEAST_OVER_TABLE, _MOSTLY = 0.25, 0.1, 0.6
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
 _ALIKE, _THIRD_COLOUR = 0.15, 0.1
@@ -180,7 +181,7 @@ def cut_at_gaps(
     for outline in outlines_in(things):
         inside = filled(outline, whole)
         whole_core = cv2.countNonZero(cv2.erode(inside, square(3)))
-        cores = _lumps(rest & inside, min_area, whole_core)
+        cores = _lumps(rest & inside, min_area, _LEAST_LUMP, whole_core)
         if len(cores) > 1 and _is_gap(cores, gap & inside, frame, background):
             nearest = nearest_part(cores)
             found += [largest_part(inside & (1 - gap) & (nearest == index).view(np.uint8))
@@ -209,7 +210,7 @@ def cut_at_light(
     for outline in outlines_in(things):
         box = Box(*cv2.boundingRect(outline))
         near, inside = slices(box), filled(outline, box)
-        cores = _lumps(wide[near] & inside, min_area, enclosed(outline))
+        cores = _lumps(wide[near] & inside, min_area, _LEAST_OVER_TABLE, enclosed(outline))
         if len(cores) > 1:
             middle = inside & _half_way(cores)[0] & (1 - sure[near])
             if _is_over_table(middle, cores, *(
@@ -233,7 +234,7 @@ def without_necks(
     if solidity(mask) > _NOTCHED:
         return mask
     for width in _NECKS:
-        cores = _lumps(cv2.erode(mask, square(width)), min_area)
+        cores = _lumps(cv2.erode(mask, square(width)), min_area, _LEAST_OVER_TABLE)
         if len(cores) > 1:
             break
     else:
@@ -245,15 +246,18 @@ def without_necks(
     return mask & (nearest <= width).view(np.uint8) & (1 - middle)
 
 
-def _lumps(mask: np.ndarray, min_area: float, whole: float = 0.0) -> List[np.ndarray]:
+def _lumps(
+    mask: np.ndarray, min_area: float, share: float, whole: float = 0.0
+) -> List[np.ndarray]:
     """
     Give the large parts of a mask, each of its shape; none where they are little of a whole.
 
     :param min_area: Half of that is large enough, in px².
+    :param share: The least part of the largest that each is.
     :param whole: The area that they are most of, in px².
     """
     outlines = outlines_in(mask)
-    least = max(min_area / 2, _LEAST_LUMP * max(map(enclosed, outlines), default=0))
+    least = max(min_area / 2, share * max(map(enclosed, outlines), default=0))
     outlines = [one for one in outlines if enclosed(one) >= least]
     if sum(map(enclosed, outlines)) < _MOSTLY * whole:
         return []

@@ -127,15 +127,15 @@ def test_neck_that_is_a_mixture_of_its_sides_is_a_thing_of_two_colours(right, pa
     assert cv2.connectedComponents(apart)[0] - 1 == parts
 
 
-# What joins two dark things, and whether light explains it.
-@pytest.mark.parametrize('joint, is_light, parts', [
-    (110, True, 2), (110, False, 1),
+# What joins two dark things, whether light explains it, and the radius of the smaller one.
+@pytest.mark.parametrize('joint, is_light, radius, parts', [
+    (110, True, 14, 2), (110, True, 7, 2), (110, False, 14, 1),
     # The table had its own edges there; what lies on them is as dark as the things.
-    (40, True, 1),
+    (40, True, 14, 1),
 ])
-def test_shade_joins_no_two_things(joint, is_light, parts):
+def test_shade_joins_no_two_things(joint, is_light, radius, parts):
     things, light = np.zeros((2, 60, 100), np.uint8)
-    cv2.circle(things, (25, 30), 14, 1, cv2.FILLED)
+    cv2.circle(things, (39 - radius, 30), radius, 1, cv2.FILLED)
     cv2.circle(things, (71, 30), 16, 1, cv2.FILLED)
     table = np.full((60, 100, 3), 180, np.uint8)
     frame = np.where(things[..., None] > 0, np.uint8(40), table)
