@@ -44,8 +44,8 @@ _MOST_NOTCHES, _MOST_PARTS = 12, 12
 # table's colour it is there; how far the frame goes towards the table.
 _WIDEST_GAP, _VALLEY, _LEAST_GAP = 9, 0.6, 0.25
 # Of what comes apart, each lump is at least this part of the largest, or the second where the
-# table's colour tells; all are at least the third of what an erosion alone leaves of the whole.
-# Ragged things are not cut up.
+# table's colour tells; all are at least the third of the whole, eroded where they are. Ragged
+# things are not cut up.
 _LEAST_LUMP, _LEAST_OVER_TABLE, _MOSTLY = 0.25, 0.1, 0.6
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
@@ -199,7 +199,7 @@ def cut_at_light(
     Cut things where light explains what joins them: shade joins no two things.
 
     :param things: Shape (h, w), uint8, 1 inside.
-    :param light: What light explains better than a thing, of that shape.
+    :param light: What light explains better than a thing, uint8, of that shape.
     :param frame: Shape (h, w, 3), uint8, BGR.
     :param background: Of the same shape, at the frame's light.
     :param min_area: Smaller things do not count, in px².
