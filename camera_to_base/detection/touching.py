@@ -44,8 +44,8 @@ _MOST_NOTCHES, _MOST_PARTS = 12, 12
 # table's colour it is there; how far the frame goes towards the table.
 _WIDEST_GAP, _VALLEY, _LEAST_GAP = 9, 0.6, 0.25
 # Of what comes apart, each lump is at least this part of the largest, or the second where the
-# table's colour tells; all are at least the third of the whole, eroded where they are. Ragged
-# things are not cut up.
+# table's colour tells; all are at least the third of the whole, which is eroded if the lumps are.
+# Ragged things are not cut up.
 _LEAST_LUMP, _LEAST_OVER_TABLE, _MOSTLY = 0.25, 0.1, 0.6
 # The sides of a gap have one colour where they differ by less; how far off their colours and the
 # table's a gap may be, as a part of their contrast.
@@ -160,6 +160,24 @@ def nearest_part(parts: List[np.ndarray]) -> np.ndarray:
     return np.argmin([cv2.distanceTransform(1 - part, cv2.DIST_L2, 5) for part in parts], axis=0)
 
 
+def cut_apart(
+    things: np.ndarray, light: np.ndarray, frame: np.ndarray, background: np.ndarray,
+    min_area: float,
+) -> List[np.ndarray]:
+    """
+    Give each thing's mask: what is printed on one joins it, light and narrow gaps part it.
+
+    :param things: Shape (h, w), uint8, 1 inside.
+    :param light: What light explains better than a thing, uint8, of that shape.
+    :param frame: Shape (h, w, 3), uint8, BGR.
+    :param background: Of the same shape, at the frame's light.
+    :param min_area: Smaller things do not count, in px².
+    """
+    things = with_stripes(things, frame, background)
+    things = cut_at_light(things, light, frame, background, min_area)
+    return cut_at_gaps(things, frame, background, min_area)
+
+
 def cut_at_gaps(
     things: np.ndarray, frame: np.ndarray, background: np.ndarray, min_area: float
 ) -> List[np.ndarray]:
@@ -196,13 +214,9 @@ def cut_at_light(
     min_area: float,
 ) -> np.ndarray:
     """
-    Cut things where light explains what joins them: shade joins no two things.
+    Cut things where light explains what joins them, see :func:`cut_apart`.
 
-    :param things: Shape (h, w), uint8, 1 inside.
-    :param light: What light explains better than a thing, uint8, of that shape.
-    :param frame: Shape (h, w, 3), uint8, BGR.
-    :param background: Of the same shape, at the frame's light.
-    :param min_area: Smaller things do not count, in px².
+    Shade joins no two things.
     """
     sure = cv2.morphologyEx(things & (1 - light), cv2.MORPH_CLOSE, square(3))
     wide = cv2.morphologyEx(sure, cv2.MORPH_OPEN, square(3))
@@ -213,8 +227,8 @@ def cut_at_light(
         cores = _lumps(wide[near] & inside, min_area, _LEAST_OVER_TABLE, enclosed(outline))
         if len(cores) > 1:
             middle = inside & _half_way(cores)[0] & (1 - sure[near])
-            if _is_over_table(middle, cores, *(
-                    cv2.LUT(picture[near], LINEAR) for picture in (frame, background))):
+            seen, table = (cv2.LUT(picture[near], LINEAR) for picture in (frame, background))
+            if _is_over_table(middle, cores, seen, table):
                 cut[near] &= 1 - middle
     return cut
 

@@ -35,8 +35,7 @@ from camera_to_base.detection.precise.regions import goes_beyond, Region
 from camera_to_base.detection.precise.segments import (
     COLOURED, doubt_of, Parted, parted, Unsure, untold)
 from camera_to_base.detection.precise.shade import FAINTEST, is_neutral, Shade
-from camera_to_base.detection.touching import (
-    cut_at_gaps, cut_at_light, table_between, with_stripes)
+from camera_to_base.detection.touching import cut_apart, table_between
 import cv2
 import numpy as np
 
@@ -293,9 +292,7 @@ def _masks(
             if not things.any():
                 return []
         by_edges.unsure.append(Unsure(_may_be_either(things, changed, found, by_edges), 0.5))
-    things = with_stripes(things, frame, background)
-    things = cut_at_light(things, found.is_light, frame, background, min_area)
-    parts = cut_at_gaps(things, frame, background, min_area)
+    parts = cut_apart(things, found.is_light, frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
     return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
 

@@ -144,7 +144,7 @@ def test_ragged_region_that_hardly_differs_strongly_may_be_light():
         assert one._replace(strong_area=round((least - 0.05) * area)).is_clear == (one is convex)
 
 
-@pytest.mark.parametrize('strong, is_faint', [(0.35, True), (0.65, False)])
+@pytest.mark.parametrize('strong, is_faint', [(0.15, True), (0.35, True), (0.65, False)])
 def test_ragged_thing_is_faint_where_too_little_of_it_differs_strongly(strong, is_faint):
     table = np.full((*SIZE, 3), 120, np.uint8)
     detector, frame = PreciseDifferenceDetector(table), table.copy()
