@@ -21,7 +21,7 @@ from camera_to_base.detection.precise.piece import (
     outlines_in, Piece, reduced, slices, square)
 from camera_to_base.detection.precise.plain import Plain
 from camera_to_base.detection.precise.reference import Reference
-from camera_to_base.detection.precise.regions import Region
+from camera_to_base.detection.precise.regions import CONVEX, Region
 from camera_to_base.detection.precise.segments import COLOURED
 from camera_to_base.detection.precise.shade import change_of
 from camera_to_base.detection.precise.shares import place, place_thing, Placed
@@ -45,9 +45,6 @@ _BESIDE, _CLEAR_STEP, _SAME_COLOUR = 3, 2.0, 0.3
 # On how much of a rim that matters; the deviation of the centre, by that part and by the square
 # root of the area: 26 white discs over the edges of printed squares were 0.07 to 2 of that off.
 _LEAST_HIDDEN, _OF_SIZE = 0.2, 0.75
-# An outline that fills less of its hull has a notch. Of 159 such grey things in 31 rendered cells
-# 52 were more than 2 px off without a doubt; by their hull's centre, 33 are.
-_NOTCHED = 0.9
 
 
 class Placing(NamedTuple):
@@ -253,7 +250,7 @@ def notch_doubt(detection: Detection, frame: np.ndarray, reference: Reference) -
     A grey face may look like its thing's shade, or like the table. A coloured thing's does not.
     """
     box, outline = detection.box, np.int32(detection.outline)[:, None]
-    if detection.cut_off or fullness(outline) > _NOTCHED:
+    if detection.cut_off or fullness(outline) > CONVEX:
         return 0.0
     inside = filled(outline, box)
     levels = (cv2.mean(picture[slices(box)], inside)[:3] for picture in (frame, reference.lit))

@@ -29,9 +29,9 @@ from camera_to_base.detection.precise.light import LEVEL_SCALE, LINEAR, log_leve
 from camera_to_base.detection.precise.noise import SCALES
 from camera_to_base.detection.precise.piece import (
     chosen, cut_off, enclosed, enlarged, filled, grown, make_piece, outline_of, outlines_in,
-    quantile, shrunk, slices, square)
+    quantile, shrunk, slices, solidity, square)
 from camera_to_base.detection.precise.reference import Reference
-from camera_to_base.detection.precise.regions import goes_beyond, Region
+from camera_to_base.detection.precise.regions import CONVEX, goes_beyond, Region
 from camera_to_base.detection.precise.segments import (
     COLOURED, doubt_of, Parted, parted, Unsure, untold)
 from camera_to_base.detection.precise.shade import FAINTEST, is_neutral, Shade
@@ -291,10 +291,9 @@ def _masks(
                 return _Unclear(doubt=doubt_of(changed, unsure))
             if not things.any():
                 return []
-        by_edges.unsure.append(Unsure(_may_be_either(things, changed, found, by_edges), 0.5))
     parts = cut_apart(things, found.is_light, frame, background, min_area)
     # Where a thing was seen, parts that are too small do not make it light.
-    return _complete(parts, is_cut_off, changed, found, by_edges.unsure) or _Unclear()
+    return _complete(parts, is_cut_off, changed, found, by_edges) or _Unclear()
 
 
 def _has_highlight(
@@ -341,13 +340,22 @@ def _without_segment(sure: np.ndarray, by_edges: Parted, min_area: float) -> np.
 
 def _complete(
     parts: List[np.ndarray], is_cut_off: np.ndarray, changed: np.ndarray, found: Evidence,
-    unsure: Sequence[Unsure],
+    by_edges: Parted,
 ) -> List[Tuple[np.ndarray, float]]:
     """Give things with their highlights, and their doubt."""
-    # What is around a highlight may be its thing, or that thing's shade.
-    return [(thing, doubt_of(thing, [Unsure(changed & (1 - thing), 0.5)] if may_be_highlight(
-        thing, changed, is_cut_off) else unsure))
-        for thing in with_highlights(parts, found.level, found.is_lighter, changed)]
+    things = with_highlights(parts, found.level, found.is_lighter, changed)
+    result = []
+    for thing in things:
+        doubt = doubt_of(thing, by_edges.unsure)
+        if may_be_highlight(thing, changed, is_cut_off):
+            # What is around it may be its thing, or that thing's shade.
+            doubt = doubt_of(thing, [Unsure(changed & (1 - thing), 0.5)])
+        elif solidity(thing) <= CONVEX:
+            # Its outline tells that a part of it may be missing.
+            either = _may_be_either(things, changed, found, by_edges.is_blind)
+            doubt = max(doubt, doubt_of(thing, [Unsure(either, 0.5)]))
+        result.append((thing, doubt))
+    return result
 
 
 def _by_segments(
@@ -372,12 +380,14 @@ def _by_segments(
 
 
 def _may_be_either(
-    things: np.ndarray, changed: np.ndarray, found: Evidence, by_edges: Parted
+    things: Sequence[np.ndarray], changed: np.ndarray, found: Evidence, is_blind: bool
 ) -> np.ndarray:
-    """Give what may be a darker face or shade, as no edge tells which."""
-    rest = changed & (1 - things)
+    """Give what may be a darker face of things or shade, as nothing tells which."""
+    rest = changed.copy()
+    for thing in things:
+        rest &= 1 - thing
     rest &= ((found.nats > -_CLEAR) | (hiding_nats(rest, found) > 0)).view(np.uint8)
-    if by_edges.is_blind:
+    if is_blind:
         rest |= changed & found.is_deep
     return cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3))
 

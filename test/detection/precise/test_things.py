@@ -664,6 +664,17 @@ def test_centre_is_in_doubt_where_edges_may_tell_a_grey_rod_from_its_shade(grey,
     assert np.hypot(*np.subtract(found.centre, (131, 120))) < 2.5 * found.doubt
 
 
+@pytest.mark.parametrize('pale', [0.5, 0.8, 1.1])
+def test_centre_of_a_hook_is_in_doubt_where_stripes_that_nothing_explains_may_be_its(pale):
+    background = np.full((*SIZE, 3), 0.5, np.float32)
+    hook = covered((100, 90), (170, 90), (170, 110), (120, 110), (120, 150), (100, 150))
+    light = painted(background, hook, (0.05, 0.06, 0.5))
+    stripes = np.where(np.arange(SIZE[0]) // 3 % 2, pale, 0.55)[:, None, None]
+    inside = covered((121, 111), (169, 111), (169, 149), (121, 149))
+    found, = detect(painted(light, inside, background * stripes), background)
+    assert math.dist(found.centre, (134.5, 119.5)) < 3 * found.doubt
+
+
 def test_white_thing_on_a_white_table_is_no_trace_of_light():
     background = np.full((*SIZE, 3), 0.8, np.float32)
     colours = [(0.05, 0.08, 0.5), (0.06, 0.3, 0.05), (0.74, 0.74, 0.74), (0.5, 0.1, 0.06)]
