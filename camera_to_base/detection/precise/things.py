@@ -344,16 +344,21 @@ def _complete(
 ) -> List[Tuple[np.ndarray, float]]:
     """Give things with their highlights, and their doubt."""
     things = with_highlights(parts, found.level, found.is_lighter, changed)
+    # The outline of a ragged thing tells that a part of it may be missing.
+    is_ragged = [solidity(thing) <= CONVEX for thing in things]
+    either: List[Unsure] = []
+    if any(is_ragged):
+        every = np.bitwise_or.reduce(things)
+        either.append(Unsure(_may_be_either(every, changed, found, by_edges), 0.5))
     result = []
-    for thing in things:
-        doubt = doubt_of(thing, by_edges.unsure)
+    for thing, may_be_more in zip(things, is_ragged):
         if may_be_highlight(thing, changed, is_cut_off):
             # What is around it may be its thing, or that thing's shade.
             doubt = doubt_of(thing, [Unsure(changed & (1 - thing), 0.5)])
-        elif solidity(thing) <= CONVEX:
-            # Its outline tells that a part of it may be missing.
-            either = _may_be_either(things, changed, found, by_edges.is_blind)
-            doubt = max(doubt, doubt_of(thing, [Unsure(either, 0.5)]))
+        else:
+            # Both are often the same pixels.
+            missing = either if may_be_more else []
+            doubt = max(doubt_of(thing, by_edges.unsure), doubt_of(thing, missing))
         result.append((thing, doubt))
     return result
 
@@ -380,14 +385,12 @@ def _by_segments(
 
 
 def _may_be_either(
-    things: Sequence[np.ndarray], changed: np.ndarray, found: Evidence, is_blind: bool
+    things: np.ndarray, changed: np.ndarray, found: Evidence, by_edges: Parted
 ) -> np.ndarray:
-    """Give what may be a darker face of things or shade, as nothing tells which."""
-    rest = changed.copy()
-    for thing in things:
-        rest &= 1 - thing
+    """Give what may be a darker face of things as well as shade: nothing tells which."""
+    rest = changed & (1 - things)
     rest &= ((found.nats > -_CLEAR) | (hiding_nats(rest, found) > 0)).view(np.uint8)
-    if is_blind:
+    if by_edges.is_blind:
         rest |= changed & found.is_deep
     return cv2.morphologyEx(rest, cv2.MORPH_OPEN, square(3))
 
